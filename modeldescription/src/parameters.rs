@@ -1,0 +1,221 @@
+//! The visit from which names, bounds, defaults, documents and calibration vectors follow.
+
+use crate::Variable;
+use std::fmt;
+
+/// A group of named quantities of scalar type `S`.
+pub trait Parameters<S> {
+    /// Calls `f` with the description and the place of every quantity, in a fixed order; names are
+    /// prefixed with `prefix` and a dot unless it is empty.
+    fn visit(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut S));
+
+    /// Calls `f` with every value in the order of [`visit`](Parameters::visit), without building
+    /// descriptions (no allocation).
+    fn values(&self, f: &mut dyn FnMut(S));
+}
+
+/// Why a parameter could not be read or set.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ParameterError {
+    /// No parameter has this name; the nearest known names follow.
+    Unknown {
+        /// The name asked for.
+        name: String,
+        /// Known names that look alike.
+        suggestions: Vec<String>,
+    },
+    /// The value is outside the allowed range, or not finite.
+    OutOfRange {
+        /// The parameter's full name.
+        name: String,
+        /// The value that was refused.
+        value: f64,
+        /// The allowed range with its unit.
+        range: String,
+    },
+}
+
+impl fmt::Display for ParameterError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unknown { name, suggestions } if suggestions.is_empty() => write!(f, "unknown parameter `{name}`"),
+            Self::Unknown { name, suggestions } => {
+                write!(f, "unknown parameter `{name}`; did you mean {}?", suggestions.join(", "))
+            }
+            Self::OutOfRange { name, value, range } => {
+                write!(f, "parameter `{name}` = {value} is outside its allowed range {range}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for ParameterError {}
+
+/// Reading and setting by name; follows from [`Parameters`].
+pub trait Lookup: Parameters<f64> {
+    /// Descriptions of all quantities, in order, with their present values.
+    fn list(&mut self) -> Vec<(Variable, f64)> {
+        let mut all = Vec::new();
+        self.visit("", &mut |variable, value| all.push((variable, *value)));
+        all
+    }
+
+    /// Value of the quantity called `name`.
+    ///
+    /// # Errors
+    /// [`ParameterError::Unknown`] with names that look alike.
+    fn get(&mut self, name: &str) -> Result<f64, ParameterError> {
+        let mut found = None;
+        self.visit("", &mut |variable, value| {
+            if variable.name == name {
+                found = Some(*value);
+            }
+        });
+        found.ok_or_else(|| self.unknown(name))
+    }
+
+    /// Sets the quantity called `name`.
+    ///
+    /// # Errors
+    /// [`ParameterError::Unknown`], or [`ParameterError::OutOfRange`] where the value is not finite or
+    /// outside the bounds; nothing is changed then.
+    fn set(&mut self, name: &str, value: f64) -> Result<(), ParameterError> {
+        let mut outcome = None;
+        self.visit("", &mut |variable, place| {
+            if variable.name == name {
+                outcome = Some(if variable.allows(value) {
+                    *place = value;
+                    Ok(())
+                } else {
+                    Err(ParameterError::OutOfRange { range: variable.range(), name: variable.name, value })
+                });
+            }
+        });
+        outcome.unwrap_or_else(|| Err(self.unknown(name)))
+    }
+
+    /// Checks every value against its bounds.
+    ///
+    /// # Errors
+    /// [`ParameterError::OutOfRange`] for the first value that is not allowed.
+    fn check(&mut self) -> Result<(), ParameterError> {
+        let mut outcome = Ok(());
+        self.visit("", &mut |variable, value| {
+            if outcome.is_ok() && !variable.allows(*value) {
+                let range = variable.range();
+                outcome = Err(ParameterError::OutOfRange { name: variable.name, value: *value, range });
+            }
+        });
+        outcome
+    }
+
+    /// The error for a name that does not exist, with the nearest names.
+    fn unknown(&mut self, name: &str) -> ParameterError {
+        let mut near: Vec<(usize, String)> = Vec::new();
+        self.visit("", &mut |variable, _| near.push((distance(name, &variable.name), variable.name)));
+        near.sort();
+        let suggestions = near.into_iter().filter(|(d, n)| *d <= 2 + n.len() / 4).take(3).map(|(_, n)| n).collect();
+        ParameterError::Unknown { name: name.to_owned(), suggestions }
+    }
+}
+
+impl<P: Parameters<f64> + ?Sized> Lookup for P {}
+
+/// Levenshtein distance, for suggestions only.
+fn distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, ca) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, cb) in b.iter().enumerate() {
+            let substituted = diagonal + usize::from(ca != *cb);
+            diagonal = row[j + 1];
+            row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}
+
+/// Joins a prefix and a field name.
+#[doc(hidden)]
+#[must_use]
+pub fn join(prefix: &str, field: &str) -> String {
+    if prefix.is_empty() { field.to_owned() } else { format!("{prefix}.{field}") }
+}
+
+/// Declares a group of parameters or signals, generic over the scalar, from one table.
+///
+/// ```
+/// use bekker_modeldescription::{parameters, Lookup, Unit};
+/// parameters! {
+///     /// A spring.
+///     pub struct Spring {
+///         /// Stiffness.
+///         stiffness: [Unit::NEWTON_PER_METRE] = 100.0, 0.0..=1e6, Calibrated, "catalogue";
+///     }
+/// }
+/// let mut spring = Spring::default();
+/// spring.set("stiffness", 250.0).unwrap();
+/// assert_eq!(spring.stiffness, 250.0);
+/// assert!(spring.set("stiffness", -1.0).is_err());
+/// ```
+#[macro_export]
+macro_rules! parameters {
+    (
+        $(#[doc = $about:literal])+
+        $vis:vis struct $group:ident {
+            $(
+                $(#[doc = $doc:literal])+
+                $field:ident: [$unit:expr] = $default:expr, $bounds:expr, $role:ident, $source:literal;
+            )*
+        }
+    ) => {
+        $(#[doc = $about])+
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        $vis struct $group<S = f64> {
+            $($(#[doc = $doc])+ pub $field: S,)*
+        }
+
+        impl<S: From<f64>> Default for $group<S> {
+            fn default() -> Self {
+                Self { $($field: S::from($default),)* }
+            }
+        }
+
+        impl<S: Copy> $group<S> {
+            /// The same group over another scalar.
+            #[must_use]
+            #[allow(dead_code)]
+            pub fn map<T>(&self, f: &dyn Fn(S) -> T) -> $group<T> {
+                let _ = f;
+                $group { $($field: f(self.$field),)* }
+            }
+        }
+
+        impl<S: Copy> $crate::Parameters<S> for $group<S> {
+            fn visit(&mut self, prefix: &str, f: &mut dyn FnMut($crate::Variable, &mut S)) {
+                let _ = (prefix, &f);
+                $({
+                    let bounds: std::ops::RangeInclusive<f64> = $bounds;
+                    let variable = $crate::Variable {
+                        name: $crate::join(prefix, stringify!($field)),
+                        doc: std::borrow::Cow::Borrowed(concat!($($doc),+).trim_start()),
+                        unit: $unit,
+                        default: $default,
+                        min: *bounds.start(),
+                        max: *bounds.end(),
+                        role: $crate::Role::$role,
+                        source: std::borrow::Cow::Borrowed($source),
+                    };
+                    f(variable, &mut self.$field);
+                })*
+            }
+
+            fn values(&self, f: &mut dyn FnMut(S)) {
+                let _ = &f;
+                $(f(self.$field);)*
+            }
+        }
+    };
+}

@@ -1,0 +1,13 @@
+//! Rough-terrain rovers on deformable soil, from physics to insight.
+pub mod control;
+pub mod diagnosis;
+pub mod linear_stress;
+pub mod measurement;
+pub mod motor;
+pub mod scalar;
+pub mod signals;
+pub mod soil;
+pub mod terrain;
+pub mod wheel;
+
+pub use bekker_modeldescription as modeldescription;

@@ -1,0 +1,147 @@
+//! What goes in and out of the rover: commands, true signals, measurements, references.
+
+use bekker_modeldescription::{Parameters, Unit, Variable, parameters};
+
+const ANY: std::ops::RangeInclusive<f64> = f64::NEG_INFINITY..=f64::INFINITY;
+
+parameters! {
+    /// Signals of the whole rover.
+    pub struct BodySignals {
+        /// Position of the chassis reference point along the ground.
+        x: [Unit::METRE] = 0.0, ANY, Signal, "physics";
+        /// Height of the chassis reference point.
+        z: [Unit::METRE] = 0.0, ANY, Signal, "physics";
+        /// Speed of the chassis reference point along its path, signed by its direction along x.
+        velocity: [Unit::METRE_PER_SECOND] = 0.0, ANY, Signal, "physics";
+        /// Pitch of the chassis, nose up positive.
+        pitch: [Unit::RADIAN] = 0.0, ANY, Signal, "physics";
+        /// Rate of the pitch.
+        pitch_rate: [Unit::RADIAN_PER_SECOND] = 0.0, ANY, Signal, "physics";
+        /// Power dissipated in the motors' windings, the thesis's measure (4.6).
+        power: [Unit::WATT] = 0.0, ANY, Signal, "Iagnemma 2001 (4.6)";
+        /// Electrical power drawn by the motors: dissipated plus mechanical.
+        electrical_power: [Unit::WATT] = 0.0, ANY, Signal, "physics";
+        /// Energy dissipated in the windings since the start.
+        dissipated_energy: [Unit::JOULE] = 0.0, ANY, Signal, "integral of power";
+        /// Electrical energy drawn since the start.
+        electrical_energy: [Unit::JOULE] = 0.0, ANY, Signal, "integral of electrical_power";
+        /// Mechanical work of the drives on the wheels since the start.
+        drive_work: [Unit::JOULE] = 0.0, ANY, Signal, "integral of torque times wheel speed";
+        /// Energy that the rover has lost to the soil since the start.
+        soil_loss: [Unit::JOULE] = 0.0, ANY, Signal, "integral of the contact forces' power";
+        /// Kinetic plus potential energy of the rover.
+        mechanical_energy: [Unit::JOULE] = 0.0, ANY, Signal, "physics";
+    }
+}
+
+parameters! {
+    /// Signals of one wheel.
+    pub struct WheelSignals {
+        /// Wheel speed relative to the body that carries it, as an encoder sees it.
+        speed: [Unit::RADIAN_PER_SECOND] = 0.0, ANY, Signal, "physics";
+        /// Slip: 1 - V/(r omega) driving, r omega/V - 1 otherwise.
+        slip: [Unit::ONE] = 0.0, ANY, Signal, "Onafko and Reece 1967";
+        /// Sinkage along the ground's normal.
+        sinkage: [Unit::METRE] = 0.0, ANY, Signal, "physics";
+        /// Force of the soil along the ground's normal (2.7), damping included.
+        normal_force: [Unit::NEWTON] = 0.0, ANY, Signal, "Iagnemma 2001 (2.7)";
+        /// Net force of the soil along the ground's tangent (2.8).
+        drawbar_pull: [Unit::NEWTON] = 0.0, ANY, Signal, "Iagnemma 2001 (2.8)";
+        /// Torque of the drive on the wheel, wheel side of the gear.
+        torque: [Unit::NEWTON_METRE] = 0.0, ANY, Signal, "physics";
+        /// Motor current.
+        current: [Unit::AMPERE] = 0.0, ANY, Signal, "Iagnemma 2001 (4.7)";
+        /// Contact angle gamma: slope of the ground at the contact foot, uphill positive.
+        contact_angle: [Unit::RADIAN] = 0.0, ANY, Signal, "Iagnemma 2001, 2.5";
+    }
+}
+
+/// All true signals of the rover at one instant.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Signals {
+    /// Signals of the whole rover.
+    pub body: BodySignals,
+    /// Signals of wheel 1..n, rear to front.
+    pub wheels: Vec<WheelSignals>,
+}
+
+impl Parameters<f64> for Signals {
+    fn visit(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut f64)) {
+        self.body.visit(prefix, f);
+        for (k, wheel) in self.wheels.iter_mut().enumerate() {
+            wheel.visit(&bekker_modeldescription::join(prefix, &format!("wheel[{}]", k + 1)), f);
+        }
+    }
+
+    fn values(&self, f: &mut dyn FnMut(f64)) {
+        self.body.values(f);
+        self.wheels.iter().for_each(|wheel| wheel.values(f));
+    }
+}
+
+/// How the drives are commanded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Drive {
+    /// Motor torques, wheel side of the gear, N m.
+    #[default]
+    Torque,
+    /// Wheel speeds relative to the carrying body, rad/s, followed exactly.
+    Speed,
+}
+
+/// What the drives are told: one value a wheel, held until the next command.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Command {
+    /// Meaning of the values.
+    pub drive: Drive,
+    /// One value a wheel, rear to front: N m or rad/s.
+    pub values: Vec<f64>,
+}
+
+impl Command {
+    /// Torque commands, N m, wheel side of the gear.
+    #[must_use]
+    pub fn torque(values: Vec<f64>) -> Self {
+        Self { drive: Drive::Torque, values }
+    }
+
+    /// Speed commands, rad/s, relative to the carrying body.
+    #[must_use]
+    pub fn speed(values: Vec<f64>) -> Self {
+        Self { drive: Drive::Speed, values }
+    }
+}
+
+/// What sensors report of one wheel.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct WheelMeasurement {
+    /// Encoder speed relative to the carrying body, rad/s.
+    pub speed: f64,
+    /// Torque from the motor current, wheel side of the gear, N m.
+    pub torque: f64,
+    /// Contact angle as a sensor or estimator reports it, rad.
+    pub contact_angle: f64,
+}
+
+/// What a controller or estimator may see: sensor readings, never the true state.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Measurement {
+    /// Time of the reading, s.
+    pub time: f64,
+    /// Pitch of the chassis, rad.
+    pub pitch: f64,
+    /// Pitch rate, rad/s.
+    pub pitch_rate: f64,
+    /// Speed of the chassis reference point along its path, m/s.
+    pub velocity: f64,
+    /// One entry a wheel, rear to front.
+    pub wheels: Vec<WheelMeasurement>,
+}
+
+/// What the rover is asked to do.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Reference {
+    /// Desired speed of the body along its path, m/s.
+    pub velocity: f64,
+}
