@@ -2,11 +2,15 @@
 pub mod contact;
 pub mod control;
 pub mod diagnosis;
+pub mod effects;
+mod integrator;
 pub mod linear_stress;
 pub mod measurement;
 pub mod motor;
+pub mod rover;
 pub mod scalar;
 pub mod signals;
+pub mod simulation;
 pub mod soil;
 pub mod terrain;
 pub mod wheel;
