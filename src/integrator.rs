@@ -80,6 +80,27 @@ impl<S: Scalar> Integrator<S> {
         Ok(())
     }
 
+    /// Brings the wheels to newly imposed speeds at once: the drives' impulses turn the bodies that carry
+    /// them the other way, so that M du = sum a I (d omega - a du). `now` must hold the evaluation at `state`.
+    ///
+    /// # Errors
+    /// [`DynamicsError`].
+    pub fn impose(&self, rover: &Rover<S>, state: &mut State<S>, command: &Command) -> Result<(), DynamicsError> {
+        if command.drive != Drive::Speed {
+            return Ok(());
+        }
+        let n = rover.coordinates();
+        let (mut matrix, mut impulse) = (self.now.mass, zeros());
+        for (wheel, &speed) in self.now.wheels.iter().zip(&command.values) {
+            let inertia = rover.wheel.inertia;
+            add_outer(&mut matrix, inertia, &wheel.turn, &wheel.turn, n);
+            add_scaled(&mut impulse, inertia * (S::from(speed) - wheel.speed), &wheel.turn, n);
+        }
+        let change = Factors::new(&matrix, n).ok_or(DynamicsError::NotFinite)?.solve(&impulse);
+        state.rate.iter_mut().zip(change).for_each(|(rate, change)| *rate += change);
+        Ok(())
+    }
+
     /// One step of size `h`; `now` must hold the evaluation at `state` and does so again afterwards.
     ///
     /// # Errors

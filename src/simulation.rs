@@ -180,10 +180,19 @@ impl Simulation {
             return Err(StepError::CommandNotFinite { wheel: k + 1, value: command.values[k] });
         }
         if self.command != *command && self.status == Status::Running {
-            self.command.clone_from(command);
-            let evaluated = self.integrator.evaluate(&self.rover, &mut self.state, &self.command);
-            evaluated.map_err(|source| StepError::Dynamics { time: self.time(), source })?;
+            self.change_command(command).map_err(|source| StepError::Dynamics { time: self.time(), source })?;
         }
+        Ok(())
+    }
+
+    /// Takes a new command over; where it imposes other speeds, the impulse counts as work of the drives.
+    fn change_command(&mut self, command: &Command) -> Result<(), DynamicsError> {
+        let before = self.integrator.now.mechanical_energy(&self.rover, &self.state);
+        self.integrator.impose(&self.rover, &mut self.state, command)?;
+        self.command.clone_from(command);
+        self.integrator.evaluate(&self.rover, &mut self.state, &self.command)?;
+        let after = self.integrator.now.mechanical_energy(&self.rover, &self.state);
+        self.energies.drive += after - before;
         Ok(())
     }
 
