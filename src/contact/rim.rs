@@ -168,7 +168,11 @@ impl<S: Scalar> Rim<S> {
         let mut theta = (2.0 * high - theta_1).max(low);
         for _ in 0..20 {
             let value = j(theta);
-            if value < 0.0 { low = theta } else { high = theta }
+            if value < 0.0 {
+                low = theta
+            } else {
+                high = theta
+            }
             let next = theta - value / (ratio * theta.cos() - 1.0);
             let next = if next > low && next < high { next } else { 0.5 * (low + high) };
             if (next - theta).abs() < 1e-12 {
@@ -177,7 +181,8 @@ impl<S: Scalar> Rim<S> {
             theta = next;
         }
         let in_front = theta > theta_m;
-        let s2 = if in_front { (theta_1 - theta) / (theta_1 - theta_m) } else { (theta - theta_2) / (theta_m - theta_2) };
+        let s2 =
+            if in_front { (theta_1 - theta) / (theta_1 - theta_m) } else { (theta - theta_2) / (theta_m - theta_2) };
         Some(Kink { in_front, s: s2.clamp(0.0, 1.0).sqrt() })
     }
 }

@@ -136,14 +136,7 @@ pub fn rolling_with_slope<S: Scalar>(
 }
 
 /// `rolling` for `velocity >= 0`.
-fn forward<S: Scalar>(
-    wheel: &Wheel<S>,
-    soil: &Soil<S>,
-    exit_ratio: S,
-    sinkage: S,
-    velocity: S,
-    spin: S,
-) -> Rolling<S> {
+fn forward<S: Scalar>(wheel: &Wheel<S>, soil: &Soil<S>, exit_ratio: S, sinkage: S, velocity: S, spin: S) -> Rolling<S> {
     let at = |shear: Shear<S>| integrate(&Rim::new(wheel, soil, exit_ratio, sinkage, shear), wheel);
     let rim_speed = wheel.radius * spin;
     let ratio = velocity.value() / rim_speed.value();

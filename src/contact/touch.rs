@@ -137,13 +137,7 @@ fn hold_rates<S: Scalar>(wheel: &Wheel<S>, soil: &Soil<S>, motion: &Motion<S>) -
     )
 }
 
-fn add_rolling<S: Scalar>(
-    touch: &mut Touch<S>,
-    wheel: &Wheel<S>,
-    soil: &Soil<S>,
-    exit_ratio: S,
-    motion: &Motion<S>,
-) {
+fn add_rolling<S: Scalar>(touch: &mut Touch<S>, wheel: &Wheel<S>, soil: &Soil<S>, exit_ratio: S, motion: &Motion<S>) {
     let rolling = rolling_with_slope(wheel, soil, exit_ratio, motion.sinkage, motion.velocity, motion.spin);
     touch.forces = rolling.forces;
     let rim_speed = wheel.radius * motion.spin;
