@@ -24,16 +24,16 @@ fn rover(wheels: usize) -> Nominal {
     }
 }
 
-/// Readings that change from call to call, on waves of 12 degrees.
+/// Readings that change from call to call, uphill on waves: mean slope 11 degrees, waves of 6 degrees.
 fn reading(wheels: usize, call: usize) -> Measurement {
     let phase = 0.37 * call as f64;
     let wheel = |k: usize| WheelMeasurement {
-        contact_angle: 0.2 * (phase + 1.3 * k as f64).sin(),
+        contact_angle: 0.2 + 0.1 * (phase + 1.3 * k as f64).sin(),
         speed: 2.0 + 0.3 * (phase + k as f64).cos(),
         ..WheelMeasurement::default()
     };
     Measurement {
-        pitch: 0.1 * phase.sin(),
+        pitch: 0.2 + 0.05 * phase.sin(),
         velocity: 0.2 + 0.03 * (1.7 * phase).sin(),
         wheels: (0..wheels).map(wheel).collect(),
         ..Measurement::default()
@@ -53,6 +53,12 @@ fn drive(bencher: Bencher, controller: &mut dyn Controller, wheels: usize) {
 fn rtc(bencher: Bencher, wheels: usize, switch_angle: f64) {
     let parameters = RoughTerrainControl { switch_angle, ..RoughTerrainControl::default() };
     let mut controller = Rtc::new(rover(wheels), parameters).expect("a valid rover");
+    for call in 0..64 {
+        let (goal, mut command) = (Reference { velocity: 0.25 }, Command::torque(vec![0.0; wheels]));
+        controller.command(&reading(wheels, call), &goal, &mut command).expect("finite readings");
+        let outcome = controller.outcome().expect("commanded");
+        assert!(outcome.feasible && outcome.objective > 0.0, "the benchmark is about problems with a solution");
+    }
     drive(bencher, &mut controller, wheels);
 }
 

@@ -17,7 +17,7 @@ const BINDING: f64 = 1e-6;
 /// sum of shares, and the preference for cheap forces.
 const NEAREST: f64 = 1e-6;
 
-/// How often each constraint binds: minimum load, torque limit, soil strength.
+/// Which constraints bind in a feasible case: minimum load, torque limit, soil strength. None may be violated.
 fn bindings(case: &Case) -> [bool; 3] {
     let (rtc, _) = case.run();
     let outcome = rtc.outcome().expect("commanded");
@@ -41,13 +41,28 @@ fn bindings(case: &Case) -> [bool; 3] {
     binds
 }
 
+/// Raises the demand of a case to 99.9 % of what is feasible.
+fn nearly_infeasible(case: &mut Case) {
+    let error = case.goal - case.velocity;
+    let (mut low, mut high) = (0.0, 100.0);
+    for _ in 0..30 {
+        let middle = 0.5 * (low + high);
+        case.velocity = case.goal - middle * error;
+        if case.run().0.outcome().expect("commanded").feasible { low = middle } else { high = middle }
+    }
+    case.velocity = case.goal - 0.999 * low * error;
+}
+
 #[test]
 fn property_constraints_hold_always_and_each_binds_somewhere() {
     let mut counts = [[0; 3]; 2];
     for seed in 0..900 {
-        let mut case = Case::random(seed, [2, 3, 6][seed as usize % 3]);
+        let mut case = Case::random(seed, [2, 3, 6][(seed / 3) as usize % 3]);
         let rough = seed % 2 == 0;
         case.parameters.switch_angle = if rough { 0.0 } else { 1.6 };
+        if seed % 3 == 0 {
+            nearly_infeasible(&mut case);
+        }
         for (count, binds) in counts[usize::from(rough)].iter_mut().zip(bindings(&case)) {
             *count += usize::from(binds);
         }
@@ -220,7 +235,7 @@ fn property_impossible_nominal_rovers_are_refused() {
     assert!(refused(|c| c.nominal.mass = 0.0).contains("mass"));
     assert!(refused(|c| c.nominal.gravity = f64::NAN).contains("gravity"));
     assert!(refused(|c| c.nominal.soil.exponent = 9.0).contains("exponent"));
-    assert!(refused(|c| drop(c.nominal.wheel_centres.pop())).contains("number of wheels"));
+    assert!(refused(|c| c.nominal.wheel_centres.truncate(1)).contains("number of wheels"));
     assert!(refused(|c| c.nominal.wheel_centres[1][0] = f64::NAN).contains("wheel 2"));
     assert!(refused(|c| c.nominal.wheel_centres[1] = c.nominal.wheel_centres[0]).contains("distance"));
     let loads = RoughTerrainControl { minimum_load: 60.0, ..RoughTerrainControl::default() };

@@ -17,8 +17,6 @@ pub(super) enum Shear<S> {
     Ratio(S),
     /// Sliding everywhere, |j| -> infinity, shear of this sign.
     Full(f64),
-    /// A standing wheel: this share of the strength, the same everywhere.
-    Mobilised(S),
 }
 
 /// One rim in contact.
@@ -64,7 +62,7 @@ impl<S: Scalar> Sums<S> {
 }
 
 impl<S: Scalar> Rim<S> {
-    pub fn new(wheel: &Wheel<S>, soil: &Soil<S>, exit_ratio: S, sinkage: S, shear: Shear<S>) -> Self {
+    pub fn new(wheel: &Wheel<S>, soil: &Soil<S>, exit_ratio: S, sinkage: S, shear: Shear<S>, established: S) -> Self {
         let depth = sinkage / wheel.radius;
         // A wheel sunk to its axle is an event; the clamp only keeps the formula finite until then.
         let theta_1 = (S::from(1.0) - depth.smaller(S::from(1.5))).acos();
@@ -77,9 +75,8 @@ impl<S: Scalar> Rim<S> {
             Shear::Ratio(ratio) if ratio.value() <= 1.0 => S::from(1.0) - ratio,
             Shear::Ratio(ratio) => S::from(1.0) - ratio.recip(),
             Shear::Full(_) => S::from(1.0),
-            Shear::Mobilised(_) => S::from(0.0),
         };
-        let share = (soil.c1 + soil.c2 * slip_size).larger(S::from(0.05)).smaller(S::from(0.95));
+        let share = (soil.c1 + soil.c2 * slip_size * established).larger(S::from(0.05)).smaller(S::from(0.95));
         let (sin_1, cos_1) = theta_1.sin_cos();
         Self {
             shear,
@@ -137,7 +134,6 @@ impl<S: Scalar> Rim<S> {
                 (tau, -(strength * decay * self.shear_rate * lift))
             }
             Shear::Full(sign) => (strength * sign, S::from(0.0)),
-            Shear::Mobilised(share) => (strength * share, S::from(0.0)),
         };
         let (sigma, tau, slope) = (sigma * d_theta, tau * d_theta, slope * d_theta);
         sums.sigma_cos += sigma * cos;

@@ -4,7 +4,7 @@
 
 use super::quadrature::{NODES_8, NODES_12};
 use super::rim::{Rim, Shear, Sums};
-use crate::scalar::{Scalar, smooth_step};
+use crate::scalar::{Scalar, smooth_step, smooth_step_slope};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 
@@ -45,11 +45,11 @@ impl<S: Scalar> Forces<S> {
         Self { normal: self.normal, drawbar: -self.drawbar, torque: -self.torque }
     }
 
-    pub(super) fn scaled(self, factor: S) -> Self {
+    pub(crate) fn scaled(self, factor: S) -> Self {
         Self { normal: self.normal * factor, drawbar: self.drawbar * factor, torque: self.torque * factor }
     }
 
-    pub(super) fn plus(self, other: Self) -> Self {
+    pub(crate) fn plus(self, other: Self) -> Self {
         Self {
             normal: self.normal + other.normal,
             drawbar: self.drawbar + other.drawbar,
@@ -68,18 +68,26 @@ impl<S: Scalar> Forces<S> {
     }
 }
 
-/// Forces together with their slope in the ratio V/(r omega), which an implicit integrator needs.
+/// Forces together with their slopes, which an implicit integrator needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rolling<S = f64> {
+pub(super) struct Rolling<S> {
     /// The forces.
     pub forces: Forces<S>,
-    /// Their partial derivatives in V/(r omega), at constant theta_m.
-    pub by_ratio: Forces<S>,
+    /// Their partial derivatives in the velocity, at constant theta_m.
+    pub by_velocity: Forces<S>,
+    /// Their partial derivatives in the spin, at constant theta_m.
+    pub by_spin: Forces<S>,
 }
 
 impl<S: Scalar> Rolling<S> {
+    fn sliding(forces: Forces<S>) -> Self {
+        Self { forces, by_velocity: Forces::zero(), by_spin: Forces::zero() }
+    }
+
+    /// The same contact seen from the other side: (V, omega) -> (-V, -omega), (DP, T) -> (-DP, -T).
     fn mirrored(self) -> Self {
-        Self { forces: self.forces.mirrored(), by_ratio: self.by_ratio.mirrored() }
+        let slope = |s: Forces<S>| Forces { normal: -s.normal, drawbar: s.drawbar, torque: s.torque };
+        Self { forces: self.forces.mirrored(), by_velocity: slope(self.by_velocity), by_spin: slope(self.by_spin) }
     }
 }
 
@@ -112,54 +120,98 @@ pub fn rolling<S: Scalar>(
     velocity: S,
     spin: S,
 ) -> Forces<S> {
-    rolling_with_slope(wheel, soil, exit_ratio, sinkage, velocity, spin).forces
+    rolling_share(wheel, soil, exit_ratio, sinkage, velocity, spin, S::from(1.0)).0.forces
 }
 
-/// [`rolling`] with the slope of the forces in V/(r omega).
-pub fn rolling_with_slope<S: Scalar>(
+/// [`rolling()`] with the slopes of the forces, in a contact of which only the `share` (0..1) of the slip
+/// is established: it sets theta_m. Also the normal force of the pressure alone, N.
+pub(super) fn rolling_share<S: Scalar>(
     wheel: &Wheel<S>,
     soil: &Soil<S>,
     exit_ratio: S,
     sinkage: S,
     velocity: S,
     spin: S,
-) -> Rolling<S> {
+    share: S,
+) -> (Rolling<S>, S) {
     if sinkage.value() <= 0.0 {
-        return Rolling { forces: Forces::zero(), by_ratio: Forces::zero() };
+        return (Rolling::sliding(Forces::zero()), S::from(0.0));
     }
+    let contact = Contact { wheel, soil, exit_ratio, sinkage, share };
     let backward = velocity.value() < 0.0 || (velocity.value() == 0.0 && spin.value() < 0.0);
     if backward {
         // The contact is mirrored: evaluate with (-V, -omega) and negate DP and T.
-        return forward(wheel, soil, exit_ratio, sinkage, -velocity, -spin).mirrored();
+        let (rolling, pressure) = contact.forward(-velocity, -spin);
+        return (rolling.mirrored(), pressure);
     }
-    forward(wheel, soil, exit_ratio, sinkage, velocity, spin)
+    contact.forward(velocity, spin)
 }
 
-/// `rolling` for `velocity >= 0`.
-fn forward<S: Scalar>(wheel: &Wheel<S>, soil: &Soil<S>, exit_ratio: S, sinkage: S, velocity: S, spin: S) -> Rolling<S> {
-    let at = |shear: Shear<S>| integrate(&Rim::new(wheel, soil, exit_ratio, sinkage, shear), wheel);
-    let rim_speed = wheel.radius * spin;
-    let ratio = velocity.value() / rim_speed.value();
-    if rim_speed.value() > 0.0 && ratio < LOCKED_RATIO {
-        return at(Shear::Ratio(velocity / rim_speed));
-    }
-    // The rim slides forward over the soil, which shears against it.
-    let sliding = at(Shear::Full(-1.0));
-    if rim_speed.value() >= 0.0 {
-        return sliding;
-    }
-    let share = velocity / (velocity - rim_speed);
-    if share.value() >= TURN_OVER {
-        return sliding;
-    }
-    // Spinning backward on the spot, the limit V -> 0 of the mirrored contact.
-    let spinning = at(Shear::Ratio(S::from(0.0))).mirrored();
-    let weight = smooth_step(share / TURN_OVER);
-    Rolling { forces: spinning.forces.mixed(sliding.forces, weight), by_ratio: Forces::zero() }
+/// A contact whose motion varies.
+struct Contact<'a, S> {
+    wheel: &'a Wheel<S>,
+    soil: &'a Soil<S>,
+    exit_ratio: S,
+    sinkage: S,
+    share: S,
 }
 
-/// The integrals (2.7)-(2.9) over one rim.
-fn integrate<S: Scalar>(rim: &Rim<S>, wheel: &Wheel<S>) -> Rolling<S> {
+impl<S: Scalar> Contact<'_, S> {
+    fn at(&self, shear: Shear<S>) -> Integrals<S> {
+        let rim = Rim::new(self.wheel, self.soil, self.exit_ratio, self.sinkage, shear, self.share);
+        integrate(&rim, self.wheel)
+    }
+
+    /// Forces for `velocity >= 0`.
+    fn forward(&self, velocity: S, spin: S) -> (Rolling<S>, S) {
+        let rim_speed = self.wheel.radius * spin;
+        if rim_speed.value() > 0.0 && velocity.value() / rim_speed.value() < LOCKED_RATIO {
+            let ratio = velocity / rim_speed;
+            let integrals = self.at(Shear::Ratio(ratio));
+            let rolling = Rolling {
+                forces: integrals.forces,
+                by_velocity: integrals.by_ratio.scaled(rim_speed.recip()),
+                by_spin: integrals.by_ratio.scaled(-(ratio / spin)),
+            };
+            return (rolling, integrals.pressure);
+        }
+        // The rim slides forward over the soil, which shears against it.
+        let sliding = self.at(Shear::Full(-1.0));
+        if rim_speed.value() >= 0.0 {
+            return (Rolling::sliding(sliding.forces), sliding.pressure);
+        }
+        let share = velocity / (velocity - rim_speed);
+        if share.value() >= TURN_OVER {
+            return (Rolling::sliding(sliding.forces), sliding.pressure);
+        }
+        (self.turning_over(&sliding.forces, share, velocity, rim_speed), sliding.pressure)
+    }
+
+    /// Between spinning backward on the spot (the limit V -> 0 of the mirrored contact) and sliding.
+    fn turning_over(&self, sliding: &Forces<S>, share: S, velocity: S, rim_speed: S) -> Rolling<S> {
+        let spinning = self.at(Shear::Ratio(S::from(0.0))).forces.mirrored();
+        let change = sliding.plus(spinning.scaled(S::from(-1.0)));
+        let by_share = change.scaled(smooth_step_slope(share / TURN_OVER) / TURN_OVER);
+        let squared = (velocity - rim_speed).recip() * (velocity - rim_speed).recip();
+        Rolling {
+            forces: spinning.mixed(*sliding, smooth_step(share / TURN_OVER)),
+            by_velocity: by_share.scaled(-(rim_speed * squared)),
+            by_spin: by_share.scaled(velocity * self.wheel.radius * squared),
+        }
+    }
+}
+
+/// The integrals over one rim.
+struct Integrals<S> {
+    forces: Forces<S>,
+    /// Slopes of the forces in V/(r omega).
+    by_ratio: Forces<S>,
+    /// The pressure's part of the normal force.
+    pressure: S,
+}
+
+/// The integrals (2.7)-(2.9) over one rim, and their slopes in V/(r omega).
+fn integrate<S: Scalar>(rim: &Rim<S>, wheel: &Wheel<S>) -> Integrals<S> {
     let sums = if rim.needs_few_nodes(FEW_NODES_UP_TO) { sums(rim, &NODES_8) } else { sums(rim, &NODES_12) };
     let area = wheel.radius * wheel.width;
     let forces = |sigma_cos: S, sigma_sin: S, tau_cos: S, tau_sin: S, tau: S| Forces {
@@ -168,9 +220,10 @@ fn integrate<S: Scalar>(rim: &Rim<S>, wheel: &Wheel<S>) -> Rolling<S> {
         torque: area * wheel.radius * tau,     // (2.9)
     };
     let zero = S::from(0.0);
-    Rolling {
+    Integrals {
         forces: forces(sums.sigma_cos, sums.sigma_sin, sums.tau_cos, sums.tau_sin, sums.tau),
         by_ratio: forces(zero, zero, sums.slope_cos, sums.slope_sin, sums.slope),
+        pressure: area * sums.sigma_cos,
     }
 }
 

@@ -1,39 +1,49 @@
-//! The contact of a moving, turning, standing wheel, with what an implicit integrator needs of it.
+//! The contact of a moving, turning or standing wheel, with what an implicit integrator needs of it.
 //!
-//! The stress integrals depend on V/(r omega) only and have no limit at standstill. Below the soil's
-//! `hold_speed` they blend into a standing contact that remembers two displacements, each divided by the
-//! soil's `hold_displacement` and saturating at one (Dahl 1968):
-//! - `shear`: how far the rim has crept over the soil, the mobilised share of the shear strength;
-//! - `lean`: how far the wheel has rolled, which moves the pressure from symmetric (0) to the side
-//!   towards which it rolls (+1 forward: the rolling contact; -1 backward: its mirror image).
+//! The stress integrals depend only on the direction of (V, r omega) and have no limit at standstill. So
+//! the contact remembers the direction of its last motion as a vector `h = (travel, turn)` that follows
+//! the unit vector of v = (V, r omega) over the soil's `hold_displacement` d:
+//! h' = (v - h |v|)/d. In steady motion h is that unit vector and the forces are exactly those of the
+//! stress integrals, at any speed. At standstill h stays: the contact pushes elastically against a small
+//! displacement, up to the sliding friction, so a parked rover rests without creep. In between the forces
+//! fade with |h| into those of a symmetric contact, which has a normal force and nothing else.
 //!
-//! A standing wheel carries tangential force through both, at rest and without creep.
+//! The stresses are taken at e = (d h + t v)/(d + t |v|) with a time t: internal damping of the standing
+//! contact, and above the speed d/t (5 cm/s) the direction of motion itself, without lag.
 
-use super::rim::{Rim, Shear, Sums};
-use super::rolling::{Forces, rolling_with_slope};
+use super::rolling::{Forces, Rolling, rolling_share};
 use crate::scalar::{Scalar, smooth_step};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 
-/// Relaxation time of the standing contact's internal damping, s: about half critical for a rover's
-/// mass on its own static friction (frequency sqrt(g tan phi / hold_displacement), about 100 rad/s).
+/// Time t of the standing contact's internal damping, s: about half critical for a rover on its own
+/// static friction, whose frequency is sqrt(g tan phi / d), near 100 rad/s.
 const HOLD_DAMPING_TIME: f64 = 0.01;
 
 /// Sinkage over which the normal damping builds up, m, so that it starts from zero at touch-down.
 const DAMPING_DEPTH: f64 = 0.001;
 
-/// Memory of a standing contact, each in -1..1.
+/// Memory of a contact: the direction of its last motion, of length 0 (none) to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hold<S = f64> {
-    /// Mobilised share of the shear strength, forward positive.
-    pub shear: S,
-    /// Lean of the pressure towards the side to which the wheel rolls.
-    pub lean: S,
+    /// Component of the wheel centre's motion along the ground, forward positive.
+    pub travel: S,
+    /// Component of the rim's motion, turning forward positive.
+    pub turn: S,
 }
 
 impl<S: From<f64>> Default for Hold<S> {
     fn default() -> Self {
-        Self { shear: S::from(0.0), lean: S::from(0.0) }
+        Self { travel: S::from(0.0), turn: S::from(0.0) }
+    }
+}
+
+impl<S: Scalar> Hold<S> {
+    /// The same direction with a length of at most 1.
+    #[must_use]
+    pub fn bounded(self) -> Self {
+        let length = norm(self.travel, self.turn);
+        if length.value() <= 1.0 { self } else { Self { travel: self.travel / length, turn: self.turn / length } }
     }
 }
 
@@ -48,7 +58,7 @@ pub struct Motion<S = f64> {
     pub velocity: S,
     /// Absolute rate of turning, forward positive, rad/s.
     pub spin: S,
-    /// Memory of the standing contact.
+    /// Memory of the contact.
     pub hold: Hold<S>,
 }
 
@@ -59,18 +69,20 @@ pub struct Slopes<S = f64> {
     pub velocity: Forces<S>,
     /// Of the forces in the spin.
     pub spin: Forces<S>,
-    /// Of the forces in `hold.shear`.
-    pub shear: Forces<S>,
-    /// Of the forces in `hold.lean`.
-    pub lean: Forces<S>,
+    /// Of the forces in `hold.travel`.
+    pub travel: Forces<S>,
+    /// Of the forces in `hold.turn`.
+    pub turn: Forces<S>,
     /// Of the normal force in the normal velocity.
     pub damping: S,
     /// Of the normal force in the sinkage.
     pub stiffness: S,
-    /// Of `rate.shear` in the velocity, the spin and itself.
-    pub shear_rate: [S; 3],
-    /// Of `rate.lean` in the velocity and itself.
-    pub lean_rate: [S; 2],
+    /// Of the rates of (`hold.travel`, `hold.turn`) in the velocity.
+    pub rate_by_velocity: [S; 2],
+    /// Of the rates of (`hold.travel`, `hold.turn`) in the spin.
+    pub rate_by_spin: [S; 2],
+    /// Of each rate in its own component.
+    pub rate_own: S,
 }
 
 /// Forces of a contact, the rates of its memory, and the slopes of both.
@@ -84,140 +96,93 @@ pub struct Touch<S = f64> {
     pub slopes: Slopes<S>,
 }
 
+/// Length of a vector, and 0 with zero slope at the origin.
+fn norm<S: Scalar>(x: S, y: S) -> S {
+    let squared = x * x + y * y;
+    if squared.value() > 0.0 { squared.sqrt() } else { S::from(0.0) }
+}
+
 /// Forces on a wheel in `motion`. `exit_ratio` is lambda of the exit angle, see [`super::rolling()`].
 pub fn touch<S: Scalar>(wheel: &Wheel<S>, soil: &Soil<S>, exit_ratio: S, motion: &Motion<S>) -> Touch<S> {
-    let (rate, shear_rate, lean_rate) = hold_rates(wheel, soil, motion);
-    let zero = Forces::zero();
-    let mut touch = Touch {
-        forces: zero,
-        rate,
-        slopes: Slopes {
-            velocity: zero,
-            spin: zero,
-            shear: zero,
-            lean: zero,
-            damping: S::from(0.0),
-            stiffness: S::from(0.0),
-            shear_rate,
-            lean_rate,
-        },
+    let (distance, time) = (soil.hold_displacement, HOLD_DAMPING_TIME);
+    let (hold, rim_speed) = (motion.hold, wheel.radius * motion.spin);
+    let speed = norm(motion.velocity, rim_speed);
+    let heading =
+        if speed.value() > 0.0 { [motion.velocity / speed, rim_speed / speed] } else { [S::from(0.0), S::from(0.0)] };
+    let per_distance = distance.recip();
+    let rate = Hold {
+        travel: (motion.velocity - hold.travel * speed) * per_distance,
+        turn: (rim_speed - hold.turn * speed) * per_distance,
+    };
+    let by = |component: S, own: f64, along: S| (S::from(own) - component * along) * per_distance;
+    let mut slopes = Slopes {
+        rate_by_velocity: [by(hold.travel, 1.0, heading[0]), by(hold.turn, 0.0, heading[0])],
+        rate_by_spin: [by(hold.travel, 0.0, heading[1]) * wheel.radius, by(hold.turn, 1.0, heading[1]) * wheel.radius],
+        rate_own: -(speed * per_distance),
+        ..Slopes::zero()
     };
     if motion.sinkage.value() <= 0.0 {
-        return touch;
+        return Touch { forces: Forces::zero(), rate, slopes };
     }
-    let rim_speed = wheel.radius * motion.spin;
-    let speed2 = motion.velocity * motion.velocity + rim_speed * rim_speed;
-    let relative2 = speed2 / (soil.hold_speed * soil.hold_speed);
-    // 1 where the stress integrals hold, 0 at standstill; smooth in V and omega as it is one in their squares.
-    let weight = smooth_step(relative2);
-    if weight.value() > 0.0 {
-        add_rolling(&mut touch, wheel, soil, exit_ratio, motion);
-    }
-    if weight.value() < 1.0 {
-        blend_standing(&mut touch, wheel, soil, exit_ratio, motion, weight);
-    }
+    let scale = (distance + speed * time).recip();
+    let travel = (distance * hold.travel + motion.velocity * time) * scale;
+    let turn = (distance * hold.turn + rim_speed * time) * scale;
+    let direction = at_direction(wheel, soil, exit_ratio, motion.sinkage, travel, turn);
+    slopes.follow(&direction, [travel, turn], heading, (distance * scale, scale * time), wheel.radius);
+    let mut touch = Touch { forces: direction.forces, rate, slopes };
     add_damping(&mut touch, soil, motion);
     touch
 }
 
-/// Dahl's law for both memories, with its partial derivatives.
-fn hold_rates<S: Scalar>(wheel: &Wheel<S>, soil: &Soil<S>, motion: &Motion<S>) -> (Hold<S>, [S; 3], [S; 2]) {
-    let distance = soil.hold_displacement.recip();
-    let creep = wheel.radius * motion.spin - motion.velocity;
-    let sign = |x: S| if x.value() < 0.0 { -1.0 } else { 1.0 };
-    let (shear, lean) = (motion.hold.shear, motion.hold.lean);
-    let shear_rate = (creep - creep.abs() * shear) * distance;
-    let lean_rate = (motion.velocity - motion.velocity.abs() * lean) * distance;
-    let by_creep = (S::from(1.0) - shear * sign(creep)) * distance;
-    let by_velocity = (S::from(1.0) - lean * sign(motion.velocity)) * distance;
-    (
-        Hold { shear: shear_rate, lean: lean_rate },
-        [-by_creep, by_creep * wheel.radius, -(creep.abs() * distance)],
-        [by_velocity, -(motion.velocity.abs() * distance)],
-    )
-}
-
-fn add_rolling<S: Scalar>(touch: &mut Touch<S>, wheel: &Wheel<S>, soil: &Soil<S>, exit_ratio: S, motion: &Motion<S>) {
-    let rolling = rolling_with_slope(wheel, soil, exit_ratio, motion.sinkage, motion.velocity, motion.spin);
-    touch.forces = rolling.forces;
-    let rim_speed = wheel.radius * motion.spin;
-    if rim_speed.value() != 0.0 && rolling.by_ratio != Forces::zero() {
-        let by_velocity = rim_speed.recip();
-        let by_spin = -(motion.velocity / (rim_speed * motion.spin));
-        touch.slopes.velocity = rolling.by_ratio.scaled(by_velocity);
-        touch.slopes.spin = rolling.by_ratio.scaled(by_spin);
-    }
-}
-
-/// Blends the standing contact in: `weight` is the share of the rolling one.
-fn blend_standing<S: Scalar>(
-    touch: &mut Touch<S>,
+/// Forces at the direction (travel, turn) of length at most 1, with their slopes in both components
+/// (the slope in the spin standing for that in `turn`).
+fn at_direction<S: Scalar>(
     wheel: &Wheel<S>,
     soil: &Soil<S>,
     exit_ratio: S,
-    motion: &Motion<S>,
-    weight: S,
-) {
-    let rate = touch.rate;
-    let shear = motion.hold.shear + rate.shear * HOLD_DAMPING_TIME;
-    let lean = motion.hold.lean + rate.lean * HOLD_DAMPING_TIME;
-    let standing = Standing::new(wheel, soil, exit_ratio, motion.sinkage);
-    let rest = S::from(1.0) - weight;
-    touch.forces = standing.forces(shear, lean).mixed(touch.forces, weight);
-    let slopes = &mut touch.slopes;
-    let by_shear = standing.by_shear(lean).scaled(rest);
-    let by_lean = standing.by_lean(shear).scaled(rest);
-    // The damping part of the memory turns its rates' slopes into slopes of the forces.
-    let [v, w, own] = slopes.shear_rate;
-    slopes.shear = by_shear.scaled(own * HOLD_DAMPING_TIME + 1.0);
-    let [v_lean, own_lean] = slopes.lean_rate;
-    slopes.lean = by_lean.scaled(own_lean * HOLD_DAMPING_TIME + 1.0);
-    slopes.velocity = slopes
-        .velocity
-        .scaled(weight)
-        .plus(by_shear.scaled(v * HOLD_DAMPING_TIME))
-        .plus(by_lean.scaled(v_lean * HOLD_DAMPING_TIME));
-    slopes.spin = slopes.spin.scaled(weight).plus(by_shear.scaled(w * HOLD_DAMPING_TIME));
+    sinkage: S,
+    travel: S,
+    turn: S,
+) -> Rolling<S> {
+    let length = norm(travel, turn);
+    let (rolling, pressure) = rolling_share(wheel, soil, exit_ratio, sinkage, travel, turn / wheel.radius, length);
+    let symmetric = Forces { normal: pressure, drawbar: S::from(0.0), torque: S::from(0.0) };
+    let excess = rolling.forces.plus(symmetric.scaled(S::from(-1.0)));
+    let along = |component: S| if length.value() > 0.0 { component / length } else { S::from(0.0) };
+    Rolling {
+        forces: symmetric.plus(excess.scaled(length)),
+        by_velocity: rolling.by_velocity.scaled(length).plus(excess.scaled(along(travel))),
+        by_spin: rolling.by_spin.scaled(length / wheel.radius).plus(excess.scaled(along(turn))),
+    }
 }
 
-/// Stress integrals of a standing contact: the mean of the forward and the mirrored contact, weighted by
-/// its lean, with a uniform share of the strength mobilised.
-pub(crate) struct Standing<S> {
-    sums: Sums<S>,
-    area: S,
-    radius: S,
-}
-
-impl<S: Scalar> Standing<S> {
-    pub(crate) fn new(wheel: &Wheel<S>, soil: &Soil<S>, exit_ratio: S, sinkage: S) -> Self {
-        let rim = Rim::new(wheel, soil, exit_ratio, sinkage, Shear::Mobilised(S::from(1.0)));
-        let mut sums = Sums::zero();
-        super::quadrature::NODES_8.iter().for_each(|&(s, weight)| rim.add(&mut sums, s, weight, weight));
-        Self { sums, area: wheel.radius * wheel.width, radius: wheel.radius }
-    }
-
-    pub(crate) fn forces(&self, shear: S, lean: S) -> Forces<S> {
-        Forces {
-            normal: self.area * (self.sums.sigma_cos + shear * lean * self.sums.tau_sin),
-            drawbar: self.area * (shear * self.sums.tau_cos - lean * self.sums.sigma_sin),
-            torque: self.area * self.radius * shear * self.sums.tau,
+impl<S: Scalar> Slopes<S> {
+    fn zero() -> Self {
+        let (zero, none) = (S::from(0.0), Forces::zero());
+        Self {
+            velocity: none,
+            spin: none,
+            travel: none,
+            turn: none,
+            damping: zero,
+            stiffness: zero,
+            rate_by_velocity: [zero; 2],
+            rate_by_spin: [zero; 2],
+            rate_own: zero,
         }
     }
 
-    fn by_shear(&self, lean: S) -> Forces<S> {
-        Forces {
-            normal: self.area * lean * self.sums.tau_sin,
-            drawbar: self.area * self.sums.tau_cos,
-            torque: self.area * self.radius * self.sums.tau,
-        }
-    }
-
-    fn by_lean(&self, shear: S) -> Forces<S> {
-        Forces {
-            normal: self.area * shear * self.sums.tau_sin,
-            drawbar: -(self.area * self.sums.sigma_sin),
-            torque: S::from(0.0),
-        }
+    /// Chain rule from the direction e to the memory h and the motion v: de = (d dh + t (dv - e d|v|))/(d + t |v|).
+    fn follow(&mut self, at: &Rolling<S>, direction: [S; 2], heading: [S; 2], (by_hold, by_motion): (S, S), radius: S) {
+        self.travel = at.by_velocity.scaled(by_hold);
+        self.turn = at.by_spin.scaled(by_hold);
+        let chain = |own: [f64; 2], along: S| {
+            at.by_velocity
+                .scaled((S::from(own[0]) - direction[0] * along) * by_motion)
+                .plus(at.by_spin.scaled((S::from(own[1]) - direction[1] * along) * by_motion))
+        };
+        self.velocity = chain([1.0, 0.0], heading[0]);
+        self.spin = chain([0.0, 1.0], heading[1]).scaled(radius);
     }
 }
 
