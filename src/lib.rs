@@ -1,4 +1,5 @@
 //! Rough-terrain rovers on deformable soil, from physics to insight.
+pub mod contact;
 pub mod control;
 pub mod diagnosis;
 pub mod linear_stress;
