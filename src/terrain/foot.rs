@@ -1,0 +1,242 @@
+//! The contact foot: the point of the profile nearest to a wheel's centre.
+//!
+//! A stationary point of the distance solves g(x) = x - x_c + (h - z_c) h' = 0. Where the profile bends less
+//! than the circle through such a point, |h''| d < 1 over x_c - d .. x_c + d, the profile minus the circle's
+//! arc is concave there, so the point is the only nearest one and Newton's method from x_c finds it. Elsewhere
+//! (a narrow ditch, sharp waves) branch and bound over that interval finds the nearest of several.
+
+use super::TerrainError;
+use super::curve::{Curve, Sample};
+use crate::scalar::Scalar;
+
+/// Point of the profile nearest to a wheel's centre, and the frame there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Foot<S = f64> {
+    /// The point [x, z], m.
+    pub position: [S; 2],
+    /// Contact angle gamma: slope of the profile, uphill positive, rad.
+    pub angle: S,
+    /// Unit tangent, pointing towards +x.
+    pub tangent: [S; 2],
+    /// Unit normal, pointing up.
+    pub normal: [S; 2],
+    /// Distance of the centre from the foot along the normal, m; negative when the centre is below the ground.
+    pub distance: S,
+}
+
+/// A wheel's centre further than this from the ground, m, is an error: no wheel is larger (its radius is at most 2 m).
+const FAR: f64 = 20.0;
+/// Newton steps of the fast path; beyond them the search takes over.
+const NEWTON_STEPS: usize = 12;
+/// A Newton step below this part of the clearance is the last: the error after it is of the order of its square.
+const LAST_STEP: f64 = 1e-8;
+/// Cells narrower than this part of the clearance are not cut again (the circle osculates the profile there).
+const NARROW: f64 = 1e-6;
+/// A cell is dismissed only when it is further away than rounding can explain.
+const ROUNDING: f64 = 1.0 + 1e-12;
+/// Steps inside a bracket; bisection alone would need 60.
+const BISECTIONS: usize = 80;
+/// The derivative of the foot is unbounded where the circle osculates the profile; 1/g' is limited to 1e6 there.
+const OSCULATING: f64 = 1e-6;
+
+/// g and g' at a point of the profile.
+fn stationarity<S: Scalar>(sample: &Sample<S>, x: S, [centre_x, centre_z]: [S; 2]) -> (S, S) {
+    let gap = centre_z - sample.height;
+    let g = x - centre_x - gap * sample.slope;
+    (g, sample.slope * sample.slope - gap * sample.curvature + 1.0)
+}
+
+/// The foot below `centre` on `curve`; `plain` is the same curve in plain numbers.
+///
+/// # Errors
+/// [`TerrainError::NotFinite`] and [`TerrainError::TooFar`].
+pub(super) fn foot<S: Scalar>(
+    curve: &impl Curve<S>,
+    plain: &impl Curve<f64>,
+    centre: [S; 2],
+) -> Result<Foot<S>, TerrainError> {
+    let (x, sample) = nearest(plain, centre.map(|c| c.value()))?;
+    if S::NDERIV == 0 {
+        let [height, slope, curvature] = [sample.height, sample.slope, sample.curvature].map(S::from);
+        return Ok(frame(S::from(x), &Sample { height, slope, curvature }, centre));
+    }
+    // One Newton step in S at the root carries the exact first derivatives (implicit function theorem).
+    let root = S::from(x);
+    let (g, dg) = stationarity(&curve.at(root), root, centre);
+    let x = root - g / dg.larger(S::from(OSCULATING));
+    Ok(frame(x, &curve.at(x), centre))
+}
+
+/// The foot on a plane through the origin with the inclination `angle`, in closed form.
+///
+/// # Errors
+/// As [`foot`].
+#[inline]
+pub(super) fn on_plane<S: Scalar>(angle: S, centre: [S; 2]) -> Result<Foot<S>, TerrainError> {
+    let (sin, cos) = angle.sin_cos();
+    let [x, z] = centre;
+    let distance = z * cos - x * sin;
+    // Written so that NaN is refused too.
+    if !(distance.value().abs() <= FAR) {
+        let [x, z] = [x.value(), z.value()];
+        if !(x.is_finite() && z.is_finite()) {
+            return Err(TerrainError::NotFinite { x, z });
+        }
+        return Err(TerrainError::TooFar { x, clearance: distance.value() / cos.value(), limit: FAR });
+    }
+    let along = x * cos + z * sin;
+    Ok(Foot { position: [along * cos, along * sin], angle, tangent: [cos, sin], normal: [-sin, cos], distance })
+}
+
+/// The frame at a point of the profile, seen from `centre`.
+#[inline]
+pub(super) fn frame<S: Scalar>(x: S, sample: &Sample<S>, centre: [S; 2]) -> Foot<S> {
+    let cos = (sample.slope * sample.slope + 1.0).sqrt().recip();
+    let sin = sample.slope * cos;
+    let distance = (centre[1] - sample.height) * cos - (centre[0] - x) * sin;
+    Foot {
+        position: [x, sample.height],
+        angle: sample.slope.atan(),
+        tangent: [cos, sin],
+        normal: [-sin, cos],
+        distance,
+    }
+}
+
+fn nearest(curve: &impl Curve<f64>, centre: [f64; 2]) -> Result<(f64, Sample<f64>), TerrainError> {
+    let [x, z] = centre;
+    if !(x.is_finite() && z.is_finite()) {
+        return Err(TerrainError::NotFinite { x, z });
+    }
+    let below = curve.at(x);
+    let clearance = z - below.height;
+    // Written so that NaN is refused too.
+    if !(clearance.abs() <= FAR) {
+        return Err(TerrainError::TooFar { x, clearance, limit: FAR });
+    }
+    let newton = newton(curve, centre, below);
+    if let Some((foot, sample)) = newton {
+        let reach = length(foot - x, z - sample.height);
+        let same_side = (z - sample.height) * clearance >= 0.0;
+        if same_side && curve.bend(x - reach, x + reach, &below) * reach < 1.0 {
+            return Ok((foot, sample));
+        }
+    }
+    let mut search = Search { curve, centre, reach: clearance.abs(), best: None };
+    if let Some((foot, sample)) = newton {
+        search.offer(foot, sample);
+    }
+    search.cell(x - search.reach, x + search.reach);
+    // The nearest point is stationary and within reach; without one the centre lies on the profile.
+    Ok(search.best.unwrap_or((x, below)))
+}
+
+/// Newton's method from below the centre; none where it leaves the interval that holds the nearest point.
+#[inline]
+fn newton(curve: &impl Curve<f64>, centre: [f64; 2], below: Sample<f64>) -> Option<(f64, Sample<f64>)> {
+    let clearance = (centre[1] - below.height).abs();
+    let (mut x, mut sample) = (centre[0], below);
+    for _ in 0..NEWTON_STEPS {
+        let (g, dg) = stationarity(&sample, x, centre);
+        let step = g / dg;
+        x -= step;
+        if dg <= 0.0 || (x - centre[0]).abs() > clearance {
+            return None;
+        }
+        sample = curve.at(x);
+        if step.abs() <= LAST_STEP * clearance {
+            return Some((x, sample));
+        }
+    }
+    None
+}
+
+/// Branch and bound for the nearest of several stationary points.
+struct Search<'a, C> {
+    curve: &'a C,
+    centre: [f64; 2],
+    /// The nearest point is no further than this.
+    reach: f64,
+    best: Option<(f64, Sample<f64>)>,
+}
+
+impl<C: Curve<f64>> Search<'_, C> {
+    fn distance(&self, x: f64, sample: &Sample<f64>) -> f64 {
+        length(x - self.centre[0], sample.height - self.centre[1])
+    }
+
+    /// Takes a stationary point if it is nearer than the one at hand.
+    fn offer(&mut self, x: f64, sample: Sample<f64>) {
+        let distance = self.distance(x, &sample);
+        if self.best.is_none_or(|(best, at)| distance < self.distance(best, &at)) {
+            self.best = Some((x, sample));
+            self.reach = self.reach.min(distance);
+        }
+    }
+
+    /// Finds what is nearest within `from..to`, if it is nearer than `reach`.
+    fn cell(&mut self, from: f64, to: f64) {
+        let (from, to) = (from.max(self.centre[0] - self.reach), to.min(self.centre[0] + self.reach));
+        if from >= to {
+            return;
+        }
+        let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+        let sample = self.curve.at(middle);
+        let bend = self.curve.bend(from, to, &sample);
+        // The profile lies within `sag` of its tangent at the middle.
+        let sag = 0.5 * bend * half * half;
+        if self.distance_to_tangent(middle, half, &sample) - sag > self.reach * ROUNDING {
+            return;
+        }
+        self.reach = self.reach.min(self.distance(middle, &sample));
+        // Where g' = 1 + h'^2 + (h - z_c) h'' cannot vanish there is at most one stationary point.
+        let gap = (self.centre[1] - sample.height).abs() + sample.slope.abs() * half + sag;
+        let cut = self.curve.cut(from, to);
+        if bend * gap < 1.0 || half <= NARROW * self.reach || !(cut > from && cut < to) {
+            self.bracketed(from, to);
+        } else {
+            self.cell(from, cut);
+            self.cell(cut, to);
+        }
+    }
+
+    /// Distance of the centre from the piece of the tangent within `half` of `middle`.
+    fn distance_to_tangent(&self, middle: f64, half: f64, sample: &Sample<f64>) -> f64 {
+        let (dx, dz) = (self.centre[0] - middle, self.centre[1] - sample.height);
+        let along = (dx + dz * sample.slope) / (1.0 + sample.slope * sample.slope);
+        let u = along.clamp(-half, half);
+        length(dx - u, dz - u * sample.slope)
+    }
+
+    /// The minimum within `from..to` by Newton's method kept inside the bracket by bisection.
+    fn bracketed(&mut self, mut from: f64, mut to: f64) {
+        let g = |x: f64| stationarity(&self.curve.at(x), x, self.centre).0;
+        if g(from) > 0.0 || g(to) < 0.0 {
+            return;
+        }
+        let smallest = 2.0 * f64::EPSILON * (self.centre[0].abs() + self.reach);
+        let mut x = 0.5 * (from + to);
+        let mut sample = self.curve.at(x);
+        for _ in 0..BISECTIONS {
+            let (g, dg) = stationarity(&sample, x, self.centre);
+            if g > 0.0 {
+                to = x
+            } else {
+                from = x
+            }
+            let step = g / dg;
+            if step.abs() <= smallest || to - from <= smallest {
+                break;
+            }
+            let next = x - step;
+            x = if next > from && next < to { next } else { 0.5 * (from + to) };
+            sample = self.curve.at(x);
+        }
+        self.offer(x, sample);
+    }
+}
+
+#[inline]
+fn length(dx: f64, dz: f64) -> f64 {
+    (dx * dx + dz * dz).sqrt()
+}

@@ -1,0 +1,128 @@
+//! Random ground: a sum of sinusoids with a power-law spectrum.
+
+use super::curve::{Curve, Sample};
+use super::preset::bend_nearby;
+use crate::scalar::Scalar;
+use bekker_modeldescription::{Unit, parameters};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::f64::consts::{LN_2, TAU};
+use std::sync::Arc;
+
+/// Octaves of the spectrum below the longest wavelength.
+const OCTAVES: usize = 4;
+/// Sinusoids in each octave, at equal ratios of wavelength.
+const VOICES: usize = 4;
+/// Sinusoids altogether.
+const WAVES: usize = OCTAVES * VOICES;
+
+parameters! {
+    /// Spectrum of random ground: four octaves downwards from the longest wavelength with power density
+    /// proportional to k^-exponent, k the wavenumber.
+    pub struct Spectrum {
+        /// Standard deviation of the height.
+        roughness: [Unit::METRE] = 0.02, 0.0..=2.0, Fixed, "preset";
+        /// Longest wavelength; the shortest is 13.5 times shorter.
+        wavelength: [Unit::METRE] = 2.0, 0.2..=1000.0, Fixed, "preset";
+        /// Spectral exponent: waviness of the power density of the height.
+        exponent: [Unit::ONE] = 2.0, 0.0..=5.0, Fixed, "2 in ISO 8608; 1.5 to 2.5 measured on off-road tracks";
+    }
+}
+
+/// Random ground of one seed. The same seed gives the same ground everywhere, whatever the spectrum.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Random<S = f64> {
+    /// Roughness, longest wavelength and spectral exponent.
+    pub spectrum: Spectrum<S>,
+    seed: u64,
+    /// (cos, sin) of the phase of each sinusoid.
+    phases: Arc<[[f64; 2]; WAVES]>,
+}
+
+impl<S: Scalar> Random<S> {
+    /// Ground with the given spectrum and phases drawn from `seed`.
+    #[must_use]
+    pub fn new(spectrum: Spectrum<S>, seed: u64) -> Self {
+        let mut draw = ChaCha8Rng::seed_from_u64(seed);
+        let phases = std::array::from_fn(|_| {
+            let (sin, cos) = (TAU * draw.random::<f64>()).sin_cos();
+            [cos, sin]
+        });
+        Self { spectrum, seed, phases: Arc::new(phases) }
+    }
+
+    /// The seed of the phases.
+    #[must_use]
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    pub(super) fn map<T>(&self, f: &dyn Fn(S) -> T) -> Random<T> {
+        Random { spectrum: self.spectrum.map(f), seed: self.seed, phases: Arc::clone(&self.phases) }
+    }
+
+    /// The sum with its amplitudes worked out, for one or more evaluations.
+    pub(super) fn sum<T: Scalar>(&self, f: impl Fn(S) -> T) -> Sum<'_, T> {
+        Sum::new(f(self.spectrum.roughness), f(self.spectrum.wavelength), f(self.spectrum.exponent), &self.phases)
+    }
+}
+
+/// Sum over j of a_j cos(k_j x + phase_j) with k_j = k_0 2^(j/4): the wavenumbers of each octave are twice
+/// those of the one before, so that four sines and cosines give all others by doubling the angle.
+pub(super) struct Sum<'a, S> {
+    wavenumber: [S; VOICES],
+    amplitude: [S; WAVES],
+    phases: &'a [[f64; 2]; WAVES],
+}
+
+impl<'a, S: Scalar> Sum<'a, S> {
+    fn new(roughness: S, wavelength: S, exponent: S, phases: &'a [[f64; 2]; WAVES]) -> Self {
+        // Power density k^-e over a band as wide as k itself: a_j^2 in proportion to k_j^(1-e).
+        let ratio = ((-exponent + 1.0) * (0.5 * LN_2 / VOICES as f64)).exp();
+        let mut amplitude = [S::from(1.0); WAVES];
+        let mut squares = S::from(1.0);
+        for j in 1..WAVES {
+            amplitude[j] = amplitude[j - 1] * ratio;
+            squares += amplitude[j] * amplitude[j];
+        }
+        // Half the sum of the squares is the variance.
+        let scale = roughness * (squares * 0.5).sqrt().recip();
+        amplitude.iter_mut().for_each(|a| *a *= scale);
+        let lowest = S::from(TAU) / wavelength;
+        let wavenumber = std::array::from_fn(|v| lowest * (v as f64 / VOICES as f64).exp2());
+        Self { wavenumber, amplitude, phases }
+    }
+}
+
+impl<S: Scalar> Curve<S> for Sum<'_, S> {
+    fn at(&self, x: S) -> Sample<S> {
+        let zero = S::from(0.0);
+        let mut sample = Sample { height: zero, slope: zero, curvature: zero };
+        for voice in 0..VOICES {
+            let mut k = self.wavenumber[voice];
+            let (mut sin, mut cos) = (k * x).sin_cos();
+            for octave in 0..OCTAVES {
+                let j = octave * VOICES + voice;
+                let [cos_phase, sin_phase] = self.phases[j];
+                let a = self.amplitude[j];
+                let wave = a * (cos * cos_phase - sin * sin_phase);
+                sample.height += wave;
+                sample.slope -= a * k * (sin * cos_phase + cos * sin_phase);
+                sample.curvature -= k * k * wave;
+                (sin, cos) = (sin * cos * 2.0, cos * cos - sin * sin);
+                k *= 2.0;
+            }
+        }
+        sample
+    }
+
+    fn bend(&self, from: f64, to: f64, middle: &Sample<f64>) -> f64 {
+        let (mut second, mut third) = (0.0, 0.0);
+        for (j, a) in self.amplitude.iter().enumerate() {
+            let k = self.wavenumber[j % VOICES].value() * f64::from(1u32 << (j / VOICES));
+            second += a.value() * k * k;
+            third += a.value() * k * k * k;
+        }
+        bend_nearby(middle.curvature, third, 0.5 * (to - from), second)
+    }
+}
