@@ -12,12 +12,6 @@ pub trait Parameters<S> {
     /// Calls `f` with every value in the order of [`visit`](Parameters::visit), without building
     /// descriptions (no allocation).
     fn values(&self, f: &mut dyn FnMut(S));
-
-    /// Calls `f` with the place of every value in the order of [`visit`](Parameters::visit). A group
-    /// declared with [`parameters!`](crate::parameters) does so without allocation.
-    fn values_mut(&mut self, f: &mut dyn FnMut(&mut S)) {
-        self.visit("", &mut |_, value| f(value));
-    }
 }
 
 /// Why a parameter could not be read or set.
@@ -221,11 +215,6 @@ macro_rules! parameters {
             fn values(&self, f: &mut dyn FnMut(S)) {
                 let _ = &f;
                 $(f(self.$field);)*
-            }
-
-            fn values_mut(&mut self, f: &mut dyn FnMut(&mut S)) {
-                let _ = &f;
-                $(f(&mut self.$field);)*
             }
         }
     };

@@ -108,7 +108,10 @@ fn types(xml: &mut Xml, description: &Description) {
                 for item in *items {
                     let value = item.value.to_string();
                     let description = item.doc.to_owned();
-                    xml.empty("Item", &vec![("name", item.name.into()), ("value", value), ("description", description)]);
+                    xml.empty(
+                        "Item",
+                        &vec![("name", item.name.into()), ("value", value), ("description", description)],
+                    );
                 }
             });
         }

@@ -120,12 +120,9 @@ impl Description {
             writable(text)?;
         }
         let Experiment { start, stop, step } = self.experiment;
-        for (what, value) in [
-            ("start time", start),
-            ("stop time", stop),
-            ("communication step", step),
-            ("inner step", self.inner_step),
-        ] {
+        for (what, value) in
+            [("start time", start), ("stop time", stop), ("communication step", step), ("inner step", self.inner_step)]
+        {
             finite(what, value)?;
         }
         let mut seen = HashSet::new();
