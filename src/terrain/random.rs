@@ -34,7 +34,7 @@ parameters! {
 pub struct Random<S = f64> {
     /// Roughness, longest wavelength and spectral exponent.
     pub spectrum: Spectrum<S>,
-    seed: u64,
+    seed: u32,
     /// (cos, sin) of the phase of each sinusoid.
     phases: Arc<[[f64; 2]; WAVES]>,
 }
@@ -42,8 +42,8 @@ pub struct Random<S = f64> {
 impl<S: Scalar> Random<S> {
     /// Ground with the given spectrum and phases drawn from `seed`.
     #[must_use]
-    pub fn new(spectrum: Spectrum<S>, seed: u64) -> Self {
-        let mut draw = ChaCha8Rng::seed_from_u64(seed);
+    pub fn new(spectrum: Spectrum<S>, seed: u32) -> Self {
+        let mut draw = ChaCha8Rng::seed_from_u64(u64::from(seed));
         let phases = std::array::from_fn(|_| {
             let (sin, cos) = (TAU * draw.random::<f64>()).sin_cos();
             [cos, sin]
@@ -53,7 +53,7 @@ impl<S: Scalar> Random<S> {
 
     /// The seed of the phases.
     #[must_use]
-    pub fn seed(&self) -> u64 {
+    pub fn seed(&self) -> u32 {
         self.seed
     }
 
