@@ -29,7 +29,7 @@ pub fn model(error: &CoreModelError) -> PyErr {
         }
         CoreModelError::UnknownPreset { .. } => UnknownNameError::new_err(error.to_string()),
         CoreModelError::Unreadable { source, .. }
-        | CoreModelError::Terrain(TerrainSpecError::Unreadable { source, .. }) => unreadable(source, error.to_string()),
+        | CoreModelError::Terrain(TerrainSpecError::Unreadable { source, .. }) => unreachable_file(source, error.to_string()),
         _ => ModelError::new_err(error.to_string()),
     }
 }
@@ -44,7 +44,8 @@ pub fn run(error: &RunError) -> PyErr {
     }
 }
 
-fn unreadable(source: &std::io::Error, message: String) -> PyErr {
+/// The `OSError` for a file that cannot be read or written.
+pub fn unreachable_file(source: &std::io::Error, message: String) -> PyErr {
     match source.raw_os_error() {
         // From the code, Python picks FileNotFoundError and its like.
         Some(code) => PyOSError::new_err((code, message)),

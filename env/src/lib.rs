@@ -1,7 +1,9 @@
 //! The Python door: a thin layer over [`bekker::model`]. All physics stays in the core; what is
 //! convenient in Python (arguments of many kinds, the environment) is written in Python.
 
+mod compare;
 mod error;
+mod export;
 mod model;
 mod record;
 mod run;
@@ -12,6 +14,10 @@ use pyo3::pymodule;
 /// Native part of the package `bekker`.
 #[pymodule]
 mod _bekker {
+    #[pymodule_export]
+    use super::compare::compare;
+    #[pymodule_export]
+    use super::export::export_fmu;
     #[pymodule_export]
     use super::model::Model;
     #[pymodule_export]

@@ -30,6 +30,13 @@ otherwise::
     >>> observation, reward, terminated, truncated, info = env.step([0.4, 0.4])
     >>> env.close()
 
+*Compare it* with measurements, an experiment folder with CSV files in the model's own names::
+
+    comparison = bekker.compare("examples/sand_wheel", calibrate=True)
+    print(comparison)                          # what is left of each signal, and where the model fails
+
+*Take it elsewhere*: ``bekker.export_fmu(model, "rover.fmu")`` writes it for any tool that knows FMI 3.0.
+
 *Step it yourself*: ``model.start()`` gives a :class:`Run`, whose copies go on to the same bits. What is refused is a
 :class:`~bekker.errors.BekkerError` that names the thing and what was expected.
 """
@@ -37,13 +44,15 @@ otherwise::
 import gymnasium
 
 from ._bekker import Model, Run, __version__
+from .comparison import Comparison, compare
 from .env import RoverEnv
 from .errors import BekkerError, InputError, ModelError, SimulationError, UnknownNameError
-from .models import effects, presets
+from .models import effects, export_fmu, presets
 from .simulation import Result, simulate
 
 __all__ = [
     "BekkerError",
+    "Comparison",
     "InputError",
     "Model",
     "ModelError",
@@ -53,7 +62,9 @@ __all__ = [
     "SimulationError",
     "UnknownNameError",
     "__version__",
+    "compare",
     "effects",
+    "export_fmu",
     "presets",
     "simulate",
 ]

@@ -1,7 +1,7 @@
 """Native part of the package `bekker`."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal, final
 
 import numpy as np
@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 
 from .vocabulary import Variable
 
-__all__ = ["Model", "Run", "__version__", "effects", "presets", "record"]
+__all__ = ["Model", "Run", "__version__", "compare", "effects", "export_fmu", "presets", "record"]
 
 __version__: str
 
 def presets() -> list[tuple[str, str]]: ...
 def effects() -> list[tuple[str, str]]: ...
+def compare(folder: str | os.PathLike[str], parameters: Mapping[str, float], calibrate: bool) -> dict[str, Any]: ...
+def export_fmu(model: Model, path: str | os.PathLike[str]) -> None: ...
 def record(
     model: Model, inputs: NDArray[np.float64], steps: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], str, str | None]: ...

@@ -8,7 +8,7 @@ from ._bekker import Model
 from .errors import InputError
 from .vocabulary import unknown
 
-__all__ = ["ModelLike", "as_model", "effects", "presets"]
+__all__ = ["ModelLike", "as_model", "effects", "export_fmu", "presets"]
 
 ModelLike = Model | str | os.PathLike[str]
 """A :class:`Model`, the name of a preset, TOML text, or the path of a TOML file."""
@@ -36,6 +36,16 @@ def as_model(model: ModelLike, parameters: Mapping[str, float] | None = None) ->
     for name, value in (parameters or {}).items():
         own.set(name, value)
     return own
+
+
+def export_fmu(model: ModelLike, path: str | os.PathLike[str], parameters: Mapping[str, float] | None = None) -> None:
+    """Writes a model as an FMU (FMI 3.0, co-simulation); its parameters can be changed in the FMU.
+
+    Raises:
+        UnknownNameError, ModelError: as :func:`as_model`, or the model does not start.
+        OSError: the file cannot be written.
+    """
+    _bekker.export_fmu(as_model(model, parameters), path)
 
 
 def _read(model: ModelLike) -> Model:
