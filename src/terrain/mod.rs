@@ -4,9 +4,11 @@ mod curve;
 mod error;
 mod foot;
 mod preset;
+mod profile_file;
 mod random;
 mod samples;
 mod soil_table;
+mod spec;
 
 pub use curve::Sample;
 pub use error::TerrainError;
@@ -15,6 +17,7 @@ pub use preset::{Ditch, Slope, Step, Waves};
 pub use random::{Random, Spectrum};
 pub use samples::{Samples, SamplesError};
 pub use soil_table::{SoilColumn, SoilTable, SoilTableError};
+pub use spec::{Preset, SoilSpec, TerrainSpec, TerrainSpecError};
 
 use crate::scalar::Scalar;
 use crate::soil::Soil;
