@@ -77,8 +77,8 @@ pub(super) fn on_plane<S: Scalar>(angle: S, centre: [S; 2]) -> Result<Foot<S>, T
     let (sin, cos) = angle.sin_cos();
     let [x, z] = centre;
     let distance = z * cos - x * sin;
-    // Written so that NaN is refused too.
-    if !(distance.value().abs() <= FAR) {
+    let within = distance.value().abs() <= FAR;
+    if !within {
         let [x, z] = [x.value(), z.value()];
         if !(x.is_finite() && z.is_finite()) {
             return Err(TerrainError::NotFinite { x, z });
@@ -111,8 +111,9 @@ fn nearest(curve: &impl Curve<f64>, centre: [f64; 2]) -> Result<(f64, Sample<f64
     }
     let below = curve.at(x);
     let clearance = z - below.height;
-    // Written so that NaN is refused too.
-    if !(clearance.abs() <= FAR) {
+    // False for NaN too.
+    let within = clearance.abs() <= FAR;
+    if !within {
         return Err(TerrainError::TooFar { x, clearance, limit: FAR });
     }
     let side = if clearance < 0.0 { -1.0 } else { 1.0 };
@@ -120,7 +121,8 @@ fn nearest(curve: &impl Curve<f64>, centre: [f64; 2]) -> Result<(f64, Sample<f64
     if let Some((foot, sample)) = newton {
         let reach = length(foot - x, z - sample.height);
         let same_side = (z - sample.height) * clearance >= 0.0;
-        if same_side && curve.bend(side, x - reach, x + reach, &below) * reach < 1.0 {
+        let unique = |bend: f64| bend * reach < 1.0;
+        if same_side && (unique(curve.bend_anywhere(side)) || unique(curve.bend(side, x - reach, x + reach, &below))) {
             return Ok((foot, sample));
         }
     }

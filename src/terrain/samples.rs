@@ -170,11 +170,13 @@ impl<S: Scalar> Curve<S> for Samples {
         }
     }
 
-    #[inline]
     fn bend(&self, side: f64, from: f64, to: f64, _: &Sample<f64>) -> f64 {
-        let most = (side * self.bend[0]).max(side * self.bend[1]).max(0.0);
-        // A circle of this interval's half width lies above all of a gentle profile: no need to look closer.
-        if most * 0.5 * (to - from) < 1.0 { most } else { self.bend_within(side, from, to) }
+        self.bend_within(side, from, to)
+    }
+
+    fn bend_anywhere(&self, side: f64) -> f64 {
+        // The straight extensions have none.
+        (side * self.bend[0]).max(side * self.bend[1]).max(0.0)
     }
 
     fn cut(&self, from: f64, to: f64) -> f64 {
