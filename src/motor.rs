@@ -1,5 +1,7 @@
 //! A DC motor with gear at each wheel (4.6-4.10).
 
+use crate::effects::Effects;
+use crate::scalar::Scalar;
 use bekker_modeldescription::{Unit, parameters};
 
 parameters! {
@@ -16,4 +18,25 @@ parameters! {
         /// One over the largest current; 0 is no limit.
         inverse_current_limit: [Unit::PER_AMPERE] = 0.0, 0.0..=100.0, Fixed, "amplifier data";
     }
+}
+
+/// Torque that the motor gives when `torque` is asked of it at this wheel speed, wheel side, N m: within
+/// the torque limit (4.14), the current limit and what the effects allow (supply voltage).
+pub fn limited_torque<S: Scalar>(motor: &Motor<S>, effects: &Effects<S>, speed: S, torque: S) -> S {
+    let mut given = torque;
+    let mut clamp = |inverse: S, unit: S| {
+        if !inverse.is_exactly(0.0) {
+            let limit = unit / inverse;
+            given = given.smaller(limit).larger(-limit);
+        }
+    };
+    clamp(motor.inverse_torque_limit, S::from(1.0));
+    clamp(motor.inverse_current_limit, motor.gear_ratio * motor.torque_constant);
+    effects.motor_torque(motor, speed, &mut given);
+    given
+}
+
+/// Motor current for a torque on the wheel's side of the gear: I = T / (N K_t) (4.7, 4.9), A.
+pub fn current<S: Scalar>(motor: &Motor<S>, torque: S) -> S {
+    torque / (motor.gear_ratio * motor.torque_constant)
 }

@@ -15,6 +15,11 @@ pub trait Scalar: DualNum<Primitive = f64> + Copy + Send + Sync {
         self.re()
     }
 
+    /// Whether this is the constant `x`, with no derivative either: an effect whose parameter is exactly
+    /// neutral may be skipped, one that is being differentiated may not.
+    #[must_use]
+    fn is_exactly(self, x: f64) -> bool;
+
     /// The smaller of two numbers, by their real parts.
     #[must_use]
     fn smaller(self, other: Self) -> Self {
@@ -37,12 +42,21 @@ impl Scalar for f64 {
         // The thesis's soil has n = 1; libm's pow takes longer than the rest of the node there.
         if exponent == 1.0 { self } else { self.powf(exponent) }
     }
+
+    #[inline]
+    fn is_exactly(self, x: f64) -> bool {
+        self == x
+    }
 }
 
 impl<const N: usize> Scalar for Dual<N> {
     fn power(self, exponent: Self) -> Self {
         // The limit at zero: x^n and its derivatives in n vanish, and no node of a quadrature lies there.
         if self.re <= 0.0 { Self::from(0.0) } else { (self.ln() * exponent).exp() }
+    }
+
+    fn is_exactly(self, x: f64) -> bool {
+        self.re == x && self.eps.0.is_none()
     }
 }
 
@@ -56,4 +70,10 @@ pub fn smooth_step<S: Scalar>(x: S) -> S {
     } else {
         x * x * (S::from(3.0) - x * 2.0)
     }
+}
+
+/// Derivative of [`smooth_step`].
+#[must_use]
+pub fn smooth_step_slope<S: Scalar>(x: S) -> S {
+    if x.value() <= 0.0 || x.value() >= 1.0 { S::from(0.0) } else { x * (S::from(1.0) - x) * 6.0 }
 }

@@ -24,9 +24,7 @@ parameters! {
         c2: [Unit::ONE] = 0.2, 0.0..=1.0, Fixed, "Wong and Reece 1967: 0.32";
         /// Damping of one wheel along the ground's normal, against the normal velocity; nothing in steady driving.
         damping: [Unit::NEWTON_SECOND_PER_METRE] = 300.0, 0.0..=1e5, Fixed, "assumption: about half critical for 5 kg on the thesis's soil";
-        /// Speed below which the rim's shear is that of a standing wheel held by static friction.
-        hold_speed: [Unit::METRE_PER_SECOND] = 0.002, 1e-5..=0.02, Fixed, "assumption: under the slowest single-wheel rigs (10 mm/s)";
-        /// Displacement over which a standing wheel's friction is mobilised.
+        /// Displacement over which a contact's forces build up from standstill, and a standing wheel's friction is mobilised.
         hold_displacement: [Unit::METRE] = 0.0005, 1e-5..=0.01, Fixed, "assumption: small beside K, stiff enough to park on";
     }
 }

@@ -7,6 +7,7 @@
 mod parameters;
 mod unit;
 mod variable;
+pub mod xml;
 
 pub use parameters::{Lookup, ParameterError, Parameters, join};
 pub use unit::{DisplayUnit, Exponents, Unit};

@@ -90,6 +90,8 @@ impl Unit {
     pub const PER_NEWTON_METRE: Unit = unit("1/(N.m)", Exponents { kg: -1, m: -2, s: 2, ..NONE });
     /// Newton metre second a radian.
     pub const NEWTON_METRE_SECOND: Unit = unit("N.m.s/rad", Exponents { kg: 1, m: 2, s: -1, rad: -1, ..NONE });
+    /// Newton metre second squared a radian, a derivative gain on wheel speed.
+    pub const NEWTON_METRE_SECOND2_PER_RADIAN: Unit = unit("N.m.s2/rad", Exponents { kg: 1, m: 2, rad: -1, ..NONE });
     /// Newton metre a radian.
     pub const NEWTON_METRE_PER_RADIAN: Unit = unit("N.m/rad", Exponents { kg: 1, m: 2, s: -2, rad: -1, ..NONE });
     /// Pascal, shown in kilopascal.

@@ -1,11 +1,31 @@
 //! Controllers: they see measurements and a reference, never the true state.
+//!
+//! [`VelocityController`] holds every wheel's speed by itself (the usual rover control, 4.4.1);
+//! [`Rtc`] shares one body force out among the wheels (rough-terrain control, 4.2-4.3). Both know the
+//! rover only as [`Nominal`] describes it.
+
+mod error;
+mod nominal;
+pub mod rtc;
+mod velocity;
+
+pub use error::ControlError;
+pub use nominal::Nominal;
+pub use rtc::{Criterion, Outcome, RoughTerrainControl, Rtc};
+pub use velocity::{VelocityControl, VelocityController};
 
 use crate::signals::{Command, Measurement, Reference};
 
 /// Turns measurements and a reference into a command, once a control period.
 pub trait Controller {
-    /// The command for the next control period; written into `command`, which has one value a wheel.
-    fn command(&mut self, measured: &Measurement, goal: &Reference, command: &mut Command);
+    /// The command for the next control period; written into `command`, which gets one value a wheel,
+    /// rear to front.
+    ///
+    /// # Errors
+    /// [`ControlError`] where a reading that the law uses is not finite, the number of wheels is not the
+    /// controller's, or the law has no finite answer. `command` and the controller's history are then as
+    /// they were, so that a caller may hold the last command, and knows that it does.
+    fn command(&mut self, measured: &Measurement, goal: &Reference, command: &mut Command) -> Result<(), ControlError>;
 
     /// Forgets all history.
     fn reset(&mut self);

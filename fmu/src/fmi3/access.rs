@@ -1,0 +1,146 @@
+//! Reading and setting variables: numbers and enumerations, and a refusal for every other type.
+
+use super::arguments::{Places, list};
+use super::instance::call;
+use super::types::{Boolean, Instance, Status};
+use crate::lifecycle::{Refusal, Type};
+use std::ffi::{c_char, c_void};
+
+/// `fmi3GetFloat64`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetFloat64(
+    instance: Instance,
+    valueReferences: *const u32,
+    nValueReferences: usize,
+    values: *mut f64,
+    nValues: usize,
+) -> Status {
+    call(instance, "fmi3GetFloat64", |component| {
+        // SAFETY: NULL or valid, by the promise of the border.
+        let (references, values) = unsafe { read(valueReferences, nValueReferences, values, nValues) }?;
+        component.lifecycle.get(references, Type::Real, &mut |place, value| values.put(place, value))
+    })
+}
+
+/// `fmi3GetInt64`, for enumerations.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3GetInt64(
+    instance: Instance,
+    valueReferences: *const u32,
+    nValueReferences: usize,
+    values: *mut i64,
+    nValues: usize,
+) -> Status {
+    call(instance, "fmi3GetInt64", |component| {
+        // SAFETY: NULL or valid, by the promise of the border.
+        let (references, values) = unsafe { read(valueReferences, nValueReferences, values, nValues) }?;
+        component.lifecycle.get(references, Type::Enumeration, &mut |place, value| values.put(place, value as i64))
+    })
+}
+
+/// `fmi3SetFloat64`: all values are set or, with an error, none.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3SetFloat64(
+    instance: Instance,
+    valueReferences: *const u32,
+    nValueReferences: usize,
+    values: *const f64,
+    nValues: usize,
+) -> Status {
+    call(instance, "fmi3SetFloat64", |component| {
+        // SAFETY: NULL or valid, by the promise of the border.
+        let references = unsafe { list("valueReferences", valueReferences, nValueReferences) }?;
+        // SAFETY: as above.
+        let values = unsafe { list("values", values, nValues) }?;
+        component.lifecycle.set(references, Type::Real, values)
+    })
+}
+
+/// `fmi3SetInt64`, for enumerations.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn fmi3SetInt64(
+    instance: Instance,
+    valueReferences: *const u32,
+    nValueReferences: usize,
+    values: *const i64,
+    nValues: usize,
+) -> Status {
+    call(instance, "fmi3SetInt64", |component| {
+        // SAFETY: NULL or valid, by the promise of the border.
+        let references = unsafe { list("valueReferences", valueReferences, nValueReferences) }?;
+        // SAFETY: as above.
+        let values = unsafe { list("values", values, nValues) }?;
+        let values: Vec<f64> = values.iter().map(|value| *value as f64).collect();
+        component.lifecycle.set(references, Type::Enumeration, &values)
+    })
+}
+
+/// References and places for as many values.
+unsafe fn read<'a, T: Copy>(
+    references: *const u32,
+    count: usize,
+    values: *mut T,
+    places_given: usize,
+) -> Result<(&'a [u32], Places<T>), Refusal> {
+    if count != places_given {
+        return Err(Refusal::Length { references: count, values: places_given });
+    }
+    // SAFETY: NULL or valid, by the promise of the border.
+    unsafe { Ok((list("valueReferences", references, count)?, Places::new("values", values, count)?)) }
+}
+
+/// Functions for types that no variable has: correct only for an empty list.
+macro_rules! other_types {
+    ($($function:ident($($argument:ident: $type:ty),*), $word:literal;)*) => {$(
+        #[doc = concat!("`", stringify!($function), "`: no variable has this type.")]
+        #[unsafe(no_mangle)]
+        pub unsafe extern "C" fn $function(
+            instance: Instance,
+            valueReferences: *const u32,
+            nValueReferences: usize,
+            $($argument: $type),*
+        ) -> Status {
+            let _ = ($($argument,)*);
+            call(instance, stringify!($function), |component| {
+                // SAFETY: NULL or valid, by the promise of the border.
+                let references = unsafe { list("valueReferences", valueReferences, nValueReferences) }?;
+                component.lifecycle.expect(references, Type::Other($word))
+            })
+        }
+    )*};
+}
+
+other_types! {
+    fmi3GetFloat32(values: *mut f32, nValues: usize), "a 32 bit floating point number";
+    fmi3GetInt8(values: *mut i8, nValues: usize), "an 8 bit integer";
+    fmi3GetUInt8(values: *mut u8, nValues: usize), "an unsigned 8 bit integer";
+    fmi3GetInt16(values: *mut i16, nValues: usize), "a 16 bit integer";
+    fmi3GetUInt16(values: *mut u16, nValues: usize), "an unsigned 16 bit integer";
+    fmi3GetInt32(values: *mut i32, nValues: usize), "a 32 bit integer";
+    fmi3GetUInt32(values: *mut u32, nValues: usize), "an unsigned 32 bit integer";
+    fmi3GetUInt64(values: *mut u64, nValues: usize), "an unsigned 64 bit integer";
+    fmi3GetBoolean(values: *mut Boolean, nValues: usize), "a Boolean";
+    fmi3GetString(values: *mut *const c_char, nValues: usize), "a string";
+    fmi3GetBinary(valueSizes: *mut usize, values: *mut *const u8, nValues: usize), "binary";
+    fmi3GetClock(values: *mut Boolean), "a clock";
+    fmi3SetFloat32(values: *const f32, nValues: usize), "a 32 bit floating point number";
+    fmi3SetInt8(values: *const i8, nValues: usize), "an 8 bit integer";
+    fmi3SetUInt8(values: *const u8, nValues: usize), "an unsigned 8 bit integer";
+    fmi3SetInt16(values: *const i16, nValues: usize), "a 16 bit integer";
+    fmi3SetUInt16(values: *const u16, nValues: usize), "an unsigned 16 bit integer";
+    fmi3SetInt32(values: *const i32, nValues: usize), "a 32 bit integer";
+    fmi3SetUInt32(values: *const u32, nValues: usize), "an unsigned 32 bit integer";
+    fmi3SetUInt64(values: *const u64, nValues: usize), "an unsigned 64 bit integer";
+    fmi3SetBoolean(values: *const Boolean, nValues: usize), "a Boolean";
+    fmi3SetString(values: *const *const c_char, nValues: usize), "a string";
+    fmi3SetBinary(valueSizes: *const usize, values: *const *const u8, nValues: usize), "binary";
+    fmi3SetClock(values: *const Boolean), "a clock";
+    fmi3GetIntervalDecimal(intervals: *mut f64, qualifiers: *mut c_void), "a clock";
+    fmi3GetIntervalFraction(counters: *mut u64, resolutions: *mut u64, qualifiers: *mut c_void), "a clock";
+    fmi3GetShiftDecimal(shifts: *mut f64), "a clock";
+    fmi3GetShiftFraction(counters: *mut u64, resolutions: *mut u64), "a clock";
+    fmi3SetIntervalDecimal(intervals: *const f64), "a clock";
+    fmi3SetIntervalFraction(counters: *const u64, resolutions: *const u64), "a clock";
+    fmi3SetShiftDecimal(shifts: *const f64), "a clock";
+    fmi3SetShiftFraction(counters: *const u64, resolutions: *const u64), "a clock";
+}

@@ -1,0 +1,128 @@
+//! Reading and setting variables by value reference.
+
+use super::{Lifecycle, Phase, Refusal};
+use bekker_modeldescription::xml::{Causality, Entry, Kind, Variability};
+
+/// Type of the values that a function of the standard works on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Type {
+    /// 64 bit floating point.
+    Real,
+    /// Enumerations, as 64 bit integers.
+    Enumeration,
+    /// A type of the standard that no variable has.
+    Other(&'static str),
+}
+
+impl Type {
+    fn of(entry: &Entry) -> Self {
+        match entry.kind {
+            Kind::Real => Self::Real,
+            Kind::Enumeration { .. } => Self::Enumeration,
+        }
+    }
+
+    fn word(self) -> &'static str {
+        match self {
+            Self::Real => "a 64 bit floating point number",
+            Self::Enumeration => "an enumeration",
+            Self::Other(word) => word,
+        }
+    }
+}
+
+impl Lifecycle {
+    /// Reads variables of type `asked` in order into `put(place, value)`.
+    ///
+    /// # Errors
+    /// [`Refusal::Reference`], [`Refusal::Type`]; [`Refusal::NotComputed`] for an output before
+    /// initialization; [`Refusal::Failed`] where outputs are read in initialization and cannot be computed.
+    pub fn get(&mut self, references: &[u32], asked: Type, put: &mut dyn FnMut(usize, f64)) -> Result<(), Refusal> {
+        let mut computed = false;
+        for &reference in references {
+            let entry = self.entry(reference, asked)?;
+            computed |= entry.causality == Causality::Output;
+            if computed && self.phase == Phase::Instantiated {
+                return Err(Refusal::NotComputed(entry.variable.name.clone()));
+            }
+        }
+        if computed && self.phase == Phase::Initialization {
+            self.refresh()?;
+        }
+        for (place, &reference) in references.iter().enumerate() {
+            put(place, self.value(reference as usize));
+        }
+        Ok(())
+    }
+
+    fn value(&self, reference: usize) -> f64 {
+        match self.model.description().entries[reference].causality {
+            Causality::Independent => self.time(),
+            _ => self.model.get(reference),
+        }
+    }
+
+    /// Sets variables of type `asked`; either all or, with an error, none.
+    ///
+    /// # Errors
+    /// [`Refusal::Reference`], [`Refusal::Type`], [`Refusal::Length`]; [`Refusal::ReadOnly`] for time and
+    /// outputs, for anything after the end and for fixed parameters after initialization;
+    /// [`Refusal::Value`] outside the bounds.
+    pub fn set(&mut self, references: &[u32], asked: Type, values: &[f64]) -> Result<(), Refusal> {
+        if references.len() != values.len() {
+            return Err(Refusal::Length { references: references.len(), values: values.len() });
+        }
+        for (&reference, &value) in references.iter().zip(values) {
+            let entry = self.entry(reference, asked)?;
+            self.settable(entry)?;
+            if !entry.variable.allows(value) {
+                let (name, range) = (entry.variable.name.clone(), entry.variable.range());
+                return Err(Refusal::Value { name, value, range });
+            }
+        }
+        for (&reference, &value) in references.iter().zip(values) {
+            self.model.set(reference as usize, value);
+        }
+        self.stale |= self.phase != Phase::Step && !references.is_empty();
+        Ok(())
+    }
+
+    /// Whether all references exist and have the type `asked`.
+    ///
+    /// # Errors
+    /// [`Refusal::Reference`], [`Refusal::Type`].
+    pub fn expect(&self, references: &[u32], asked: Type) -> Result<(), Refusal> {
+        references.iter().try_for_each(|reference| self.entry(*reference, asked).map(|_| ()))
+    }
+
+    fn entry(&self, reference: u32, asked: Type) -> Result<&Entry, Refusal> {
+        let entries = &self.model.description().entries;
+        let entry = entries.get(reference as usize);
+        let entry = entry.ok_or(Refusal::Reference { reference, largest: entries.len().saturating_sub(1) })?;
+        let actual = Type::of(entry);
+        if actual == asked {
+            return Ok(entry);
+        }
+        let name = entry.variable.name.clone();
+        Err(Refusal::Type { name, reference, actual: actual.word(), asked: asked.word() })
+    }
+
+    fn settable(&self, entry: &Entry) -> Result<(), Refusal> {
+        let before = matches!(self.phase, Phase::Instantiated | Phase::Initialization);
+        let during = before || self.phase == Phase::Step;
+        let legal = match (entry.causality, entry.variability) {
+            (Causality::Input, _) | (Causality::Parameter, Variability::Tunable) => during,
+            (Causality::Parameter, _) => before,
+            (Causality::Output | Causality::Independent, _) => false,
+        };
+        if legal {
+            return Ok(());
+        }
+        let never = matches!(entry.causality, Causality::Output | Causality::Independent);
+        Err(Refusal::ReadOnly {
+            name: entry.variable.name.clone(),
+            what: format!("`{} {}`", entry.variability.word(), entry.causality.word()),
+            when: if never { "by the importer".into() } else { format!("in the phase `{}`", self.phase) },
+        })
+    }
+}

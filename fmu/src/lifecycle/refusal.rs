@@ -1,0 +1,86 @@
+//! Why a call is refused, in words for the host's log.
+
+use super::Phase;
+use crate::model::Failure;
+
+/// Why a call was not carried out. The instance is as before the call, except after [`Refusal::Failed`].
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Refusal {
+    /// The call is not legal in this phase.
+    #[error("not allowed in the phase `{phase}`; expected {expected}")]
+    Order {
+        /// The phase.
+        phase: Phase,
+        /// The phases in which the call is legal.
+        expected: String,
+    },
+    /// No variable has this value reference.
+    #[error("no variable has the value reference {reference}; the largest is {largest}")]
+    Reference {
+        /// The reference asked for.
+        reference: u32,
+        /// The largest one that exists.
+        largest: usize,
+    },
+    /// The variable has another type than the function.
+    #[error("`{name}` (value reference {reference}) is {actual}, not {asked}")]
+    Type {
+        /// The variable.
+        name: String,
+        /// Its reference.
+        reference: u32,
+        /// Its type.
+        actual: &'static str,
+        /// The type that the function works on.
+        asked: &'static str,
+    },
+    /// The variable may not be set, or not now.
+    #[error("`{name}` is {what} and cannot be set {when}")]
+    ReadOnly {
+        /// The variable.
+        name: String,
+        /// Causality and variability.
+        what: String,
+        /// `by the importer` or the phase.
+        when: String,
+    },
+    /// The value is outside the variable's bounds, or not a number.
+    #[error("{value} is not allowed for `{name}`; expected a finite number in {range}")]
+    Value {
+        /// The variable.
+        name: String,
+        /// The value.
+        value: f64,
+        /// Its bounds and unit.
+        range: String,
+    },
+    /// An output is asked for before it has been computed.
+    #[error("`{0}` is an output and has no value before initialization")]
+    NotComputed(String),
+    /// Numbers of references and of values differ.
+    #[error("{references} value references but {values} values; every variable is a scalar")]
+    Length {
+        /// How many references.
+        references: usize,
+        /// How many values.
+        values: usize,
+    },
+    /// A time or a step is not usable.
+    #[error("{0}")]
+    Time(String),
+    /// The simulation has ended; the reason follows.
+    #[error("the simulation has ended: {0}")]
+    Ended(String),
+    /// The model could not start or go on.
+    #[error("{0}")]
+    Failed(#[from] Failure),
+    /// A pointer is NULL or not aligned.
+    #[error("`{0}` is NULL or not aligned")]
+    Pointer(&'static str),
+    /// A text is not UTF-8.
+    #[error("`{0}` is not UTF-8 text")]
+    Text(&'static str),
+    /// The FMU does not offer this.
+    #[error("{0}")]
+    Unsupported(String),
+}

@@ -1,0 +1,138 @@
+//! A simulation tool in miniature: it calls the C functions and keeps what they log.
+#![allow(dead_code)]
+
+use bekker::model::Model;
+use bekker_fmu::fmi3::*;
+use bekker_modeldescription::xml::Description;
+use std::cell::RefCell;
+use std::ffi::{CStr, CString, c_char, c_void};
+use std::path::{Path, PathBuf};
+use std::ptr::{null, null_mut};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+thread_local! {
+    static LOG: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
+}
+
+/// What has been logged on this thread since the last call.
+pub fn messages() -> Vec<String> {
+    LOG.with_borrow_mut(std::mem::take)
+}
+
+pub unsafe extern "C" fn log(_: *mut c_void, status: Status, category: *const c_char, message: *const c_char) {
+    // SAFETY: the library passes NUL-terminated texts.
+    let [category, message] = [category, message].map(|text| unsafe { CStr::from_ptr(text) }.to_string_lossy());
+    LOG.with_borrow_mut(|log| log.push(format!("{status:?} {category}: {message}")));
+}
+
+/// An unpacked FMU.
+pub struct Fmu {
+    folder: PathBuf,
+    pub description: Description,
+}
+
+impl Fmu {
+    pub fn new(model: &Model) -> Self {
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let number = COUNT.fetch_add(1, Ordering::Relaxed);
+        let folder = std::env::temp_dir().join(format!("bekker-fmu-{}-{number}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let (text, description) = bekker_fmu::describe(model).unwrap();
+        std::fs::write(folder.join("model.toml"), text).unwrap();
+        Self { folder, description }
+    }
+
+    pub fn preset(name: &str) -> Self {
+        Self::new(&Model::preset(name).unwrap())
+    }
+
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    pub fn resources(&self) -> CString {
+        CString::new(self.folder.to_str().unwrap()).unwrap()
+    }
+
+    pub fn token(&self) -> CString {
+        CString::new(self.description.fmi3_token().unwrap()).unwrap()
+    }
+
+    pub fn reference(&self, name: &str) -> u32 {
+        let place = self.description.entries.iter().position(|entry| entry.variable.name == name);
+        u32::try_from(place.unwrap_or_else(|| panic!("no variable {name}"))).unwrap()
+    }
+
+    /// A new instance, or NULL.
+    pub fn instantiate(&self) -> Instance {
+        instantiate(c"rover", Some(&self.token()), Some(&self.resources()))
+    }
+
+    /// A new instance in step mode at time 0.
+    pub fn running(&self) -> Instance {
+        let instance = self.instantiate();
+        assert_eq!(fmi3EnterInitializationMode(instance, 0, 0.0, 0.0, 0, 0.0), Status::Ok, "{:?}", messages());
+        assert_eq!(fmi3ExitInitializationMode(instance), Status::Ok, "{:?}", messages());
+        instance
+    }
+}
+
+impl Drop for Fmu {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.folder);
+    }
+}
+
+/// `fmi3InstantiateCoSimulation` with the usual arguments.
+pub fn instantiate(name: &CStr, token: Option<&CStr>, resources: Option<&CStr>) -> Instance {
+    let pointer = |text: Option<&CStr>| text.map_or(null(), CStr::as_ptr);
+    // SAFETY: texts that live through the call, and NULL where the standard allows it.
+    unsafe {
+        fmi3InstantiateCoSimulation(
+            name.as_ptr(),
+            pointer(token),
+            pointer(resources),
+            0,
+            1,
+            0,
+            0,
+            null(),
+            0,
+            null_mut(),
+            Some(log),
+            None,
+        )
+    }
+}
+
+pub fn get(instance: Instance, references: &[u32]) -> Result<Vec<f64>, Status> {
+    let mut values = vec![f64::NAN; references.len()];
+    let (n, place) = (references.len(), values.as_mut_ptr());
+    // SAFETY: `n` references and `n` places.
+    match unsafe { fmi3GetFloat64(instance, references.as_ptr(), n, place, n) } {
+        Status::Ok => Ok(values),
+        status => Err(status),
+    }
+}
+
+pub fn set(instance: Instance, references: &[u32], values: &[f64]) -> Status {
+    // SAFETY: pointers and lengths of slices.
+    unsafe { fmi3SetFloat64(instance, references.as_ptr(), references.len(), values.as_ptr(), values.len()) }
+}
+
+/// What `fmi3DoStep` returns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stepped {
+    pub status: Status,
+    pub event: bool,
+    pub terminate: bool,
+    pub early: bool,
+    pub time: f64,
+}
+
+pub fn step(instance: Instance, current: f64, size: f64) -> Stepped {
+    let (mut event, mut terminate, mut early, mut time) = (true, true, true, f64::NAN);
+    // SAFETY: four valid places.
+    let status = unsafe { fmi3DoStep(instance, current, size, 1, &mut event, &mut terminate, &mut early, &mut time) };
+    Stepped { status, event, terminate, early, time }
+}

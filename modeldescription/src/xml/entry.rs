@@ -1,0 +1,150 @@
+//! One variable of a description: an entry of the vocabulary and its part in a simulation.
+
+use super::{DescriptionError, finite, writable};
+use crate::{Role, Unit, Variable};
+use std::borrow::Cow;
+
+/// Who sets a variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Causality {
+    /// Time.
+    Independent,
+    /// The user, before or (where tunable) during a simulation.
+    Parameter,
+    /// Another model, at every communication point.
+    Input,
+    /// The model.
+    Output,
+}
+
+impl Causality {
+    /// Both versions of the standard use these words.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Independent => "independent",
+            Self::Parameter => "parameter",
+            Self::Input => "input",
+            Self::Output => "output",
+        }
+    }
+}
+
+/// When a variable may change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Variability {
+    /// Not after initialization.
+    Fixed,
+    /// At communication points.
+    Tunable,
+    /// At events.
+    Discrete,
+    /// Always.
+    Continuous,
+}
+
+impl Variability {
+    /// Both versions of the standard use these words.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Fixed => "fixed",
+            Self::Tunable => "tunable",
+            Self::Discrete => "discrete",
+            Self::Continuous => "continuous",
+        }
+    }
+}
+
+/// One value of an enumeration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Item {
+    /// Name of the value.
+    pub name: &'static str,
+    /// Its number.
+    pub value: i64,
+    /// Its meaning.
+    pub doc: &'static str,
+}
+
+/// Type of a variable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// A 64 bit floating point number.
+    Real,
+    /// One of a few named integers.
+    Enumeration {
+        /// Name of the type.
+        name: &'static str,
+        /// Its values.
+        items: &'static [Item],
+    },
+}
+
+/// A variable and its part in a simulation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// Name, meaning, unit and bounds.
+    pub variable: Variable,
+    /// Type.
+    pub kind: Kind,
+    /// Value before a simulation; for an output without meaning.
+    pub start: f64,
+    /// Who sets it.
+    pub causality: Causality,
+    /// When it may change.
+    pub variability: Variability,
+}
+
+impl Entry {
+    /// The simulation's time, s.
+    #[must_use]
+    pub fn time() -> Self {
+        let variable = Variable {
+            name: "time".into(),
+            doc: "Simulation time.".into(),
+            unit: Unit::SECOND,
+            default: 0.0,
+            min: f64::NEG_INFINITY,
+            max: f64::INFINITY,
+            role: Role::Signal,
+            source: Cow::Borrowed(""),
+        };
+        let (causality, variability) = (Causality::Independent, Variability::Continuous);
+        Self { variable, kind: Kind::Real, start: 0.0, causality, variability }
+    }
+
+    /// A parameter with the value `start`, which may not change after initialization.
+    #[must_use]
+    pub fn parameter(variable: Variable, start: f64) -> Self {
+        let (causality, variability) = (Causality::Parameter, Variability::Fixed);
+        Self { variable, kind: Kind::Real, start, causality, variability }
+    }
+
+    /// An input with the value `start` until another is set.
+    #[must_use]
+    pub fn input(variable: Variable, start: f64) -> Self {
+        let (causality, variability) = (Causality::Input, Variability::Continuous);
+        Self { variable, kind: Kind::Real, start, causality, variability }
+    }
+
+    /// An output.
+    #[must_use]
+    pub fn output(variable: Variable) -> Self {
+        let (causality, variability) = (Causality::Output, Variability::Continuous);
+        Self { start: variable.default, variable, kind: Kind::Real, causality, variability }
+    }
+
+    /// An output that is one of a few named integers.
+    #[must_use]
+    pub fn enumeration(variable: Variable, name: &'static str, items: &'static [Item]) -> Self {
+        let kind = Kind::Enumeration { name, items };
+        Self { kind, variability: Variability::Discrete, ..Self::output(variable) }
+    }
+
+    pub(super) fn check(&self) -> Result<(), DescriptionError> {
+        writable(&self.variable.name)?;
+        writable(&self.variable.doc)?;
+        finite(&format!("the start value of `{}`", self.variable.name), self.start)
+    }
+}

@@ -1,0 +1,13 @@
+//! A wheel touching deformable soil.
+//!
+//! [`rolling()`] gives the forces at a sinkage, a speed and a rate of turning: the full stress integrals.
+//! [`touch`] is the contact that the rover's dynamics use: the same, with normal damping, and with static
+//! friction at standstill so that a parked rover stays.
+
+mod quadrature;
+mod rim;
+mod rolling;
+mod touch;
+
+pub use rolling::{Forces, rolling, slip};
+pub use touch::{Hold, Motion, Slopes, Touch, touch};

@@ -1,0 +1,184 @@
+//! Stresses along the rim in contact with the soil (2.1)-(2.6).
+//!
+//! Angles are measured at the wheel centre from the ground's normal, forward positive. Both zones are
+//! run through with s in 0..1: theta = theta_1 - (theta_1 - theta_m) s^2 in front and
+//! theta = theta_2 + (theta_m - theta_2) s^2 behind. The square removes the root-like start of the stress
+//! at both ends for n < 1. Since (2.6) maps the rear zone onto the front one, the normal stress is the
+//! same function of s in both and is computed once.
+
+use crate::scalar::Scalar;
+use crate::soil::Soil;
+use crate::wheel::Wheel;
+
+/// How the soil is sheared along the rim.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Shear<S> {
+    /// Rolling with this V/(r omega) >= 0 (2.2).
+    Ratio(S),
+    /// Sliding everywhere, |j| -> infinity, shear of this sign.
+    Full(f64),
+}
+
+/// One rim in contact.
+pub(super) struct Rim<S> {
+    shear: Shear<S>,
+    theta_1: S,
+    theta_m: S,
+    theta_2: S,
+    sin_1: S,
+    cos_1: S,
+    radius: S,
+    modulus: S,
+    exponent: S,
+    cohesion: S,
+    tan_phi: S,
+    /// r/K.
+    shear_rate: S,
+}
+
+/// Where the shear changes sign.
+pub(super) struct Kink {
+    pub in_front: bool,
+    pub s: f64,
+}
+
+/// Integrals over theta of the stresses, and of the shear's slope in V/(r omega).
+pub(super) struct Sums<S> {
+    pub sigma_cos: S,
+    pub sigma_sin: S,
+    pub tau_cos: S,
+    pub tau_sin: S,
+    pub tau: S,
+    pub slope_cos: S,
+    pub slope_sin: S,
+    pub slope: S,
+}
+
+impl<S: Scalar> Sums<S> {
+    pub fn zero() -> Self {
+        let o = S::from(0.0);
+        Self { sigma_cos: o, sigma_sin: o, tau_cos: o, tau_sin: o, tau: o, slope_cos: o, slope_sin: o, slope: o }
+    }
+}
+
+impl<S: Scalar> Rim<S> {
+    pub fn new(wheel: &Wheel<S>, soil: &Soil<S>, exit_ratio: S, sinkage: S, shear: Shear<S>, established: S) -> Self {
+        let depth = sinkage / wheel.radius;
+        // A wheel sunk to its axle is an event; the clamp only keeps the formula finite until then.
+        let theta_1 = (S::from(1.0) - depth.smaller(S::from(1.5))).acos();
+        let theta_2 = if exit_ratio.value() > 0.0 {
+            -(S::from(1.0) - (exit_ratio * depth).smaller(S::from(1.5))).acos()
+        } else {
+            S::from(0.0)
+        };
+        let slip_size = match shear {
+            Shear::Ratio(ratio) if ratio.value() <= 1.0 => S::from(1.0) - ratio,
+            Shear::Ratio(ratio) => S::from(1.0) - ratio.recip(),
+            Shear::Full(_) => S::from(1.0),
+        };
+        let share = (soil.c1 + soil.c2 * slip_size * established).larger(S::from(0.05)).smaller(S::from(0.95));
+        let (sin_1, cos_1) = theta_1.sin_cos();
+        Self {
+            shear,
+            theta_1,
+            theta_m: share * theta_1,
+            theta_2,
+            sin_1,
+            cos_1,
+            radius: wheel.radius,
+            modulus: soil.modulus(wheel.width),
+            exponent: soil.exponent,
+            cohesion: soil.cohesion,
+            tan_phi: soil.friction_angle.tan(),
+            shear_rate: wheel.radius / soil.shear_modulus,
+        }
+    }
+
+    /// Whether r/K is at most `limit`.
+    pub fn needs_few_nodes(&self, limit: f64) -> bool {
+        self.shear_rate.value() <= limit
+    }
+
+    /// Adds the points of both zones at `s`, with their quadrature weights in s.
+    #[inline]
+    pub fn add(&self, sums: &mut Sums<S>, s: f64, front_weight: f64, rear_weight: f64) {
+        let s2 = s * s;
+        let front = self.theta_1 - self.theta_m;
+        let theta = self.theta_1 - front * s2;
+        let (sin, cos) = theta.sin_cos();
+        let depth = (self.radius * (cos - self.cos_1)).larger(S::from(0.0));
+        let sigma = self.modulus * depth.power(self.exponent); // (2.5)
+        let strength = self.cohesion + sigma * self.tan_phi; // (2.1)
+        if front_weight > 0.0 {
+            self.point(sums, (theta, sin, cos), (sigma, strength), front * (2.0 * s * front_weight));
+        }
+        if rear_weight > 0.0 {
+            let rear = self.theta_m - self.theta_2;
+            let theta = self.theta_2 + rear * s2; // (2.6): the same s, so the same sigma
+            let (sin, cos) = theta.sin_cos();
+            self.point(sums, (theta, sin, cos), (sigma, strength), rear * (2.0 * s * rear_weight));
+        }
+    }
+
+    /// Adds one point of the rim with the weight `d_theta`.
+    #[inline]
+    fn point(&self, sums: &mut Sums<S>, (theta, sin, cos): (S, S, S), (sigma, strength): (S, S), d_theta: S) {
+        let (tau, slope) = match self.shear {
+            Shear::Ratio(ratio) => {
+                // j/r = theta_1 - theta - V/(r omega) (sin theta_1 - sin theta)
+                let lift = self.sin_1 - sin;
+                let j = self.theta_1 - theta - ratio * lift;
+                let decay = (-(j.abs() * self.shear_rate)).exp();
+                let size = strength * (S::from(1.0) - decay);
+                let tau = if j.value() < 0.0 { -size } else { size };
+                (tau, -(strength * decay * self.shear_rate * lift))
+            }
+            Shear::Full(sign) => (strength * sign, S::from(0.0)),
+        };
+        let (sigma, tau, slope) = (sigma * d_theta, tau * d_theta, slope * d_theta);
+        sums.sigma_cos += sigma * cos;
+        sums.sigma_sin += sigma * sin;
+        sums.tau_cos += tau * cos;
+        sums.tau_sin += tau * sin;
+        sums.tau += tau;
+        sums.slope_cos += slope * cos;
+        sums.slope_sin += slope * sin;
+        sums.slope += slope;
+    }
+
+    /// Where j = 0 strictly inside the contact: only at a negative slip with V/(r omega) cos theta_1 < 1.
+    /// Its place moves only the quadrature's cut, so its derivatives do not matter.
+    pub fn kink(&self) -> Option<Kink> {
+        let Shear::Ratio(ratio) = self.shear else { return None };
+        let (ratio, theta_1, sin_1) = (ratio.value(), self.theta_1.value(), self.sin_1.value());
+        let (theta_m, theta_2) = (self.theta_m.value(), self.theta_2.value());
+        if ratio <= 1.0 || ratio * self.cos_1.value() >= 1.0 {
+            return None;
+        }
+        let j = |theta: f64| theta_1 - theta - ratio * (sin_1 - theta.sin());
+        let (mut low, mut high) = (theta_2, (1.0 / ratio).acos());
+        if j(low) >= 0.0 || high <= low {
+            return None;
+        }
+        // Newton kept within a shrinking bracket; j rises from low to high.
+        let mut theta = (2.0 * high - theta_1).max(low);
+        for _ in 0..20 {
+            let value = j(theta);
+            if value < 0.0 {
+                low = theta
+            } else {
+                high = theta
+            }
+            let next = theta - value / (ratio * theta.cos() - 1.0);
+            let next = if next > low && next < high { next } else { 0.5 * (low + high) };
+            if (next - theta).abs() < 1e-12 {
+                break;
+            }
+            theta = next;
+        }
+        let in_front = theta > theta_m;
+        let s2 =
+            if in_front { (theta_1 - theta) / (theta_1 - theta_m) } else { (theta - theta_2) / (theta_m - theta_2) };
+        Some(Kink { in_front, s: s2.clamp(0.0, 1.0).sqrt() })
+    }
+}

@@ -1,0 +1,250 @@
+//! Forces of a rolling, skidding or sliding rigid wheel on deformable soil: the full stress integrals.
+//!
+//! Bekker 1969; Wong and Reece 1967; Janosi and Hanamoto 1961; equations (2.1)-(2.9) of Iagnemma 2001.
+
+use super::quadrature::{NODES_8, NODES_12};
+use super::rim::{Rim, Shear, Sums};
+use crate::scalar::{Scalar, smooth_step, smooth_step_slope};
+use crate::soil::Soil;
+use crate::wheel::Wheel;
+
+/// Largest r/K for which 8 nodes a zone stay within 1e-6; above it 12 are used (the shear builds up
+/// within a few K of the entry point, which 8 nodes no longer resolve).
+const FEW_NODES_UP_TO: f64 = 10.0;
+
+/// Where V and omega have opposite signs, the share |V|/(|V| + |r omega|) below which the contact turns
+/// over from the side towards which the wheel spins to the side towards which it moves.
+const TURN_OVER: f64 = 0.1;
+
+/// V/(r omega) above which a rim counts as fully sliding.
+const LOCKED_RATIO: f64 = 1e6;
+
+/// Speed under which a wheel stands still for the purpose of its slip, m/s.
+const STANDSTILL: f64 = 1e-6;
+
+/// Forces of the soil on a wheel, at its centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Forces<S = f64> {
+    /// Along the ground's normal, N (2.7).
+    pub normal: S,
+    /// Drawbar pull along the ground's tangent, N (2.8).
+    pub drawbar: S,
+    /// Moment that the drive must balance, N m (2.9).
+    pub torque: S,
+}
+
+impl<S: Scalar> Forces<S> {
+    /// No force.
+    #[must_use]
+    pub fn zero() -> Self {
+        Self::filled(S::from(0.0))
+    }
+
+    fn filled(value: S) -> Self {
+        Self { normal: value, drawbar: value, torque: value }
+    }
+
+    pub(super) fn mirrored(self) -> Self {
+        Self { normal: self.normal, drawbar: -self.drawbar, torque: -self.torque }
+    }
+
+    pub(crate) fn scaled(self, factor: S) -> Self {
+        Self { normal: self.normal * factor, drawbar: self.drawbar * factor, torque: self.torque * factor }
+    }
+
+    pub(crate) fn plus(self, other: Self) -> Self {
+        Self {
+            normal: self.normal + other.normal,
+            drawbar: self.drawbar + other.drawbar,
+            torque: self.torque + other.torque,
+        }
+    }
+
+    /// `self` times `1 - weight` plus `other` times `weight`.
+    pub(super) fn mixed(self, other: Self, weight: S) -> Self {
+        let mix = |a: S, b: S| a + (b - a) * weight;
+        Self {
+            normal: mix(self.normal, other.normal),
+            drawbar: mix(self.drawbar, other.drawbar),
+            torque: mix(self.torque, other.torque),
+        }
+    }
+}
+
+/// Forces together with their slopes, which an implicit integrator needs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Rolling<S> {
+    /// The forces.
+    pub forces: Forces<S>,
+    /// Their partial derivatives in the velocity, at constant theta_m.
+    pub by_velocity: Forces<S>,
+    /// Their partial derivatives in the spin, at constant theta_m.
+    pub by_spin: Forces<S>,
+}
+
+impl<S: Scalar> Rolling<S> {
+    fn sliding(forces: Forces<S>) -> Self {
+        Self { forces, by_velocity: Forces::zero(), by_spin: Forces::zero() }
+    }
+
+    /// The same contact seen from the other side: (V, omega) -> (-V, -omega), (DP, T) -> (-DP, -T).
+    fn mirrored(self) -> Self {
+        let slope = |s: Forces<S>| Forces { normal: -s.normal, drawbar: s.drawbar, torque: s.torque };
+        Self { forces: self.forces.mirrored(), by_velocity: slope(self.by_velocity), by_spin: slope(self.by_spin) }
+    }
+}
+
+/// Slip of a wheel: 1 - V/(r omega) where |r omega| >= |V| (driving), r omega/V - 1 otherwise (skid);
+/// 0 at standstill (both speeds under 1e-6 m/s, where the ratio is noise).
+#[must_use]
+pub fn slip<S: Scalar>(velocity: S, rim_speed: S) -> S {
+    if velocity.value().abs() < STANDSTILL && rim_speed.value().abs() < STANDSTILL {
+        S::from(0.0)
+    } else if rim_speed.value().abs() >= velocity.value().abs() {
+        S::from(1.0) - velocity / rim_speed
+    } else {
+        rim_speed / velocity - 1.0
+    }
+}
+
+/// Forces on a wheel sunk by `sinkage` (m, along the normal) whose centre moves at `velocity` (m/s, along
+/// the tangent) and which turns at the absolute rate `spin` (rad/s, forward positive).
+///
+/// `exit_ratio` is lambda of the exit angle theta_2 = -acos(1 - lambda z/r); 0 ends the contact at the
+/// bottom of the wheel. Finite everywhere; continuous in all arguments except at `velocity = spin = 0`,
+/// where the formulas have no limit and zero-speed rolling at full slip is returned (a standing wheel is
+/// [`super::touch`]'s business). Error against adaptive quadrature: under 1e-6 of N (of r N for the
+/// torque) for 0.5 <= n <= 1.3 and K >= 3 mm.
+pub fn rolling<S: Scalar>(
+    wheel: &Wheel<S>,
+    soil: &Soil<S>,
+    exit_ratio: S,
+    sinkage: S,
+    velocity: S,
+    spin: S,
+) -> Forces<S> {
+    rolling_share(wheel, soil, exit_ratio, sinkage, velocity, spin, S::from(1.0)).0.forces
+}
+
+/// [`rolling()`] with the slopes of the forces, in a contact of which only the `share` (0..1) of the slip
+/// is established: it sets theta_m. Also the normal force of the pressure alone, N.
+pub(super) fn rolling_share<S: Scalar>(
+    wheel: &Wheel<S>,
+    soil: &Soil<S>,
+    exit_ratio: S,
+    sinkage: S,
+    velocity: S,
+    spin: S,
+    share: S,
+) -> (Rolling<S>, S) {
+    if sinkage.value() <= 0.0 {
+        return (Rolling::sliding(Forces::zero()), S::from(0.0));
+    }
+    let contact = Contact { wheel, soil, exit_ratio, sinkage, share };
+    let backward = velocity.value() < 0.0 || (velocity.value() == 0.0 && spin.value() < 0.0);
+    if backward {
+        // The contact is mirrored: evaluate with (-V, -omega) and negate DP and T.
+        let (rolling, pressure) = contact.forward(-velocity, -spin);
+        return (rolling.mirrored(), pressure);
+    }
+    contact.forward(velocity, spin)
+}
+
+/// A contact whose motion varies.
+struct Contact<'a, S> {
+    wheel: &'a Wheel<S>,
+    soil: &'a Soil<S>,
+    exit_ratio: S,
+    sinkage: S,
+    share: S,
+}
+
+impl<S: Scalar> Contact<'_, S> {
+    fn at(&self, shear: Shear<S>) -> Integrals<S> {
+        let rim = Rim::new(self.wheel, self.soil, self.exit_ratio, self.sinkage, shear, self.share);
+        integrate(&rim, self.wheel)
+    }
+
+    /// Forces for `velocity >= 0`.
+    fn forward(&self, velocity: S, spin: S) -> (Rolling<S>, S) {
+        let rim_speed = self.wheel.radius * spin;
+        if rim_speed.value() > 0.0 && velocity.value() / rim_speed.value() < LOCKED_RATIO {
+            let ratio = velocity / rim_speed;
+            let integrals = self.at(Shear::Ratio(ratio));
+            let rolling = Rolling {
+                forces: integrals.forces,
+                by_velocity: integrals.by_ratio.scaled(rim_speed.recip()),
+                by_spin: integrals.by_ratio.scaled(-(ratio / spin)),
+            };
+            return (rolling, integrals.pressure);
+        }
+        // The rim slides forward over the soil, which shears against it.
+        let sliding = self.at(Shear::Full(-1.0));
+        if rim_speed.value() >= 0.0 {
+            return (Rolling::sliding(sliding.forces), sliding.pressure);
+        }
+        let share = velocity / (velocity - rim_speed);
+        if share.value() >= TURN_OVER {
+            return (Rolling::sliding(sliding.forces), sliding.pressure);
+        }
+        (self.turning_over(&sliding.forces, share, velocity, rim_speed), sliding.pressure)
+    }
+
+    /// Between spinning backward on the spot (the limit V -> 0 of the mirrored contact) and sliding.
+    fn turning_over(&self, sliding: &Forces<S>, share: S, velocity: S, rim_speed: S) -> Rolling<S> {
+        let spinning = self.at(Shear::Ratio(S::from(0.0))).forces.mirrored();
+        let change = sliding.plus(spinning.scaled(S::from(-1.0)));
+        let by_share = change.scaled(smooth_step_slope(share / TURN_OVER) / TURN_OVER);
+        let squared = (velocity - rim_speed).recip() * (velocity - rim_speed).recip();
+        Rolling {
+            forces: spinning.mixed(*sliding, smooth_step(share / TURN_OVER)),
+            by_velocity: by_share.scaled(-(rim_speed * squared)),
+            by_spin: by_share.scaled(velocity * self.wheel.radius * squared),
+        }
+    }
+}
+
+/// The integrals over one rim.
+struct Integrals<S> {
+    forces: Forces<S>,
+    /// Slopes of the forces in V/(r omega).
+    by_ratio: Forces<S>,
+    /// The pressure's part of the normal force.
+    pressure: S,
+}
+
+/// The integrals (2.7)-(2.9) over one rim, and their slopes in V/(r omega).
+fn integrate<S: Scalar>(rim: &Rim<S>, wheel: &Wheel<S>) -> Integrals<S> {
+    let sums = if rim.needs_few_nodes(FEW_NODES_UP_TO) { sums(rim, &NODES_8) } else { sums(rim, &NODES_12) };
+    let area = wheel.radius * wheel.width;
+    let forces = |sigma_cos: S, sigma_sin: S, tau_cos: S, tau_sin: S, tau: S| Forces {
+        normal: area * (sigma_cos + tau_sin),  // (2.7)
+        drawbar: area * (tau_cos - sigma_sin), // (2.8)
+        torque: area * wheel.radius * tau,     // (2.9)
+    };
+    let zero = S::from(0.0);
+    Integrals {
+        forces: forces(sums.sigma_cos, sums.sigma_sin, sums.tau_cos, sums.tau_sin, sums.tau),
+        by_ratio: forces(zero, zero, sums.slope_cos, sums.slope_sin, sums.slope),
+        pressure: area * sums.sigma_cos,
+    }
+}
+
+fn sums<S: Scalar>(rim: &Rim<S>, nodes: &[(f64, f64)]) -> Sums<S> {
+    let mut sums = Sums::zero();
+    match rim.kink() {
+        None => nodes.iter().for_each(|&(s, weight)| rim.add(&mut sums, s, weight, weight)),
+        // At negative slip the shear changes sign within one zone: its interval is split there.
+        Some(kink) => {
+            let (front, rear) = if kink.in_front { (1.0, 0.0) } else { (0.0, 1.0) };
+            for &(s, weight) in nodes {
+                rim.add(&mut sums, s, weight * rear, weight * front);
+                for (from, to) in [(0.0, kink.s), (kink.s, 1.0)] {
+                    let part = weight * (to - from);
+                    rim.add(&mut sums, from + (to - from) * s, part * front, part * rear);
+                }
+            }
+        }
+    }
+    sums
+}

@@ -1,0 +1,90 @@
+//! What a controller believes of the rover.
+
+use super::error::{ControlError, finite, within_bounds};
+use crate::motor::Motor;
+use crate::soil::Soil;
+use crate::wheel::Wheel;
+
+/// A controller's model of a rover with wheels fixed to one body: estimated, never the true parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Nominal {
+    /// Gravity g, m/s^2.
+    pub gravity: f64,
+    /// Mass m of the whole rover, kg.
+    pub mass: f64,
+    /// Centre of mass [x, z] from the chassis reference point, in the chassis frame, m.
+    pub centre_of_mass: [f64; 2],
+    /// Wheel centres [x, z] from the chassis reference point, in the chassis frame, rear to front, m.
+    pub wheel_centres: Vec<[f64; 2]>,
+    /// Wheels, all the same.
+    pub wheel: Wheel,
+    /// Drives, all the same.
+    pub motor: Motor,
+    /// Estimated soil.
+    pub soil: Soil,
+}
+
+impl Nominal {
+    /// Number of wheels.
+    #[must_use]
+    pub fn wheels(&self) -> usize {
+        self.wheel_centres.len()
+    }
+
+    /// Weight m g, N.
+    #[must_use]
+    pub fn weight(&self) -> f64 {
+        self.mass * self.gravity
+    }
+
+    /// Distance along x from the rearmost to the foremost wheel centre, m.
+    #[must_use]
+    pub fn base(&self) -> f64 {
+        let along = |f: fn(f64, f64) -> f64, start| self.wheel_centres.iter().map(|c| c[0]).fold(start, f);
+        along(f64::max, f64::NEG_INFINITY) - along(f64::min, f64::INFINITY)
+    }
+
+    /// Largest torque of one drive, wheel side, N m, from its torque and current limits; `None` without limit.
+    #[must_use]
+    pub fn torque_limit(&self) -> Option<f64> {
+        let Motor { gear_ratio, torque_constant, inverse_torque_limit, inverse_current_limit, .. } = self.motor;
+        let inverse = inverse_torque_limit.max(inverse_current_limit / (gear_ratio * torque_constant));
+        (inverse > 0.0).then(|| 1.0 / inverse)
+    }
+
+    /// Power dissipated in one winding at a torque on the wheel side of the gear: R tau^2 (4.7, 4.8), W.
+    #[must_use]
+    pub fn winding_power(&self, torque: f64) -> f64 {
+        let current = torque / (self.motor.gear_ratio * self.motor.torque_constant); // (4.7), (4.9)
+        self.motor.resistance * current * current // (4.6)
+    }
+
+    /// Refuses a rover that no controller can work with.
+    ///
+    /// # Errors
+    /// [`ControlError::Nominal`], [`ControlError::NotFinite`] or [`ControlError::Parameter`] naming the
+    /// first dimension that makes no sense.
+    pub fn check(&self) -> Result<(), ControlError> {
+        positive("gravity", self.gravity, "over 0 m/s2")?;
+        positive("mass", self.mass, "over 0 kg")?;
+        for value in self.centre_of_mass {
+            finite("nominal centre of mass", None, value)?;
+        }
+        for (index, centre) in self.wheel_centres.iter().enumerate() {
+            finite("nominal centre x", Some(index), centre[0])?;
+            finite("nominal centre z", Some(index), centre[1])?;
+        }
+        if self.wheels() < 2 {
+            let value = self.wheels() as f64;
+            return Err(ControlError::Nominal { quantity: "number of wheels", value, expected: "2 or more" });
+        }
+        positive("distance from rearmost to foremost wheel", self.base(), "over 0 m")?;
+        within_bounds("wheel", self.wheel)?;
+        within_bounds("motor", self.motor)?;
+        within_bounds("soil", self.soil)
+    }
+}
+
+fn positive(quantity: &'static str, value: f64, expected: &'static str) -> Result<(), ControlError> {
+    if value.is_finite() && value > 0.0 { Ok(()) } else { Err(ControlError::Nominal { quantity, value, expected }) }
+}

@@ -1,0 +1,66 @@
+//! The optimisation of chapter 4 as a whole: dual criterion, constraints, and the nearest point without them.
+
+use super::nearest::Nearest;
+use super::power::MinimumPower;
+use super::problem::Problem;
+use super::solver::Unsolved;
+use super::switch::Criterion;
+use super::traction::MaximumTraction;
+
+/// Miss of the balance, in units of weight and half base, up to which a distribution counts as balanced
+/// where the optimiser could not tell.
+const BALANCED: f64 = 1e-6;
+
+/// How a force distribution was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Found {
+    /// Whether the forces balance the wanted body force; otherwise they are the nearest.
+    pub feasible: bool,
+    /// Linear programs of the traction search.
+    pub steps: usize,
+}
+
+/// Finds the best admissible contact forces; all programs are set up once.
+#[derive(Clone)]
+pub struct Optimiser {
+    power: MinimumPower,
+    traction: MaximumTraction,
+    nearest: Nearest,
+}
+
+impl Optimiser {
+    /// An optimiser for problems of the structure of `problem`.
+    #[must_use]
+    pub fn new(problem: &Problem) -> Self {
+        Self {
+            power: MinimumPower::new(problem),
+            traction: MaximumTraction::new(problem),
+            nearest: Nearest::new(problem),
+        }
+    }
+
+    /// Writes x = [T_1, N_1, ..] into `forces`, N: the optimum of `criterion`, or where no forces are
+    /// feasible the nearest ones, the cheapest of them, whatever the criterion.
+    ///
+    /// # Errors
+    /// [`Unsolved`] where the optimiser gives up on a problem that has a solution.
+    pub fn solve(&mut self, problem: &Problem, criterion: Criterion, forces: &mut [f64]) -> Result<Found, Unsolved> {
+        if self.power.solve(problem, forces).is_err() {
+            self.nearest.solve(problem, forces)?;
+            return Ok(Found { feasible: miss(problem, forces) <= BALANCED, steps: 0 });
+        }
+        let steps = match criterion {
+            Criterion::Power => 0,
+            Criterion::Traction => self.traction.solve(problem, &mut self.power, forces)?,
+        };
+        Ok(Found { feasible: true, steps })
+    }
+}
+
+/// Largest miss of the balance in the optimiser's units.
+fn miss(problem: &Problem, forces: &[f64]) -> f64 {
+    let sum = problem.distribution.balance(forces);
+    let wanted = problem.distribution.body_force;
+    let rows = sum.iter().zip(wanted).zip(problem.row_units());
+    rows.map(|((have, want), unit)| ((have - want) / unit).abs()).fold(0.0, f64::max)
+}

@@ -1,0 +1,20 @@
+//! Which criterion a terrain asks for (4.11, 4.12).
+
+/// What a force distribution optimises.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Criterion {
+    /// Least power P dissipated in the windings (4.10), W: for benign ground.
+    #[default]
+    Power,
+    /// Least value of the largest ratio R of tractive force to load (4.5), dimensionless: for rough ground.
+    Traction,
+}
+
+impl Criterion {
+    /// The dual criterion Q = R S + P (1 - S), with S = 1 where max |gamma_i| > C and 0 otherwise
+    /// (4.11; 4.12 as corrected, errata 10). Angles in rad; `threshold` is C, rad.
+    pub fn for_terrain(contact_angles: impl IntoIterator<Item = f64>, threshold: f64) -> Self {
+        let steepest = contact_angles.into_iter().map(f64::abs).fold(0.0, f64::max);
+        if steepest > threshold { Self::Traction } else { Self::Power }
+    }
+}

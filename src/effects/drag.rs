@@ -1,0 +1,43 @@
+//! Horizontal resistances at the chassis reference point.
+
+use super::{BodyMotion, Effect};
+use crate::scalar::Scalar;
+use bekker_modeldescription::{Unit, parameters};
+
+/// Speed over which the resistance changes its sign, m/s.
+const REVERSAL_SPEED: f64 = 0.001;
+
+parameters! {
+    /// A constant force against the motion.
+    pub struct Drag {
+        /// Force F_0.
+        force: [Unit::NEWTON] = 0.0, 0.0..=100.0, Fixed, "cable or sled: 0.5-3 N";
+    }
+}
+
+parameters! {
+    /// A force that grows with the distance travelled forward: k (x - x_0).
+    pub struct Tether {
+        /// Stiffness k.
+        stiffness: [Unit::NEWTON_PER_METRE] = 0.0, 0.0..=100.0, Fixed, "dragged cable: 0.1-1 N/m";
+    }
+}
+
+impl<S: Scalar> Effect<S> for Drag<S> {
+    fn body_force(&self, motion: &BodyMotion<S>) -> Option<S> {
+        if self.force.is_exactly(0.0) {
+            return None;
+        }
+        let norm = (motion.velocity * motion.velocity + REVERSAL_SPEED * REVERSAL_SPEED).sqrt();
+        Some(-(self.force * motion.velocity / norm))
+    }
+}
+
+impl<S: Scalar> Effect<S> for Tether<S> {
+    fn body_force(&self, motion: &BodyMotion<S>) -> Option<S> {
+        if self.stiffness.is_exactly(0.0) || motion.travelled.value() <= 0.0 {
+            return None;
+        }
+        Some(-(self.stiffness * motion.travelled))
+    }
+}

@@ -1,0 +1,26 @@
+//! Back-EMF and a limited supply voltage.
+
+use super::Effect;
+use crate::motor::Motor;
+use crate::scalar::Scalar;
+use bekker_modeldescription::{Unit, parameters};
+
+parameters! {
+    /// |R I + K_t N omega| stays within the supply voltage, so a loaded motor cannot hold its speed.
+    pub struct VoltageLimit {
+        /// One over the supply voltage; 0 is no limit.
+        inverse_voltage: [Unit::PER_VOLT] = 0.0, 0.0..=10.0, Fixed, "supply data";
+    }
+}
+
+impl<S: Scalar> Effect<S> for VoltageLimit<S> {
+    fn motor_torque(&self, motor: &Motor<S>, speed: S, torque: &mut S) {
+        if self.inverse_voltage.is_exactly(0.0) || motor.resistance.value() <= 0.0 {
+            return;
+        }
+        let voltage = self.inverse_voltage.recip();
+        let constant = motor.gear_ratio * motor.torque_constant; // wheel side, N m/A = V s/rad
+        let reachable = |sign: f64| constant * (voltage * sign - constant * speed) / motor.resistance;
+        *torque = torque.smaller(reachable(1.0)).larger(reachable(-1.0));
+    }
+}

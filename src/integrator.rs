@@ -1,0 +1,289 @@
+//! The time step: ROS2, a linearly implicit Runge-Kutta method of order 2 (Verwer et al. 1999).
+//!
+//! Two solves a step with one matrix I - gamma h A:
+//! (I - gamma h A) k1 = f(y), (I - gamma h A) k2 = f(y + h k1) - 2 k1, y' = y + h (3 k1 + k2)/2.
+//! It is a W-method: order 2 holds for any A, so A need hold only what is stiff: the contact forces in
+//! the velocities, in the spin (whose rate grows as 1/V) and in the standing contact's memory, and the
+//! soil's normal stiffness. With gamma = 1 - 1/sqrt 2 and A the Jacobian it is L-stable: the step stays
+//! stable from standstill to full slip without iterations, with a fixed cost, and the same bits every time.
+//!
+//! The wheels and their memories are eliminated by hand, which leaves a system in the generalised
+//! coordinates alone.
+
+use crate::contact::Forces;
+use crate::rover::dynamics::{DynamicsError, Evaluation, WheelEvaluation};
+use crate::rover::linear::{Factors, Matrix, Vector, add_outer, add_scaled, dot, zeros};
+use crate::rover::{Rover, State};
+use crate::scalar::Scalar;
+use crate::signals::{Command, Drive};
+
+/// gamma = 1 - 1/sqrt 2.
+const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
+
+/// Rate or increment of a whole state; a wheel's entries are its spin, `hold.travel` and `hold.turn`.
+#[derive(Clone, Debug)]
+struct Increment<S> {
+    position: Vector<S>,
+    rate: Vector<S>,
+    wheels: Vec<[S; 3]>,
+}
+
+/// What elimination of one wheel's spin and memory leaves: the slopes of its forces.
+#[derive(Clone, Copy, Debug)]
+struct Condensed<S> {
+    /// In the spin's increment, with the memory eliminated.
+    by_spin: Forces<S>,
+    /// In the tangential velocity's increment and in the body's turn, with the spin eliminated too.
+    total_by_velocity: Forces<S>,
+    by_turn: Forces<S>,
+    /// 1/(1 - gamma h slope) of the memory.
+    hold_factor: S,
+    /// 1/(I - gamma h slope) of the spin, and the spin's increment for a unit of velocity.
+    spin_factor: S,
+    spin_by_velocity: S,
+}
+
+/// Memory of the integrator: evaluations and increments, allocated once.
+#[derive(Clone, Debug)]
+pub(crate) struct Integrator<S = f64> {
+    /// Right-hand side at the present state.
+    pub now: Evaluation<S>,
+    ahead: Evaluation<S>,
+    predicted: State<S>,
+    first: Increment<S>,
+    second: Increment<S>,
+    condensed: Vec<Condensed<S>>,
+}
+
+impl<S: Scalar> Integrator<S> {
+    pub fn new(rover: &Rover<S>, state: &State<S>) -> Self {
+        let wheels = rover.wheels.len();
+        let zero = S::from(0.0);
+        let increment = Increment { position: zeros(), rate: zeros(), wheels: vec![[zero; 3]; wheels] };
+        Self {
+            now: Evaluation::new(rover),
+            ahead: Evaluation::new(rover),
+            predicted: state.clone(),
+            first: increment.clone(),
+            second: increment,
+            condensed: vec![Condensed::zero(); wheels],
+        }
+    }
+
+    /// Evaluates the right-hand side at `state`: needed before the first step and after a new command.
+    pub fn evaluate(&mut self, rover: &Rover<S>, state: &mut State<S>, command: &Command) -> Result<(), DynamicsError> {
+        self.now.update(rover, state, command)?;
+        // Where the speed is imposed the spin is no free state; keep it in step with the body.
+        for (wheel, evaluation) in state.wheels.iter_mut().zip(&self.now.wheels) {
+            wheel.spin = evaluation.spin;
+        }
+        Ok(())
+    }
+
+    /// Brings the wheels to newly imposed speeds at once: the drives' impulses turn the bodies that carry
+    /// them the other way, so that M du = sum a I (d omega - a du). `now` must hold the evaluation at `state`.
+    ///
+    /// # Errors
+    /// [`DynamicsError`].
+    pub fn impose(&self, rover: &Rover<S>, state: &mut State<S>, command: &Command) -> Result<(), DynamicsError> {
+        if command.drive != Drive::Speed {
+            return Ok(());
+        }
+        let n = rover.coordinates();
+        let (mut matrix, mut impulse) = (self.now.mass, zeros());
+        for (wheel, &speed) in self.now.wheels.iter().zip(&command.values) {
+            let inertia = rover.wheel.inertia;
+            add_outer(&mut matrix, inertia, &wheel.turn, &wheel.turn, n);
+            add_scaled(&mut impulse, inertia * (S::from(speed) - wheel.speed), &wheel.turn, n);
+        }
+        let change = Factors::new(&matrix, n).ok_or(DynamicsError::NotFinite)?.solve(&impulse);
+        state.rate.iter_mut().zip(change).for_each(|(rate, change)| *rate += change);
+        Ok(())
+    }
+
+    /// One step of size `h`; `now` must hold the evaluation at `state` and does so again afterwards.
+    ///
+    /// # Errors
+    /// [`DynamicsError`]; `state` is then left as it was before the step.
+    pub fn step(
+        &mut self,
+        rover: &Rover<S>,
+        state: &mut State<S>,
+        command: &Command,
+        h: f64,
+    ) -> Result<(), DynamicsError> {
+        let gh = GAMMA * h;
+        let factors = self.condense(rover, command.drive, gh)?;
+        self.first.set(rover, state, &self.now);
+        self.first.solve(rover, &self.now, &self.condensed, &factors, command.drive, gh);
+        self.predicted.clone_from(state);
+        self.first.add_to(&mut self.predicted, h);
+        self.ahead.update(rover, &self.predicted, command)?;
+        self.second.set(rover, &self.predicted, &self.ahead);
+        self.second.add_scaled(&self.first, -2.0);
+        self.second.solve(rover, &self.now, &self.condensed, &factors, command.drive, gh);
+        self.predicted.clone_from(state);
+        self.first.add_to(&mut self.predicted, 1.5 * h);
+        self.second.add_to(&mut self.predicted, 0.5 * h);
+        for wheel in &mut self.predicted.wheels {
+            wheel.hold = wheel.hold.bounded();
+        }
+        self.ahead.update(rover, &self.predicted, command)?;
+        std::mem::swap(&mut self.now, &mut self.ahead);
+        std::mem::swap(state, &mut self.predicted);
+        for (wheel, evaluation) in state.wheels.iter_mut().zip(&self.now.wheels) {
+            wheel.spin = evaluation.spin;
+        }
+        Ok(())
+    }
+
+    /// Eliminates spins and memories and factors the matrix that is left.
+    fn condense(&mut self, rover: &Rover<S>, drive: Drive, gh: f64) -> Result<Factors<S>, DynamicsError> {
+        let n = rover.coordinates();
+        let mut matrix = self.now.system;
+        for (wheel, condensed) in self.now.wheels.iter().zip(&mut self.condensed) {
+            *condensed = Condensed::new(rover, wheel, drive, gh);
+            add_contact(&mut matrix, wheel, condensed, drive, gh, n);
+        }
+        Factors::new(&matrix, n).ok_or(DynamicsError::NotFinite)
+    }
+}
+
+/// Adds `- gamma h` times the slopes of one wheel's contact to the condensed matrix.
+fn add_contact<S: Scalar>(
+    matrix: &mut Matrix<S>,
+    wheel: &WheelEvaluation<S>,
+    condensed: &Condensed<S>,
+    drive: Drive,
+    gh: f64,
+    n: usize,
+) {
+    let slopes = &wheel.touch.slopes;
+    let (by_velocity, by_turn) = (&condensed.total_by_velocity, &condensed.by_turn);
+    let along_normal = (slopes.stiffness * gh - slopes.damping) * gh;
+    add_outer(matrix, along_normal, &wheel.normal, &wheel.normal, n);
+    add_outer(matrix, by_velocity.normal * -gh, &wheel.normal, &wheel.tangent, n);
+    add_outer(matrix, by_velocity.drawbar * -gh, &wheel.tangent, &wheel.tangent, n);
+    if drive == Drive::Speed {
+        add_outer(matrix, by_turn.normal * -gh, &wheel.normal, &wheel.turn, n);
+        add_outer(matrix, by_turn.drawbar * -gh, &wheel.tangent, &wheel.turn, n);
+        add_outer(matrix, by_velocity.torque * -gh, &wheel.turn, &wheel.tangent, n);
+        add_outer(matrix, by_turn.torque * -gh, &wheel.turn, &wheel.turn, n);
+    }
+}
+
+impl<S: Scalar> Condensed<S> {
+    fn zero() -> Self {
+        let (zero, none) = (S::from(0.0), Forces::zero());
+        Self {
+            by_spin: none,
+            total_by_velocity: none,
+            by_turn: none,
+            hold_factor: zero,
+            spin_factor: zero,
+            spin_by_velocity: zero,
+        }
+    }
+
+    fn new(rover: &Rover<S>, wheel: &WheelEvaluation<S>, drive: Drive, gh: f64) -> Self {
+        let slopes = &wheel.touch.slopes;
+        let hold_factor = (S::from(1.0) - slopes.rate_own * gh).recip();
+        let through_hold = |[travel, turn]: [S; 2]| {
+            slopes.travel.scaled(travel * hold_factor * gh).plus(slopes.turn.scaled(turn * hold_factor * gh))
+        };
+        let by_velocity = slopes.velocity.plus(through_hold(slopes.rate_by_velocity));
+        let by_spin = slopes.spin.plus(through_hold(slopes.rate_by_spin));
+        let spin_factor = (rover.wheel.inertia + (by_spin.torque - wheel.friction_slope) * gh).recip();
+        let spin_by_velocity = -(by_velocity.torque * spin_factor * gh);
+        let (total_by_velocity, by_turn) = match drive {
+            Drive::Torque => (by_velocity.plus(by_spin.scaled(spin_by_velocity)), Forces::zero()),
+            // The spin follows the body: its increment is minus the body's turn.
+            Drive::Speed => (by_velocity, by_spin.scaled(S::from(-1.0))),
+        };
+        Self { by_spin, total_by_velocity, by_turn, hold_factor, spin_factor, spin_by_velocity }
+    }
+}
+
+impl<S: Scalar> Increment<S> {
+    /// The time derivative of `state`, as evaluated.
+    fn set(&mut self, rover: &Rover<S>, state: &State<S>, evaluation: &Evaluation<S>) {
+        self.position[..state.rate.len()].copy_from_slice(&state.rate);
+        self.rate = evaluation.acceleration;
+        for (k, (entry, wheel)) in self.wheels.iter_mut().zip(&evaluation.wheels).enumerate() {
+            *entry = [evaluation.spin_rate(rover, k), wheel.touch.rate.travel, wheel.touch.rate.turn];
+        }
+    }
+
+    fn add_scaled(&mut self, other: &Self, factor: f64) {
+        let factor = S::from(factor);
+        add_scaled(&mut self.position, factor, &other.position, crate::rover::MAX_COORDINATES);
+        add_scaled(&mut self.rate, factor, &other.rate, crate::rover::MAX_COORDINATES);
+        for (entry, other) in self.wheels.iter_mut().zip(&other.wheels) {
+            for (a, b) in entry.iter_mut().zip(other) {
+                *a += *b * factor;
+            }
+        }
+    }
+
+    fn add_to(&self, state: &mut State<S>, factor: f64) {
+        for (i, (position, rate)) in state.position.iter_mut().zip(&mut state.rate).enumerate() {
+            *position += self.position[i] * factor;
+            *rate += self.rate[i] * factor;
+        }
+        for (wheel, [spin, travel, turn]) in state.wheels.iter_mut().zip(&self.wheels) {
+            wheel.spin += *spin * factor;
+            wheel.hold.travel += *travel * factor;
+            wheel.hold.turn += *turn * factor;
+        }
+    }
+
+    /// Replaces this right-hand side r by the solution k of (I - gamma h A) k = r.
+    fn solve(
+        &mut self,
+        rover: &Rover<S>,
+        now: &Evaluation<S>,
+        condensed: &[Condensed<S>],
+        factors: &Factors<S>,
+        drive: Drive,
+        gh: f64,
+    ) {
+        let n = rover.coordinates();
+        let inertia = rover.wheel.inertia;
+        let mut right = zeros();
+        for (i, row) in now.system.iter().enumerate().take(n) {
+            right[i] = dot(row, &self.rate, n);
+        }
+        for ((wheel, c), entry) in now.wheels.iter().zip(condensed).zip(&mut self.wheels) {
+            let slopes = &wheel.touch.slopes;
+            let (travel, turn) = (c.hold_factor * entry[1], c.hold_factor * entry[2]);
+            let mut constant = slopes.travel.scaled(travel).plus(slopes.turn.scaled(turn));
+            if drive == Drive::Torque {
+                // The part of the spin's increment that does not depend on the body's motion.
+                entry[0] = (inertia * entry[0] - constant.torque * gh) * c.spin_factor;
+                constant = constant.plus(c.by_spin.scaled(entry[0]));
+            }
+            let sunk = dot(&wheel.normal, &self.position, n);
+            add_scaled(&mut right, (constant.normal - slopes.stiffness * sunk) * gh, &wheel.normal, n);
+            add_scaled(&mut right, constant.drawbar * gh, &wheel.tangent, n);
+            if drive == Drive::Speed {
+                add_scaled(&mut right, constant.torque * gh, &wheel.turn, n);
+            }
+        }
+        self.rate = factors.solve(&right);
+        for i in 0..n {
+            self.position[i] += self.rate[i] * gh;
+        }
+        for ((wheel, c), entry) in now.wheels.iter().zip(condensed).zip(&mut self.wheels) {
+            let velocity = dot(&wheel.tangent, &self.rate, n);
+            entry[0] = match drive {
+                Drive::Torque => entry[0] + c.spin_by_velocity * velocity,
+                Drive::Speed => -dot(&wheel.turn, &self.rate, n),
+            };
+            let slopes = &wheel.touch.slopes;
+            for i in 0..2 {
+                let driven = slopes.rate_by_velocity[i] * velocity + slopes.rate_by_spin[i] * entry[0];
+                entry[i + 1] = (entry[i + 1] + driven * gh) * c.hold_factor;
+            }
+        }
+    }
+}

@@ -1,0 +1,265 @@
+//! Models in TOML, in and out.
+//!
+//! ```toml
+//! name = "my rover"
+//! preset = "gentle_rtc"            # start from a built-in model; or:
+//! [vehicle]
+//! wheels = [0, 1, 1]               # body of each wheel, rear to front: 0 the chassis, k link k
+//! links = [0]                      # body that carries each link's joint
+//! [parameters]                     # by the vocabulary's names
+//! soil.cohesion = 800.0            # nested tables and dotted names mean the same
+//! "wheel[1].x" = -0.4
+//! [terrain]
+//! preset = "waves"
+//! [control]
+//! kind = "velocity"                # torque, speed, velocity, rtc
+//! [simulation]
+//! step_size = 0.002
+//! duration = 20.0
+//! seed = 0
+//! ```
+
+use super::{ControlKind, Model, PRESETS, Stepping};
+use crate::rover::{Link, LinkParameters, MAX_COORDINATES, MAX_WHEELS, Mount, Rover, WheelMount};
+use crate::terrain::{TerrainSpec, TerrainSpecError};
+use bekker_modeldescription::{Lookup, ParameterError, Parameters};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Why a model cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum ModelError {
+    /// The text is not TOML, or has an unknown key or a value of the wrong type.
+    #[error("the model file cannot be read: {0}")]
+    Syntax(#[from] toml::de::Error),
+    /// The file cannot be opened.
+    #[error("{file}: {source}")]
+    Unreadable {
+        /// The file.
+        file: String,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A parameter is unknown or out of range.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// A parameter's value is not a number.
+    #[error("parameter `{name}`: expected a number, found {found}")]
+    NotANumber {
+        /// The parameter.
+        name: String,
+        /// The type found.
+        found: &'static str,
+    },
+    /// No built-in model has this name.
+    #[error("unknown preset `{name}`; the presets are {}", preset_names())]
+    UnknownPreset {
+        /// The name asked for.
+        name: String,
+    },
+    /// The vehicle's structure makes no sense.
+    #[error("vehicle: {0}")]
+    Vehicle(String),
+    /// The terrain cannot be built.
+    #[error(transparent)]
+    Terrain(#[from] TerrainSpecError),
+    /// A number of `[simulation]` is out of range.
+    #[error("simulation.{name} = {value}: expected {expected}")]
+    Simulation {
+        /// The key.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The allowed range.
+        expected: &'static str,
+    },
+}
+
+fn preset_names() -> String {
+    PRESETS.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ")
+}
+
+#[derive(Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    preset: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    vehicle: Option<Vehicle>,
+    #[serde(default)]
+    parameters: toml::Table,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    terrain: Option<TerrainSpec>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    control: Option<ControlSpec>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    simulation: Option<Stepping>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Vehicle {
+    wheels: Vec<usize>,
+    #[serde(default)]
+    links: Vec<usize>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ControlSpec {
+    kind: ControlKind,
+}
+
+impl Model {
+    /// Reads a model from TOML; files that it names are looked for in `folder` (the working folder where
+    /// none is given).
+    ///
+    /// # Errors
+    /// [`ModelError`] saying which name, where, and what was expected.
+    pub fn from_toml(text: &str, folder: Option<&Path>) -> Result<Self, ModelError> {
+        let file: File = toml::from_str(text)?;
+        let mut model = match &file.preset {
+            Some(preset) => Self::preset(preset)?,
+            None => Self::new("rover", Rover::two_wheeled()),
+        };
+        if let Some(name) = file.name {
+            model.name = name;
+        }
+        if let Some(vehicle) = &file.vehicle {
+            vehicle.build(&mut model.rover)?;
+        }
+        if let Some(terrain) = &file.terrain {
+            model.rover.terrain = terrain.terrain(folder.unwrap_or(Path::new(".")))?;
+        }
+        if let Some(control) = file.control {
+            model.control.kind = control.kind;
+        }
+        if let Some(stepping) = file.simulation {
+            model.stepping = stepping.checked()?;
+        }
+        model.set_parameters(&file.parameters)?;
+        Ok(model)
+    }
+
+    /// Reads a model file.
+    ///
+    /// # Errors
+    /// [`ModelError`].
+    pub fn read(path: &Path) -> Result<Self, ModelError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| ModelError::Unreadable { file: path.display().to_string(), source })?;
+        Self::from_toml(&text, path.parent())
+    }
+
+    /// Sets parameters from a table, nested or with dotted names.
+    ///
+    /// # Errors
+    /// [`ModelError::Parameter`] or [`ModelError::NotANumber`] for the first that is refused.
+    pub fn set_parameters(&mut self, table: &toml::Table) -> Result<(), ModelError> {
+        let mut flat = Vec::new();
+        flatten("", table, &mut flat)?;
+        for (name, value) in flat {
+            self.set(&name, value)?;
+        }
+        Ok(())
+    }
+
+    /// The model as TOML, complete in itself: every parameter with its value, samples of the terrain inline.
+    /// Reading it back gives the same model to the last bit.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        let mut parameters = toml::Table::new();
+        self.clone().visit("", &mut |variable, value| {
+            // The terrain's own numbers stand in its section.
+            if !variable.name.starts_with("terrain.") {
+                parameters.insert(variable.name, toml::Value::Float(*value));
+            }
+        });
+        let file = File {
+            name: Some(self.name.clone()),
+            preset: None,
+            vehicle: Some(Vehicle {
+                wheels: self.rover.wheels.iter().map(|wheel| wheel.body).collect(),
+                links: self.rover.links.iter().map(|link| link.parent).collect(),
+            }),
+            parameters,
+            terrain: Some(self.rover.terrain.to_spec()),
+            control: Some(ControlSpec { kind: self.control.kind }),
+            simulation: Some(self.stepping),
+        };
+        // The only errors of this serializer are types that TOML does not have; there are none above.
+        toml::to_string(&file).unwrap_or_default()
+    }
+}
+
+impl Vehicle {
+    /// Gives `rover` this structure; wheels and links that it already has keep their numbers.
+    fn build(&self, rover: &mut Rover) -> Result<(), ModelError> {
+        let bodies = 1 + self.links.len();
+        if !(2..=MAX_WHEELS).contains(&self.wheels.len()) {
+            let found = self.wheels.len();
+            return Err(ModelError::Vehicle(format!("expected 2 to {MAX_WHEELS} wheels, found {found}")));
+        }
+        if 3 + self.links.len() > MAX_COORDINATES {
+            let most = MAX_COORDINATES - 3;
+            return Err(ModelError::Vehicle(format!("expected at most {most} links, found {}", self.links.len())));
+        }
+        if let Some(k) = self.wheels.iter().position(|&body| body >= bodies) {
+            let body = self.wheels[k];
+            return Err(ModelError::Vehicle(format!(
+                "wheel {} sits on body {body}, expected 0 (the chassis) to {}",
+                k + 1,
+                bodies - 1
+            )));
+        }
+        if let Some(j) = self.links.iter().enumerate().position(|(j, &parent)| parent > j) {
+            return Err(ModelError::Vehicle(format!(
+                "link {} is carried by body {}, expected 0 (the chassis) or a link of a lower number",
+                j + 1,
+                self.links[j]
+            )));
+        }
+        let places = even_places(self.wheels.len());
+        let mount = |k: usize| rover.wheels.get(k).map_or(Mount { x: places[k], z: 0.0 }, |wheel| wheel.mount);
+        let wheels = self.wheels.iter().enumerate().map(|(k, &body)| WheelMount { body, mount: mount(k) }).collect();
+        let link = |j: usize| rover.links.get(j).map_or_else(LinkParameters::default, |link| link.parameters);
+        let links = self.links.iter().enumerate().map(|(j, &parent)| Link { parent, parameters: link(j) }).collect();
+        rover.wheels = wheels;
+        rover.links = links;
+        Ok(())
+    }
+}
+
+/// Wheels 70 cm apart in all, evenly spaced: where a file gives no places.
+fn even_places(wheels: usize) -> Vec<f64> {
+    (0..wheels).map(|k| 0.7 * k as f64 / (wheels - 1) as f64 - 0.35).collect()
+}
+
+impl Stepping {
+    fn checked(self) -> Result<Self, ModelError> {
+        let refuse = |name, value, expected| Err(ModelError::Simulation { name, value, expected });
+        if !(self.step_size > 0.0 && self.step_size <= 0.02) {
+            return refuse("step_size", self.step_size, "more than 0 and at most 0.02 s");
+        }
+        if !(self.duration > 0.0 && self.duration.is_finite()) {
+            return refuse("duration", self.duration, "a finite time of more than 0 s");
+        }
+        Ok(self)
+    }
+}
+
+/// Joins nested tables into dotted names.
+fn flatten(prefix: &str, table: &toml::Table, flat: &mut Vec<(String, f64)>) -> Result<(), ModelError> {
+    for (key, value) in table {
+        let name = bekker_modeldescription::join(prefix, key);
+        match value {
+            toml::Value::Table(inner) => flatten(&name, inner, flat)?,
+            toml::Value::Float(number) => flat.push((name, *number)),
+            toml::Value::Integer(number) => flat.push((name, *number as f64)),
+            other => return Err(ModelError::NotANumber { name, found: other.type_str() }),
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,111 @@
+//! A model: everything that a run needs, in one value that TOML, FMU, Python and command line share.
+
+mod closed_loop;
+mod file;
+mod presets;
+mod run;
+
+pub use closed_loop::{Control, ControlKind, RtcTiming, nominal};
+pub use file::ModelError;
+pub use presets::PRESETS;
+pub use run::{Inputs, Run, RunError};
+
+use crate::rover::Rover;
+use crate::sensors::Sensors;
+use bekker_modeldescription::{Parameters, Unit, Variable, join, parameters};
+
+parameters! {
+    /// Where a run starts.
+    pub struct Start {
+        /// Start of the chassis reference point along x.
+        x0: [Unit::METRE] = 0.0, -1e4..=1e4, Fixed, "user";
+    }
+}
+
+/// How a run is stepped.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Stepping {
+    /// Inner step, s.
+    pub step_size: f64,
+    /// Default length of a run, s.
+    pub duration: f64,
+    /// Seed of the sensors' noise.
+    pub seed: u64,
+}
+
+impl Default for Stepping {
+    fn default() -> Self {
+        Self { step_size: 0.002, duration: 20.0, seed: 0 }
+    }
+}
+
+/// A rover on its ground, its sensors and control, and how to run them.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// Name for people.
+    pub name: String,
+    /// Rover, soil, terrain, effects.
+    pub rover: Rover,
+    /// Start.
+    pub start: Start,
+    /// Sensors; read only where a controller uses them.
+    pub sensors: Sensors,
+    /// Control.
+    pub control: Control,
+    /// Step, duration, seed.
+    pub stepping: Stepping,
+}
+
+impl Model {
+    /// A model of `rover` with commanded torques.
+    #[must_use]
+    pub fn new(name: &str, rover: Rover) -> Self {
+        Self {
+            name: name.to_owned(),
+            rover,
+            start: Start::default(),
+            sensors: Sensors::default(),
+            control: Control::default(),
+            stepping: Stepping::default(),
+        }
+    }
+
+    /// The model at the start of a run: settled on its ground, controllers at rest.
+    ///
+    /// # Errors
+    /// [`RunError`] where a parameter is out of range, the rover finds no rest or a controller refuses it.
+    pub fn start(&self) -> Result<Run, RunError> {
+        Run::new(self)
+    }
+
+    /// The inputs that a run of this model takes, with their descriptions and starting values.
+    #[must_use]
+    pub fn inputs(&self) -> Inputs {
+        Inputs::new(self)
+    }
+}
+
+/// The whole vocabulary of this model; sensors and control are listed where something reads them.
+impl Parameters<f64> for Model {
+    fn visit(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut f64)) {
+        self.rover.visit(prefix, f);
+        self.start.visit(prefix, f);
+        match self.control.kind {
+            ControlKind::Torque | ControlKind::Speed => {}
+            ControlKind::Velocity => {
+                self.sensors.encoder.visit(&join(prefix, "sensor"), f);
+                self.control.velocity.visit(&join(prefix, "velocity_control"), f);
+            }
+            ControlKind::Rtc => {
+                self.sensors.body.visit(&join(prefix, "sensor"), f);
+                self.control.rtc.visit(&join(prefix, "rtc"), f);
+                self.control.rtc_timing.visit(&join(prefix, "rtc"), f);
+            }
+        }
+    }
+
+    fn values(&self, f: &mut dyn FnMut(f64)) {
+        self.clone().visit("", &mut |_, value| f(*value));
+    }
+}

@@ -1,0 +1,291 @@
+//! A model in motion: simulation, sensors and controller on one clock.
+
+use super::closed_loop::AtWork;
+use super::{ControlKind, Model};
+use crate::control::ControlError;
+use crate::sensors::SensorSuite;
+use crate::signals::{Command, Measurement, Reference, Signals};
+use crate::simulation::{Simulation, Status, StepError};
+use bekker_modeldescription::{Lookup, ParameterError, Parameters, Unit, Variable, join, parameters};
+
+/// A control period must be a whole number of inner steps, to this relative tolerance (a decimal
+/// fraction such as 0.01/0.001 is off by rounding only).
+const WHOLE: f64 = 1e-9;
+
+const ANY: std::ops::RangeInclusive<f64> = -1e4..=1e4;
+
+parameters! {
+    /// Command of one wheel's torque.
+    pub struct TorqueCommand {
+        /// Commanded motor torque, wheel side of the gear.
+        torque_command: [Unit::NEWTON_METRE] = 0.0, ANY, Signal, "input";
+    }
+}
+
+parameters! {
+    /// Command of one wheel's speed.
+    pub struct SpeedCommand {
+        /// Commanded wheel speed relative to the carrying body, followed exactly.
+        speed_command: [Unit::RADIAN_PER_SECOND] = 0.0, ANY, Signal, "input";
+    }
+}
+
+parameters! {
+    /// Command of the rover's speed.
+    pub struct VelocityCommand {
+        /// Desired speed of the body along its path.
+        velocity_command: [Unit::METRE_PER_SECOND] = 0.25, -10.0..=10.0, Signal, "input; 25 cm/s in Iagnemma 2001, 4.4.1";
+    }
+}
+
+/// Inputs of a run, by the vocabulary's names.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Inputs {
+    /// `wheel[k].torque_command`, N m.
+    Torque(Vec<TorqueCommand>),
+    /// `wheel[k].speed_command`, rad/s.
+    Speed(Vec<SpeedCommand>),
+    /// `velocity_command`, m/s.
+    Velocity(VelocityCommand),
+}
+
+impl Inputs {
+    pub(super) fn new(model: &Model) -> Self {
+        let wheels = model.rover.wheels.len();
+        match model.control.kind {
+            ControlKind::Torque => Self::Torque(vec![TorqueCommand::default(); wheels]),
+            ControlKind::Speed => Self::Speed(vec![SpeedCommand::default(); wheels]),
+            ControlKind::Velocity | ControlKind::Rtc => Self::Velocity(VelocityCommand::default()),
+        }
+    }
+
+    /// Sets the inputs from values in the vocabulary's order.
+    ///
+    /// # Errors
+    /// [`RunError::InputLength`] for a wrong number of values, [`RunError::Parameter`] for one that is not
+    /// finite or out of range.
+    pub fn set_all(&mut self, values: &[f64]) -> Result<(), RunError> {
+        let mut expected = 0;
+        self.values(&mut |_| expected += 1);
+        if values.len() != expected {
+            return Err(RunError::InputLength { got: values.len(), expected });
+        }
+        if values.iter().all(|value| value.is_finite() && value.abs() <= *ANY.end()) {
+            let mut next = values.iter();
+            let mut put = |place: &mut f64| {
+                if let Some(value) = next.next() {
+                    *place = *value;
+                }
+            };
+            match self {
+                Self::Torque(wheels) => wheels.iter_mut().for_each(|w| put(&mut w.torque_command)),
+                Self::Speed(wheels) => wheels.iter_mut().for_each(|w| put(&mut w.speed_command)),
+                Self::Velocity(command) => put(&mut command.velocity_command),
+            }
+            return Ok(());
+        }
+        let names: Vec<String> = self.list().into_iter().map(|(variable, _)| variable.name).collect();
+        for (name, &value) in names.iter().zip(values) {
+            self.set(name, value)?;
+        }
+        Ok(())
+    }
+}
+
+impl Parameters<f64> for Inputs {
+    fn visit(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut f64)) {
+        let wheel = |k: usize| join(prefix, &format!("wheel[{}]", k + 1));
+        match self {
+            Self::Torque(wheels) => wheels.iter_mut().enumerate().for_each(|(k, w)| w.visit(&wheel(k), f)),
+            Self::Speed(wheels) => wheels.iter_mut().enumerate().for_each(|(k, w)| w.visit(&wheel(k), f)),
+            Self::Velocity(command) => command.visit(prefix, f),
+        }
+    }
+
+    fn values(&self, f: &mut dyn FnMut(f64)) {
+        match self {
+            Self::Torque(wheels) => wheels.iter().for_each(|w| w.values(f)),
+            Self::Speed(wheels) => wheels.iter().for_each(|w| w.values(f)),
+            Self::Velocity(command) => command.values(f),
+        }
+    }
+}
+
+/// Why a run cannot start or go on.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RunError {
+    /// A parameter or input is out of range or unknown.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// The simulation failed.
+    #[error(transparent)]
+    Step(#[from] StepError),
+    /// The controller failed.
+    #[error("the controller gave no command at t = {time} s: {source}")]
+    Control {
+        /// Time, s.
+        time: f64,
+        /// Why.
+        source: ControlError,
+    },
+    /// The control period does not fit the inner step.
+    #[error("the control period {period} s is not a whole multiple of the inner step {step_size} s")]
+    Period {
+        /// Control period, s.
+        period: f64,
+        /// Inner step, s.
+        step_size: f64,
+    },
+    /// The wrong number of input values.
+    #[error("{got} input values were given, this model has {expected} inputs")]
+    InputLength {
+        /// Values given.
+        got: usize,
+        /// Inputs of the model.
+        expected: usize,
+    },
+}
+
+/// A model in motion. Cloning it is a snapshot: the clone goes on to the same bits.
+#[derive(Clone, Debug)]
+pub struct Run {
+    simulation: Simulation,
+    sensors: SensorSuite,
+    controller: Option<AtWork>,
+    /// Inner steps a control period.
+    period: u64,
+    inputs: Inputs,
+    command: Command,
+    measurement: Measurement,
+}
+
+impl Run {
+    pub(super) fn new(model: &Model) -> Result<Self, RunError> {
+        model.clone().check()?;
+        let step_size = model.stepping.step_size;
+        let simulation = Simulation::new(model.rover.clone(), model.start.x0, step_size)?;
+        let zeros = vec![0.0; model.rover.wheels.len()];
+        let command = match model.control.kind {
+            ControlKind::Speed => Command::speed(zeros),
+            _ => Command::torque(zeros),
+        };
+        let seconds = match model.control.kind {
+            ControlKind::Torque | ControlKind::Speed => step_size,
+            ControlKind::Velocity => model.control.velocity.period,
+            ControlKind::Rtc => model.control.rtc_timing.period,
+        };
+        let mut run = Self {
+            simulation,
+            sensors: SensorSuite::new(model.sensors, model.stepping.seed),
+            controller: AtWork::new(model).map_err(|source| RunError::Control { time: 0.0, source })?,
+            period: whole_multiple(seconds, step_size)?,
+            inputs: Inputs::new(model),
+            command,
+            measurement: Measurement::default(),
+        };
+        if run.controller.is_some() {
+            run.sensors.read(0.0, run.simulation.signals(), &mut run.measurement);
+        }
+        Ok(run)
+    }
+
+    /// Makes `steps` inner steps with the present inputs.
+    ///
+    /// # Errors
+    /// [`RunError`]; the state is then that of the last good step.
+    pub fn advance(&mut self, steps: u64) -> Result<Status, RunError> {
+        let mut left = steps;
+        let mut status = self.simulation.status();
+        while left > 0 && status == Status::Running {
+            let since = self.simulation.ticks() % self.period;
+            if since == 0 {
+                self.decide()?;
+            }
+            let some = if self.controller.is_some() { left.min(self.period - since) } else { left };
+            status = self.simulation.advance(&self.command, some)?;
+            left -= some;
+        }
+        Ok(status)
+    }
+
+    /// The command for the next control period.
+    fn decide(&mut self) -> Result<(), RunError> {
+        let values = &mut self.command.values;
+        match (&self.inputs, &mut self.controller) {
+            (Inputs::Torque(wheels), _) => {
+                values.iter_mut().zip(wheels).for_each(|(value, wheel)| *value = wheel.torque_command);
+            }
+            (Inputs::Speed(wheels), _) => {
+                values.iter_mut().zip(wheels).for_each(|(value, wheel)| *value = wheel.speed_command);
+            }
+            (Inputs::Velocity(input), Some(controller)) => {
+                let time = self.simulation.time();
+                self.sensors.read(time, self.simulation.signals(), &mut self.measurement);
+                let goal = Reference { velocity: input.velocity_command };
+                controller
+                    .command(&self.measurement, &goal, &mut self.command)
+                    .map_err(|source| RunError::Control { time, source })?;
+            }
+            (Inputs::Velocity(_), None) => {}
+        }
+        Ok(())
+    }
+
+    /// The inputs, to be set before [`Run::advance`].
+    pub fn inputs_mut(&mut self) -> &mut Inputs {
+        &mut self.inputs
+    }
+
+    /// The inputs.
+    #[must_use]
+    pub fn inputs(&self) -> &Inputs {
+        &self.inputs
+    }
+
+    /// What the controller saw last.
+    #[must_use]
+    pub fn measurement(&self) -> &Measurement {
+        &self.measurement
+    }
+
+    /// True signals at the present time.
+    #[must_use]
+    pub fn signals(&self) -> &Signals {
+        self.simulation.signals()
+    }
+
+    /// Time since the start, s.
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.simulation.time()
+    }
+
+    /// Inner step, s.
+    #[must_use]
+    pub fn step_size(&self) -> f64 {
+        self.simulation.step_size()
+    }
+
+    /// Whether the run goes on.
+    #[must_use]
+    pub fn status(&self) -> Status {
+        self.simulation.status()
+    }
+
+    /// The simulation.
+    #[must_use]
+    pub fn simulation(&self) -> &Simulation {
+        &self.simulation
+    }
+}
+
+/// How many inner steps make `period`.
+fn whole_multiple(period: f64, step_size: f64) -> Result<u64, RunError> {
+    let ratio = period / step_size;
+    let whole = ratio.round();
+    if whole >= 1.0 && (ratio - whole).abs() <= WHOLE * whole {
+        Ok(whole as u64)
+    } else {
+        Err(RunError::Period { period, step_size })
+    }
+}

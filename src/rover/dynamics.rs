@@ -1,0 +1,297 @@
+//! The equations of motion: M(q) u' = Q(q, u, wheels, command), explicit in the accelerations.
+
+use super::kinematics::{Frames, turn_jacobian};
+use super::linear::{Factors, Matrix, Vector, add_outer, add_scaled, dot, zeros};
+use super::{Rover, State};
+use crate::contact::{Motion, Touch, slip, touch};
+use crate::effects::{BodyMotion, Local, Place};
+use crate::motor;
+use crate::scalar::Scalar;
+use crate::signals::{Command, Drive};
+use crate::terrain::TerrainError;
+
+/// Why the right-hand side could not be evaluated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum DynamicsError {
+    /// A wheel is beyond the known ground.
+    #[error("wheel {wheel}: {source}")]
+    Terrain {
+        /// Wheel, from 1 at the rear.
+        wheel: usize,
+        /// What the terrain says.
+        source: TerrainError,
+    },
+    /// The mass matrix is singular or something is not finite.
+    #[error("the equations of motion have no finite solution (state or parameters are not finite)")]
+    NotFinite,
+}
+
+/// One wheel at one instant.
+#[derive(Clone, Debug)]
+pub(crate) struct WheelEvaluation<S> {
+    pub touch: Touch<S>,
+    /// Jacobians of the wheel centre along the ground's normal and tangent.
+    pub normal: Vector<S>,
+    pub tangent: Vector<S>,
+    /// Jacobian of the angle of the body that carries the wheel.
+    pub turn: Vector<S>,
+    /// Velocity of the wheel centre along the tangent and the normal.
+    pub velocity: S,
+    pub normal_velocity: S,
+    /// Absolute rate of turning, and relative to the carrying body.
+    pub spin: S,
+    pub speed: S,
+    pub slip: S,
+    pub sinkage: S,
+    pub contact_angle: S,
+    /// Torque of the motor and of the rim, both on the wheel's side of the gear.
+    pub motor_torque: S,
+    pub rim_torque: S,
+    pub current: S,
+    /// Slope of the rim torque in the wheel speed (drive friction), for the implicit integrator.
+    pub friction_slope: S,
+}
+
+/// Powers at one instant, W, whose integrals are the energies among the signals.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Powers<S> {
+    pub dissipated: S,
+    pub electrical: S,
+    pub drive: S,
+    pub soil_loss: S,
+}
+
+/// The right-hand side of the equations of motion at one instant, with everything that led to it.
+#[derive(Clone, Debug)]
+pub(crate) struct Evaluation<S> {
+    frames: Frames<S>,
+    /// Mass matrix of chassis and links.
+    pub mass: Matrix<S>,
+    /// Mass matrix of the system: with the wheels' inertia where their speed is imposed.
+    pub system: Matrix<S>,
+    pub wheels: Vec<WheelEvaluation<S>>,
+    pub acceleration: Vector<S>,
+    pub potential: S,
+}
+
+impl<S: Scalar> Evaluation<S> {
+    pub fn new(rover: &Rover<S>) -> Self {
+        let wheels = rover.wheels.iter().map(|w| WheelEvaluation::new(turn_jacobian(rover, w.body))).collect();
+        Self {
+            frames: Frames::new(rover),
+            mass: [zeros(); super::MAX_COORDINATES],
+            system: [zeros(); super::MAX_COORDINATES],
+            wheels,
+            acceleration: zeros(),
+            potential: S::from(0.0),
+        }
+    }
+
+    /// Evaluates the right-hand side at `state` under `command`.
+    pub fn update(&mut self, rover: &Rover<S>, state: &State<S>, command: &Command) -> Result<(), DynamicsError> {
+        let n = rover.coordinates();
+        self.frames.update(rover, &state.position, &state.rate);
+        let mut force = zeros();
+        self.add_bodies(rover, state, &mut force);
+        self.system = self.mass;
+        for k in 0..rover.wheels.len() {
+            self.touch_ground(rover, state, command, k)?;
+            let wheel = &mut self.wheels[k];
+            let (forces, body_torque) = (wheel.touch.forces, &mut wheel.rim_torque);
+            match command.drive {
+                Drive::Torque => {}
+                // The drive gives what the soil takes; the wheel's inertia moves with its body.
+                Drive::Speed => {
+                    *body_torque = forces.torque;
+                    add_outer(&mut self.system, rover.wheel.inertia, &wheel.turn, &wheel.turn, n);
+                }
+            }
+            let reaction = *body_torque;
+            add_scaled(&mut force, forces.normal, &wheel.normal, n);
+            add_scaled(&mut force, forces.drawbar, &wheel.tangent, n);
+            add_scaled(&mut force, reaction, &wheel.turn, n);
+        }
+        let factors = Factors::new(&self.system, n).ok_or(DynamicsError::NotFinite)?;
+        self.acceleration = factors.solve(&force);
+        if !self.acceleration[..n].iter().all(|a| a.value().is_finite()) {
+            return Err(DynamicsError::NotFinite);
+        }
+        self.finish_drives(rover, command);
+        Ok(())
+    }
+
+    /// Weight, inertia and joint friction of chassis and links, and forces on the chassis.
+    fn add_bodies(&mut self, rover: &Rover<S>, state: &State<S>, force: &mut Vector<S>) {
+        let n = rover.coordinates();
+        self.mass = [zeros(); super::MAX_COORDINATES];
+        self.potential = S::from(0.0);
+        let body = &rover.body;
+        self.add_mass(rover, 0, [body.centre_of_mass_x, body.centre_of_mass_z], (body.mass, body.pitch_inertia), force);
+        for (j, link) in rover.links.iter().enumerate() {
+            let p = &link.parameters;
+            self.add_mass(rover, j + 1, [p.centre_of_mass_x, p.centre_of_mass_z], (p.mass, p.inertia), force);
+            force[3 + j] -= p.damping * state.rate[3 + j];
+        }
+        let travelled = state.position[0] - state.start_x;
+        force[0] += rover.effects.body_force(&BodyMotion { travelled, velocity: state.rate[0] });
+        debug_assert!(n <= super::MAX_COORDINATES);
+    }
+
+    fn add_mass(
+        &mut self,
+        rover: &Rover<S>,
+        body: usize,
+        centre: [S; 2],
+        (mass, inertia): (S, S),
+        force: &mut Vector<S>,
+    ) {
+        let n = rover.coordinates();
+        let point = self.frames.point(rover, body, centre);
+        let turn = turn_jacobian(rover, body);
+        add_outer(&mut self.mass, mass, &point.jacobian_x, &point.jacobian_x, n);
+        add_outer(&mut self.mass, mass, &point.jacobian_z, &point.jacobian_z, n);
+        add_outer(&mut self.mass, inertia, &turn, &turn, n);
+        let gravity = rover.environment.gravity;
+        add_scaled(force, -(mass * point.bias[0]), &point.jacobian_x, n);
+        add_scaled(force, -(mass * (point.bias[1] + gravity)), &point.jacobian_z, n);
+        self.potential += mass * gravity * point.position[1];
+    }
+
+    /// Contact of wheel `k` with the ground, and the torque of its drive where that is commanded.
+    fn touch_ground(
+        &mut self,
+        rover: &Rover<S>,
+        state: &State<S>,
+        command: &Command,
+        k: usize,
+    ) -> Result<(), DynamicsError> {
+        let mount = &rover.wheels[k];
+        let centre = self.frames.point(rover, mount.body, [mount.mount.x, mount.mount.z]);
+        let foot =
+            rover.terrain.foot(centre.position).map_err(|source| DynamicsError::Terrain { wheel: k + 1, source })?;
+        let wheel = &mut self.wheels[k];
+        wheel.normal = centre.along(foot.normal);
+        wheel.tangent = centre.along(foot.tangent);
+        let n = state.rate.len();
+        let mut rate = zeros();
+        rate[..n].copy_from_slice(&state.rate);
+        wheel.velocity = dot(&wheel.tangent, &rate, n);
+        wheel.normal_velocity = dot(&wheel.normal, &rate, n);
+        // An encoder sees the wheel relative to its body, the soil sees the absolute rate: nose-up
+        // turning of the body takes from the forward turning of the wheel.
+        let body_rate = self.frames.rate(mount.body);
+        (wheel.spin, wheel.speed) = match command.drive {
+            Drive::Torque => (state.wheels[k].spin, state.wheels[k].spin + body_rate),
+            Drive::Speed => (S::from(command.values[k]) - body_rate, S::from(command.values[k])),
+        };
+        let mut local = Local {
+            wheel: rover.wheel,
+            soil: rover.terrain.soil(&rover.soil, foot.position[0]),
+            exit_ratio: S::from(0.0),
+        };
+        let mut motion = Motion {
+            sinkage: rover.wheel.radius - foot.distance,
+            normal_velocity: wheel.normal_velocity,
+            velocity: wheel.velocity,
+            spin: wheel.spin,
+            hold: state.wheels[k].hold,
+        };
+        let place = Place {
+            wheel: k,
+            x: foot.position[0],
+            contact_angle: foot.angle,
+            slip: motion.established_slip(&local.wheel, &local.soil),
+            sinkage: motion.sinkage,
+            normal_velocity: wheel.normal_velocity,
+            velocity: wheel.velocity,
+        };
+        rover.effects.contact(&place, &mut local);
+        wheel.slip = slip(wheel.velocity, local.wheel.radius * wheel.spin);
+        wheel.sinkage = local.wheel.radius - foot.distance;
+        wheel.contact_angle = foot.angle;
+        motion.sinkage = wheel.sinkage;
+        wheel.touch = touch(&local.wheel, &local.soil, local.exit_ratio, &motion);
+        rover.effects.forces(&place, &local, &mut wheel.touch.forces);
+        if command.drive == Drive::Torque {
+            wheel.motor_torque =
+                motor::limited_torque(&rover.motor, &rover.effects, wheel.speed, S::from(command.values[k]));
+            let (friction, slope) = rover.effects.drive_friction(wheel.speed);
+            wheel.rim_torque = wheel.motor_torque - friction;
+            wheel.friction_slope = -slope;
+        }
+        Ok(())
+    }
+
+    /// Torques and currents that follow from the accelerations.
+    fn finish_drives(&mut self, rover: &Rover<S>, command: &Command) {
+        let n = rover.coordinates();
+        for wheel in &mut self.wheels {
+            if command.drive == Drive::Speed {
+                wheel.rim_torque -= rover.wheel.inertia * dot(&wheel.turn, &self.acceleration, n);
+                wheel.motor_torque = wheel.rim_torque + rover.effects.drive_friction(wheel.speed).0;
+                wheel.friction_slope = S::from(0.0);
+            }
+            wheel.current = motor::current(&rover.motor, wheel.motor_torque);
+        }
+    }
+
+    /// Angular acceleration of a wheel whose drive torque is commanded.
+    pub fn spin_rate(&self, rover: &Rover<S>, k: usize) -> S {
+        (self.wheels[k].rim_torque - self.wheels[k].touch.forces.torque) / rover.wheel.inertia
+    }
+
+    /// Powers of the drives and of the soil.
+    pub fn powers(&self, rover: &Rover<S>) -> Powers<S> {
+        let zero = S::from(0.0);
+        let mut sum = Powers { dissipated: zero, electrical: zero, drive: zero, soil_loss: zero };
+        for wheel in &self.wheels {
+            let winding = rover.motor.resistance * wheel.current * wheel.current; // (4.6)
+            let forces = &wheel.touch.forces;
+            sum.dissipated += winding;
+            sum.electrical += winding + wheel.motor_torque * wheel.speed;
+            sum.drive += wheel.rim_torque * wheel.speed;
+            sum.soil_loss +=
+                forces.torque * wheel.spin - forces.normal * wheel.normal_velocity - forces.drawbar * wheel.velocity;
+        }
+        sum
+    }
+
+    /// Kinetic and potential energy, J.
+    pub fn mechanical_energy(&self, rover: &Rover<S>, state: &State<S>) -> S {
+        let n = rover.coordinates();
+        let mut twice = S::from(0.0);
+        for i in 0..n {
+            for j in 0..n {
+                twice += state.rate[i] * self.mass[i][j] * state.rate[j];
+            }
+        }
+        for wheel in &self.wheels {
+            twice += rover.wheel.inertia * wheel.spin * wheel.spin;
+        }
+        self.potential + twice * 0.5
+    }
+}
+
+impl<S: Scalar> WheelEvaluation<S> {
+    fn new(turn: Vector<S>) -> Self {
+        let o = S::from(0.0);
+        let motion = Motion { sinkage: o, normal_velocity: o, velocity: o, spin: o, hold: Default::default() };
+        Self {
+            touch: touch(&Default::default(), &Default::default(), o, &motion),
+            normal: zeros(),
+            tangent: zeros(),
+            turn,
+            velocity: o,
+            normal_velocity: o,
+            spin: o,
+            speed: o,
+            slip: o,
+            sinkage: o,
+            contact_angle: o,
+            motor_torque: o,
+            rim_torque: o,
+            current: o,
+            friction_slope: o,
+        }
+    }
+}

@@ -1,0 +1,218 @@
+//! The rover: constant data ([`Rover`]), moving data ([`State`]) and the equations of motion.
+
+pub(crate) mod dynamics;
+pub(crate) mod kinematics;
+pub(crate) mod linear;
+mod presets;
+mod settle;
+
+use crate::contact::Hold;
+use crate::effects::Effects;
+use crate::motor::Motor;
+use crate::scalar::Scalar;
+use crate::soil::Soil;
+use crate::terrain::Terrain;
+use crate::wheel::Wheel;
+use bekker_modeldescription::{Parameters, Unit, Variable, join, parameters};
+
+pub use linear::MAX_COORDINATES;
+pub use settle::SettleError;
+
+/// Most wheels of a rover.
+pub const MAX_WHEELS: usize = 8;
+
+parameters! {
+    /// What surrounds the rover.
+    pub struct Environment {
+        /// Gravity along -z.
+        gravity: [Unit::METRE_PER_SECOND2] = 9.81, 0.1..=30.0, Fixed, "Earth 9.81, Mars 3.71, Moon 1.62; not stated in the thesis";
+    }
+}
+
+parameters! {
+    /// The chassis: everything of the rover that is not a link.
+    pub struct Body {
+        /// Mass, the wheels on the chassis included.
+        mass: [Unit::KILOGRAM] = 10.0, 0.1..=5000.0, Fixed, "Iagnemma 2001, 4.4.1";
+        /// Moment of inertia about the centre of mass.
+        pitch_inertia: [Unit::KILOGRAM_METRE2] = 0.6, 1e-4..=1e5, Fixed, "assumption: a 10 kg box of 0.8 m x 0.2 m";
+        /// Centre of mass along x, from the chassis reference point.
+        centre_of_mass_x: [Unit::METRE] = 0.0, -5.0..=5.0, Fixed, "assumption: midway between the wheels";
+        /// Centre of mass along z, from the chassis reference point.
+        centre_of_mass_z: [Unit::METRE] = 0.1, -5.0..=5.0, Fixed, "assumption: not in the thesis";
+        /// Height of the belly between the wheels, from the chassis reference point; touching ground ends a run.
+        belly_z: [Unit::METRE] = -0.03, -5.0..=5.0, Fixed, "assumption: 7 cm clearance";
+    }
+}
+
+parameters! {
+    /// Where a wheel sits, from the chassis reference point with all joints at zero.
+    pub struct Mount {
+        /// Wheel centre along x.
+        x: [Unit::METRE] = 0.0, -10.0..=10.0, Fixed, "vehicle drawing";
+        /// Wheel centre along z.
+        z: [Unit::METRE] = 0.0, -10.0..=10.0, Fixed, "vehicle drawing";
+    }
+}
+
+parameters! {
+    /// A link on a passive joint; positions from the chassis reference point with all joints at zero.
+    pub struct LinkParameters {
+        /// Joint along x.
+        x: [Unit::METRE] = 0.0, -10.0..=10.0, Fixed, "vehicle drawing";
+        /// Joint along z.
+        z: [Unit::METRE] = 0.0, -10.0..=10.0, Fixed, "vehicle drawing";
+        /// Mass of the link, its wheels included.
+        mass: [Unit::KILOGRAM] = 0.5, 0.01..=1000.0, Fixed, "vehicle data";
+        /// Moment of inertia of the link about its centre of mass.
+        inertia: [Unit::KILOGRAM_METRE2] = 0.01, 1e-6..=1e4, Fixed, "vehicle data";
+        /// Centre of mass along x.
+        centre_of_mass_x: [Unit::METRE] = 0.0, -10.0..=10.0, Fixed, "vehicle drawing";
+        /// Centre of mass along z.
+        centre_of_mass_z: [Unit::METRE] = 0.0, -10.0..=10.0, Fixed, "vehicle drawing";
+        /// Viscous friction of the joint.
+        damping: [Unit::NEWTON_METRE_SECOND] = 0.1, 0.0..=1e3, Fixed, "assumption: a plain bearing";
+    }
+}
+
+/// A link and the body that carries its joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Link<S = f64> {
+    /// Body that carries the joint: 0 the chassis, k link k (of a lower number).
+    pub parent: usize,
+    /// Geometry, mass, friction.
+    pub parameters: LinkParameters<S>,
+}
+
+/// A wheel's place and the body it sits on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WheelMount<S = f64> {
+    /// 0 the chassis, k link k.
+    pub body: usize,
+    /// Place.
+    pub mount: Mount<S>,
+}
+
+/// Everything about a rover and its ground that does not move.
+#[derive(Clone, Debug)]
+pub struct Rover<S = f64> {
+    /// Gravity.
+    pub environment: Environment<S>,
+    /// Chassis.
+    pub body: Body<S>,
+    /// Passive links, parents before children.
+    pub links: Vec<Link<S>>,
+    /// Geometry of all wheels.
+    pub wheel: Wheel<S>,
+    /// Wheels 1..n from rear to front.
+    pub wheels: Vec<WheelMount<S>>,
+    /// Drive of every wheel.
+    pub motor: Motor<S>,
+    /// Soil.
+    pub soil: Soil<S>,
+    /// Ground.
+    pub terrain: Terrain<S>,
+    /// Missing physics, neutral by default.
+    pub effects: Effects<S>,
+}
+
+impl<S: Scalar> Rover<S> {
+    /// Number of generalised coordinates.
+    #[must_use]
+    pub fn coordinates(&self) -> usize {
+        3 + self.links.len()
+    }
+
+    /// Mass of chassis and links, kg.
+    #[must_use]
+    pub fn total_mass(&self) -> S {
+        self.links.iter().fold(self.body.mass, |sum, link| sum + link.parameters.mass)
+    }
+
+    /// The same rover over another scalar.
+    #[must_use]
+    pub fn map<T: Scalar>(&self, f: &dyn Fn(S) -> T) -> Rover<T> {
+        let link = |link: &Link<S>| Link { parent: link.parent, parameters: link.parameters.map(f) };
+        let wheel = |wheel: &WheelMount<S>| WheelMount { body: wheel.body, mount: wheel.mount.map(f) };
+        Rover {
+            environment: self.environment.map(f),
+            body: self.body.map(f),
+            links: self.links.iter().map(link).collect(),
+            wheel: self.wheel.map(f),
+            wheels: self.wheels.iter().map(wheel).collect(),
+            motor: self.motor.map(f),
+            soil: self.soil.map(f),
+            terrain: self.terrain.map(f),
+            effects: self.effects.map(f),
+        }
+    }
+}
+
+impl<S: Scalar> Parameters<S> for Rover<S> {
+    fn visit(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut S)) {
+        self.environment.visit(prefix, f);
+        self.body.visit(&join(prefix, "rover"), f);
+        for (j, link) in self.links.iter_mut().enumerate() {
+            link.parameters.visit(&join(prefix, &format!("link[{}]", j + 1)), f);
+        }
+        self.wheel.visit(&join(prefix, "wheel"), f);
+        for (k, wheel) in self.wheels.iter_mut().enumerate() {
+            wheel.mount.visit(&join(prefix, &format!("wheel[{}]", k + 1)), f);
+        }
+        self.motor.visit(&join(prefix, "motor"), f);
+        self.soil.visit(&join(prefix, "soil"), f);
+        self.terrain.visit(&join(prefix, "terrain"), f);
+        self.effects.visit(prefix, f);
+    }
+
+    fn values(&self, f: &mut dyn FnMut(S)) {
+        self.environment.values(f);
+        self.body.values(f);
+        self.links.iter().for_each(|link| link.parameters.values(f));
+        self.wheel.values(f);
+        self.wheels.iter().for_each(|wheel| wheel.mount.values(f));
+        self.motor.values(f);
+        self.soil.values(f);
+        self.terrain.values(f);
+        self.effects.values(f);
+    }
+}
+
+/// Moving data of one wheel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WheelState<S = f64> {
+    /// Absolute rate of turning, forward positive, rad/s.
+    pub spin: S,
+    /// Memory of the standing contact.
+    pub hold: Hold<S>,
+}
+
+/// Moving data of a rover: everything that a step changes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State<S = f64> {
+    /// x, z, pitch of the chassis, then joint angles; m, rad.
+    pub position: Vec<S>,
+    /// Their rates.
+    pub rate: Vec<S>,
+    /// Wheels 1..n.
+    pub wheels: Vec<WheelState<S>>,
+    /// x at the start, from which a travelled distance counts, m.
+    pub start_x: S,
+}
+
+impl<S: Scalar> State<S> {
+    /// At rest, with the reference point at (x, z).
+    #[must_use]
+    pub fn at_rest(rover: &Rover<S>, x: S, z: S) -> Self {
+        let zero = S::from(0.0);
+        let mut position = vec![zero; rover.coordinates()];
+        position[0] = x;
+        position[1] = z;
+        Self {
+            rate: vec![zero; position.len()],
+            position,
+            wheels: vec![WheelState { spin: zero, hold: Hold::default() }; rover.wheels.len()],
+            start_x: x,
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! Vehicles that are built in.
+
+use super::{Body, Environment, Link, LinkParameters, Mount, Rover, WheelMount};
+use crate::effects::Effects;
+use crate::motor::Motor;
+use crate::soil::Soil;
+use crate::terrain::Terrain;
+use crate::wheel::Wheel;
+
+impl Rover<f64> {
+    /// The planar two-wheeled rover of Iagnemma 2001, 4.4.1: 10 kg, wheels of radius 10 cm and width
+    /// 15 cm, 70 cm apart, on flat ground of the soil given there. The height of the centre of mass, the
+    /// pitch inertia and the motors are not in the thesis and are assumptions of the vocabulary.
+    #[must_use]
+    pub fn two_wheeled() -> Self {
+        Self::rigid(&[-0.35, 0.35])
+    }
+
+    /// A rover whose wheels sit rigidly on the chassis at these x, rear to front, m.
+    #[must_use]
+    pub fn rigid(wheel_x: &[f64]) -> Self {
+        let mount = |&x: &f64| WheelMount { body: 0, mount: Mount { x, z: 0.0 } };
+        Self {
+            environment: Environment::default(),
+            body: Body::default(),
+            links: Vec::new(),
+            wheel: Wheel::default(),
+            wheels: wheel_x.iter().map(mount).collect(),
+            motor: Motor::default(),
+            soil: Soil::default(),
+            terrain: Terrain::default(),
+            effects: Effects::default(),
+        }
+    }
+
+    /// One side of a six-wheeled rocker-bogie rover after appendix C of Iagnemma 2001: half of 6.1 kg,
+    /// rear wheel on the rocker, middle and front wheel on a bogie, on dry sand. Only the mass is in the thesis; wheel
+    /// size, spacing and pivots are assumptions for a rover of that class.
+    #[must_use]
+    pub fn rocker_bogie() -> Self {
+        let mut rover = Self::rigid(&[-0.2, 0.0, 0.2]);
+        rover.wheel = Wheel { radius: 0.06, width: 0.06, inertia: 0.005 };
+        rover.body =
+            Body { mass: 2.45, pitch_inertia: 0.03, centre_of_mass_x: -0.05, centre_of_mass_z: 0.08, belly_z: 0.03 };
+        let bogie = LinkParameters {
+            x: 0.1,
+            z: 0.05,
+            mass: 0.6,
+            inertia: 0.006,
+            centre_of_mass_x: 0.1,
+            centre_of_mass_z: 0.01,
+            damping: 0.05,
+        };
+        rover.links = vec![Link { parent: 0, parameters: bogie }];
+        rover.wheels[1].body = 1;
+        rover.wheels[2].body = 1;
+        // Dry sand of Wong 2008: the thesis's soil does not carry wheels this narrow forward.
+        rover.soil = Soil {
+            cohesion: 1040.0,
+            friction_angle: 28.0_f64.to_radians(),
+            k_c: 990.0,
+            k_phi: 1_528_430.0,
+            exponent: 1.1,
+            shear_modulus: 0.01,
+            damping: 100.0,
+            ..Soil::default()
+        };
+        rover
+    }
+}

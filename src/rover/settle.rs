@@ -1,0 +1,169 @@
+//! A rover at rest on the soil.
+
+use super::dynamics::{DynamicsError, Evaluation};
+use super::linear::{Factors, MAX_COORDINATES, Vector, zeros};
+use super::{Rover, State};
+use crate::contact::Hold;
+use crate::integrator::Integrator;
+use crate::signals::Command;
+
+/// Accelerations below which a rover is at rest, m/s^2 and rad/s^2: a force balance within 1e-9 of weight.
+const AT_REST: f64 = 1e-8;
+/// Newton iterations before the fall-back, which settles in a second or two of simulated time.
+const ITERATIONS: usize = 40;
+const SETTLING_STEPS: usize = 2000;
+const SETTLING_STEP: f64 = 0.001;
+
+/// Why a rover cannot be put on the ground.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SettleError {
+    /// A wheel is beyond the known ground, or the rover's data are not finite.
+    #[error("cannot settle the rover at x = {x} m: {source}")]
+    Dynamics {
+        /// Where the reference point was to stand.
+        x: f64,
+        /// Why.
+        source: DynamicsError,
+    },
+    /// No equilibrium was found: the rover tips over or sinks to its axles.
+    #[error(
+        "cannot settle the rover at x = {x} m: no equilibrium found (left-over acceleration {acceleration:.3e} m/s2); \
+         expected a rover whose centre of mass lies between its wheels and a soil that carries it"
+    )]
+    NoEquilibrium {
+        /// Where the reference point was to stand.
+        x: f64,
+        /// Largest acceleration left, m/s^2.
+        acceleration: f64,
+    },
+}
+
+impl Rover<f64> {
+    /// The state at rest with the reference point above `x`, settled on the soil.
+    ///
+    /// A slope is held by static friction under locked wheels. Where that does not suffice it is at its
+    /// limit and the rover will slide.
+    ///
+    /// # Errors
+    /// [`SettleError`].
+    pub fn settled_at(&self, x: f64) -> Result<State, SettleError> {
+        let fail = |source| SettleError::Dynamics { x, source };
+        let mut balance = Balance::new(self);
+        let guess = self.placed_at(x).map_err(fail)?;
+        let found = balance.newton(self, guess).map_err(fail)?;
+        let left = match found {
+            Ok(state) => return Ok(state),
+            Err(left) => left,
+        };
+        let relaxed = self.relaxed(x).map_err(fail)?;
+        balance
+            .newton(self, relaxed)
+            .map_err(fail)?
+            .map_err(|again| SettleError::NoEquilibrium { x, acceleration: left.min(again) })
+    }
+
+    /// A first guess: the pitch that the ground has under the outer wheels, sunk by Bekker's estimate (4.18).
+    fn placed_at(&self, x: f64) -> Result<State, DynamicsError> {
+        let height = |k: usize| {
+            let at = x + self.wheels[k].mount.x;
+            self.terrain.foot([at, self.terrain.at(at).height + self.wheel.radius]).map(|foot| foot.position)
+        };
+        let ground = |k| height(k).map_err(|source| DynamicsError::Terrain { wheel: k + 1, source });
+        let last = self.wheels.len() - 1;
+        let (rear, front) = (ground(0)?, ground(last)?);
+        let pitch = (front[1] - rear[1]).atan2((front[0] - rear[0]).abs().max(1e-3));
+        let load = self.total_mass() * self.environment.gravity / self.wheels.len() as f64;
+        let soil = &self.soil;
+        let sinkage = (3.0 * load
+            / ((3.0 - soil.exponent)
+                * self.wheel.width
+                * soil.modulus(self.wheel.width)
+                * (2.0 * self.wheel.radius).sqrt()))
+        .powf(2.0 / (2.0 * soil.exponent + 1.0))
+        .min(0.5 * self.wheel.radius);
+        let mount_z = self.wheels.iter().map(|w| w.mount.z).sum::<f64>() / self.wheels.len() as f64;
+        let z = 0.5 * (front[1] + rear[1]) + (self.wheel.radius - sinkage) / pitch.cos() - mount_z * pitch.cos();
+        let mut state = State::at_rest(self, x, z);
+        state.position[2] = pitch;
+        Ok(state)
+    }
+
+    /// Lets the rover come to rest by simulating it with locked wheels, held at `x`.
+    fn relaxed(&self, x: f64) -> Result<State, DynamicsError> {
+        let mut state = self.placed_at(x)?;
+        state.position[1] += 0.2 * self.wheel.radius;
+        let command = Command::speed(vec![0.0; self.wheels.len()]);
+        let mut integrator = Integrator::new(self, &state);
+        integrator.evaluate(self, &mut state, &command)?;
+        for _ in 0..SETTLING_STEPS {
+            integrator.step(self, &mut state, &command, SETTLING_STEP)?;
+            state.position[0] = x;
+            state.rate[0] = 0.0;
+            state.wheels.iter_mut().for_each(|wheel| wheel.hold = Hold::default());
+            integrator.evaluate(self, &mut state, &command)?;
+        }
+        state.rate.iter_mut().for_each(|rate| *rate = 0.0);
+        Ok(state)
+    }
+}
+
+/// Static balance: the accelerations as functions of (holding, z, pitch, joints).
+struct Balance {
+    evaluation: Evaluation<f64>,
+    command: Command,
+}
+
+impl Balance {
+    fn new(rover: &Rover) -> Self {
+        Self { evaluation: Evaluation::new(rover), command: Command::speed(vec![0.0; rover.wheels.len()]) }
+    }
+
+    /// Sets the holding of all wheels: uphill (positive) as if they had been dragged downhill, locked.
+    fn hold(state: &mut State, holding: f64) {
+        let hold = Hold { travel: -holding.clamp(-1.0, 1.0), turn: 0.0 };
+        state.wheels.iter_mut().for_each(|wheel| wheel.hold = hold);
+    }
+
+    fn accelerations(
+        &mut self,
+        rover: &Rover,
+        state: &mut State,
+        unknowns: &Vector<f64>,
+    ) -> Result<Vector<f64>, DynamicsError> {
+        Self::hold(state, unknowns[0]);
+        state.position[1..].copy_from_slice(&unknowns[1..rover.coordinates()]);
+        self.evaluation.update(rover, state, &self.command)?;
+        Ok(self.evaluation.acceleration)
+    }
+
+    /// Newton's method from `state`; the inner error is the acceleration left where it did not converge.
+    fn newton(&mut self, rover: &Rover, mut state: State) -> Result<Result<State, f64>, DynamicsError> {
+        let n = rover.coordinates();
+        let mut unknowns = zeros();
+        unknowns[1..n].copy_from_slice(&state.position[1..]);
+        let mut left = self.accelerations(rover, &mut state, &unknowns)?;
+        let size = |a: &Vector<f64>| a[..n].iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        for _ in 0..ITERATIONS {
+            if size(&left) < AT_REST {
+                return Ok(Ok(state));
+            }
+            let mut jacobian = [zeros(); MAX_COORDINATES];
+            for j in 0..n {
+                let mut moved = unknowns;
+                let step = 1e-7;
+                moved[j] += step;
+                let there = self.accelerations(rover, &mut state, &moved)?;
+                (0..n).for_each(|i| jacobian[i][j] = (there[i] - left[i]) / step);
+            }
+            let Some(factors) = Factors::new(&jacobian, n) else { break };
+            let change = factors.solve(&left);
+            // At most a fifth of a radius or radian, or half the range of the holding, at a time.
+            let scale = (1..n).map(|i| change[i].abs() / 0.02).fold(change[0].abs() / 0.5, f64::max).max(1.0);
+            (0..n).for_each(|i| unknowns[i] -= change[i] / scale);
+            left = self.accelerations(rover, &mut state, &unknowns)?;
+        }
+        // Beyond what friction can hold nothing changes with the holding: at rest in all but x, it will slide.
+        let slides = unknowns[0].abs() >= 1.0 && left[1..n].iter().all(|a| a.abs() < 1.0);
+        Ok(if slides || size(&left) < AT_REST { Ok(state) } else { Err(size(&left)) })
+    }
+}

@@ -1,0 +1,341 @@
+//! The simulation: a rover in motion, stepped with a fixed inner step.
+
+use crate::integrator::Integrator;
+use crate::rover::dynamics::{DynamicsError, Powers};
+use crate::rover::{Rover, SettleError, State};
+use crate::signals::{Command, Drive, Signals, WheelSignals};
+use std::fmt;
+
+/// Pitch beyond which the rover counts as tipped over, rad.
+const TIPPED: f64 = 80.0 * std::f64::consts::PI / 180.0;
+/// Progress under this share of the rim's travel, over a window of rim travel, is being stuck.
+const STUCK_SHARE: f64 = 0.02;
+/// The window's length in wheel radii.
+const STUCK_WINDOW: f64 = 6.0;
+
+/// What ends a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Event {
+    /// The wheels turn, the rover does not move.
+    Stuck,
+    /// The pitch is beyond 80 degrees.
+    TippedOver,
+    /// The belly touches the ground.
+    BellyContact,
+    /// A wheel is beyond the known ground.
+    LeftTerrain,
+    /// A wheel has sunk to its axle.
+    SunkToAxle,
+}
+
+impl fmt::Display for Event {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Event::Stuck => "stuck: the wheels turn, the rover does not move",
+            Event::TippedOver => "tipped over: the pitch is beyond 80 degrees",
+            Event::BellyContact => "belly contact: the chassis touches the ground",
+            Event::LeftTerrain => "left the terrain: a wheel is beyond the known ground",
+            Event::SunkToAxle => "sunk to the axle: the wheel model does not hold any more",
+        })
+    }
+}
+
+/// Whether a run goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Status {
+    /// It goes on.
+    Running,
+    /// It has ended; further steps change nothing.
+    Ended(Event),
+}
+
+/// Why a simulation cannot start or go on.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StepError {
+    /// The command has the wrong number of values.
+    #[error("the command has {got} values, the rover has {expected} wheels")]
+    CommandLength {
+        /// Values in the command.
+        got: usize,
+        /// Wheels of the rover.
+        expected: usize,
+    },
+    /// A value of the command is NaN or infinite.
+    #[error("the command of wheel {wheel} is {value}, expected a finite number")]
+    CommandNotFinite {
+        /// Wheel, from 1 at the rear.
+        wheel: usize,
+        /// The value.
+        value: f64,
+    },
+    /// The inner step is not a positive finite number, or larger than 20 ms.
+    #[error("the inner step is {0} s, expected more than 0 and at most 0.02 s")]
+    StepSize(f64),
+    /// The rover cannot be put on the ground.
+    #[error(transparent)]
+    Settle(#[from] SettleError),
+    /// The equations of motion failed.
+    #[error("at t = {time} s: {source}")]
+    Dynamics {
+        /// Time, s.
+        time: f64,
+        /// Why.
+        source: DynamicsError,
+    },
+}
+
+/// Energies since the start, J.
+#[derive(Clone, Copy, Debug, Default)]
+struct Energies {
+    dissipated: f64,
+    electrical: f64,
+    drive: f64,
+    soil_loss: f64,
+}
+
+/// Progress since the present window of rim travel began.
+#[derive(Clone, Copy, Debug, Default)]
+struct Window {
+    start_x: f64,
+    rim_travel: f64,
+}
+
+/// A rover in motion. Cloning it is a snapshot: the clone goes on to the same bits.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    rover: Rover,
+    state: State,
+    integrator: Integrator,
+    command: Command,
+    step_size: f64,
+    ticks: u64,
+    energies: Energies,
+    window: Window,
+    status: Status,
+    signals: Signals,
+}
+
+impl Simulation {
+    /// A rover at rest above `x0` (m), settled on its soil, stepped by `step_size` (s).
+    ///
+    /// # Errors
+    /// [`StepError::Settle`] where it finds no rest, [`StepError::StepSize`].
+    pub fn new(rover: Rover, x0: f64, step_size: f64) -> Result<Self, StepError> {
+        let state = rover.settled_at(x0)?;
+        Self::from_state(rover, state, step_size)
+    }
+
+    /// A rover in a given state.
+    ///
+    /// # Errors
+    /// [`StepError::StepSize`], [`StepError::Dynamics`].
+    pub fn from_state(rover: Rover, mut state: State, step_size: f64) -> Result<Self, StepError> {
+        if !(step_size > 0.0 && step_size <= 0.02) {
+            return Err(StepError::StepSize(step_size));
+        }
+        let command = Command::torque(vec![0.0; rover.wheels.len()]);
+        let mut integrator = Integrator::new(&rover, &state);
+        integrator
+            .evaluate(&rover, &mut state, &command)
+            .map_err(|source| StepError::Dynamics { time: 0.0, source })?;
+        let window = Window { start_x: state.position[0], rim_travel: 0.0 };
+        let signals = Signals { wheels: vec![WheelSignals::default(); rover.wheels.len()], ..Signals::default() };
+        let mut simulation = Self {
+            rover,
+            state,
+            integrator,
+            command,
+            step_size,
+            ticks: 0,
+            energies: Energies::default(),
+            window,
+            status: Status::Running,
+            signals,
+        };
+        simulation.refresh();
+        Ok(simulation)
+    }
+
+    /// Applies `command` and makes `steps` inner steps with it.
+    ///
+    /// # Errors
+    /// [`StepError`]; the state is then that of the last good step.
+    pub fn advance(&mut self, command: &Command, steps: u64) -> Result<Status, StepError> {
+        self.apply(command)?;
+        for _ in 0..steps {
+            if self.status != Status::Running {
+                break;
+            }
+            self.step()?;
+        }
+        self.refresh();
+        Ok(self.status)
+    }
+
+    fn apply(&mut self, command: &Command) -> Result<(), StepError> {
+        if command.values.len() != self.rover.wheels.len() {
+            return Err(StepError::CommandLength { got: command.values.len(), expected: self.rover.wheels.len() });
+        }
+        if let Some(k) = command.values.iter().position(|value| !value.is_finite()) {
+            return Err(StepError::CommandNotFinite { wheel: k + 1, value: command.values[k] });
+        }
+        if self.command != *command && self.status == Status::Running {
+            self.change_command(command).map_err(|source| StepError::Dynamics { time: self.time(), source })?;
+        }
+        Ok(())
+    }
+
+    /// Takes a new command over; where it imposes other speeds, the impulse counts as work of the drives.
+    fn change_command(&mut self, command: &Command) -> Result<(), DynamicsError> {
+        let before = self.integrator.now.mechanical_energy(&self.rover, &self.state);
+        self.integrator.impose(&self.rover, &mut self.state, command)?;
+        self.command.clone_from(command);
+        self.integrator.evaluate(&self.rover, &mut self.state, &self.command)?;
+        let after = self.integrator.now.mechanical_energy(&self.rover, &self.state);
+        self.energies.drive += after - before;
+        Ok(())
+    }
+
+    fn step(&mut self) -> Result<(), StepError> {
+        let before = self.integrator.now.powers(&self.rover);
+        let stepped = self.integrator.step(&self.rover, &mut self.state, &self.command, self.step_size);
+        match stepped {
+            Ok(()) => {}
+            Err(DynamicsError::Terrain { .. }) => {
+                self.status = Status::Ended(Event::LeftTerrain);
+                return Ok(());
+            }
+            Err(source) => return Err(StepError::Dynamics { time: self.time(), source }),
+        }
+        self.ticks += 1;
+        let after = self.integrator.now.powers(&self.rover);
+        self.energies.add(&before, &after, self.step_size);
+        self.check_events();
+        Ok(())
+    }
+
+    fn check_events(&mut self) {
+        let radius = self.rover.wheel.radius;
+        let wheels = &self.integrator.now.wheels;
+        if self.state.position[2].abs() > TIPPED {
+            self.status = Status::Ended(Event::TippedOver);
+        } else if wheels.iter().any(|wheel| wheel.sinkage >= radius) {
+            self.status = Status::Ended(Event::SunkToAxle);
+        } else if self.belly_touches() {
+            self.status = Status::Ended(Event::BellyContact);
+        }
+        let rim_speed = wheels.iter().map(|wheel| wheel.speed.abs()).sum::<f64>() * radius / wheels.len() as f64;
+        self.window.rim_travel += rim_speed * self.step_size;
+        if self.window.rim_travel >= STUCK_WINDOW * radius {
+            let progress = (self.state.position[0] - self.window.start_x).abs();
+            if progress < STUCK_SHARE * self.window.rim_travel && self.status == Status::Running {
+                self.status = Status::Ended(Event::Stuck);
+            }
+            self.window = Window { start_x: self.state.position[0], rim_travel: 0.0 };
+        }
+    }
+
+    /// Whether the belly, a straight line between the outer wheels of the chassis, touches the ground.
+    fn belly_touches(&self) -> bool {
+        const POINTS: usize = 7;
+        let mounts = &self.rover.wheels;
+        let (rear, front) = (mounts[0].mount.x, mounts[mounts.len() - 1].mount.x);
+        let (sin, cos) = self.state.position[2].sin_cos();
+        let belly = self.rover.body.belly_z;
+        (1..=POINTS).any(|i| {
+            let along = rear + (front - rear) * i as f64 / (POINTS + 1) as f64;
+            let x = self.state.position[0] + cos * along - sin * belly;
+            let z = self.state.position[1] + sin * along + cos * belly;
+            z < self.rover.terrain.at(x).height
+        })
+    }
+
+    /// Writes the signals from the present state.
+    fn refresh(&mut self) {
+        let (state, now) = (&self.state, &self.integrator.now);
+        let powers = now.powers(&self.rover);
+        let [vx, vz] = [state.rate[0], state.rate[1]];
+        let body = &mut self.signals.body;
+        body.x = state.position[0];
+        body.z = state.position[1];
+        body.velocity = vx.hypot(vz).copysign(vx);
+        body.pitch = state.position[2];
+        body.pitch_rate = state.rate[2];
+        body.power = powers.dissipated;
+        body.electrical_power = powers.electrical;
+        body.dissipated_energy = self.energies.dissipated;
+        body.electrical_energy = self.energies.electrical;
+        body.drive_work = self.energies.drive;
+        body.soil_loss = self.energies.soil_loss;
+        body.mechanical_energy = now.mechanical_energy(&self.rover, state);
+        for (signals, wheel) in self.signals.wheels.iter_mut().zip(&now.wheels) {
+            signals.speed = wheel.speed;
+            signals.slip = wheel.slip;
+            signals.sinkage = wheel.sinkage;
+            signals.normal_force = wheel.touch.forces.normal;
+            signals.drawbar_pull = wheel.touch.forces.drawbar;
+            signals.torque = wheel.motor_torque;
+            signals.current = wheel.current;
+            signals.contact_angle = wheel.contact_angle;
+        }
+    }
+
+    /// Time since the start, s.
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.ticks as f64 * self.step_size
+    }
+
+    /// Inner steps since the start.
+    #[must_use]
+    pub fn ticks(&self) -> u64 {
+        self.ticks
+    }
+
+    /// Inner step, s.
+    #[must_use]
+    pub fn step_size(&self) -> f64 {
+        self.step_size
+    }
+
+    /// True signals at the present time.
+    #[must_use]
+    pub fn signals(&self) -> &Signals {
+        &self.signals
+    }
+
+    /// Whether the run goes on.
+    #[must_use]
+    pub fn status(&self) -> Status {
+        self.status
+    }
+
+    /// The rover.
+    #[must_use]
+    pub fn rover(&self) -> &Rover {
+        &self.rover
+    }
+
+    /// The moving data.
+    #[must_use]
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Mean drive of the last command.
+    #[must_use]
+    pub fn drive(&self) -> Drive {
+        self.command.drive
+    }
+}
+
+impl Energies {
+    /// Trapezoidal rule over one step: the order of the integrator.
+    fn add(&mut self, before: &Powers<f64>, after: &Powers<f64>, h: f64) {
+        let mean = |a: f64, b: f64| 0.5 * h * (a + b);
+        self.dissipated += mean(before.dissipated, after.dissipated);
+        self.electrical += mean(before.electrical, after.electrical);
+        self.drive += mean(before.drive, after.drive);
+        self.soil_loss += mean(before.soil_loss, after.soil_loss);
+    }
+}
