@@ -19,6 +19,9 @@ const TURN_OVER: f64 = 0.1;
 /// V/(r omega) above which a rim counts as fully sliding.
 const LOCKED_RATIO: f64 = 1e6;
 
+/// Speed under which a wheel stands still for the purpose of its slip, m/s.
+const STANDSTILL: f64 = 1e-6;
+
 /// Forces of the soil on a wheel, at its centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forces<S = f64> {
@@ -92,10 +95,10 @@ impl<S: Scalar> Rolling<S> {
 }
 
 /// Slip of a wheel: 1 - V/(r omega) where |r omega| >= |V| (driving), r omega/V - 1 otherwise (skid);
-/// 0 at standstill.
+/// 0 at standstill (both speeds under 1e-6 m/s, where the ratio is noise).
 #[must_use]
 pub fn slip<S: Scalar>(velocity: S, rim_speed: S) -> S {
-    if velocity.value() == 0.0 && rim_speed.value() == 0.0 {
+    if velocity.value().abs() < STANDSTILL && rim_speed.value().abs() < STANDSTILL {
         S::from(0.0)
     } else if rim_speed.value().abs() >= velocity.value().abs() {
         S::from(1.0) - velocity / rim_speed

@@ -11,7 +11,7 @@
 //! The stresses are taken at e = (d h + t v)/(d + t |v|) with a time t: internal damping of the standing
 //! contact, and above the speed d/t (5 cm/s) the direction of motion itself, without lag.
 
-use super::rolling::{Forces, Rolling, rolling_share};
+use super::rolling::{Forces, Rolling, rolling_share, slip};
 use crate::scalar::{Scalar, smooth_step};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
@@ -62,6 +62,24 @@ pub struct Motion<S = f64> {
     pub hold: Hold<S>,
 }
 
+impl<S: Scalar> Motion<S> {
+    /// Slip as far as it is established: that of the direction e, times its length. In motion this is the
+    /// slip; at standstill, where slip is 0/0, it stays what the contact remembers, without noise.
+    #[must_use]
+    pub fn established_slip(&self, wheel: &Wheel<S>, soil: &Soil<S>) -> S {
+        let rim_speed = wheel.radius * self.spin;
+        let [travel, turn] = self.direction(rim_speed, norm(self.velocity, rim_speed), soil.hold_displacement).0;
+        slip(travel, turn) * norm(travel, turn)
+    }
+
+    /// The direction e at which the stresses are taken, and 1/(d + t |v|).
+    fn direction(&self, rim_speed: S, speed: S, distance: S) -> ([S; 2], S) {
+        let scale = (distance + speed * HOLD_DAMPING_TIME).recip();
+        let along = |hold: S, velocity: S| (distance * hold + velocity * HOLD_DAMPING_TIME) * scale;
+        ([along(self.hold.travel, self.velocity), along(self.hold.turn, rim_speed)], scale)
+    }
+}
+
 /// Partial derivatives of the contact, as far as they are stiff.
 #[derive(Clone, Copy, Debug)]
 pub struct Slopes<S = f64> {
@@ -104,7 +122,7 @@ fn norm<S: Scalar>(x: S, y: S) -> S {
 
 /// Forces on a wheel in `motion`. `exit_ratio` is lambda of the exit angle, see [`super::rolling()`].
 pub fn touch<S: Scalar>(wheel: &Wheel<S>, soil: &Soil<S>, exit_ratio: S, motion: &Motion<S>) -> Touch<S> {
-    let (distance, time) = (soil.hold_displacement, HOLD_DAMPING_TIME);
+    let distance = soil.hold_displacement;
     let (hold, rim_speed) = (motion.hold, wheel.radius * motion.spin);
     let speed = norm(motion.velocity, rim_speed);
     let heading =
@@ -124,11 +142,9 @@ pub fn touch<S: Scalar>(wheel: &Wheel<S>, soil: &Soil<S>, exit_ratio: S, motion:
     if motion.sinkage.value() <= 0.0 {
         return Touch { forces: Forces::zero(), rate, slopes };
     }
-    let scale = (distance + speed * time).recip();
-    let travel = (distance * hold.travel + motion.velocity * time) * scale;
-    let turn = (distance * hold.turn + rim_speed * time) * scale;
+    let ([travel, turn], scale) = motion.direction(rim_speed, speed, distance);
     let direction = at_direction(wheel, soil, exit_ratio, motion.sinkage, travel, turn);
-    slopes.follow(&direction, [travel, turn], heading, (distance * scale, scale * time), wheel.radius);
+    slopes.follow(&direction, [travel, turn], heading, (distance * scale, scale * HOLD_DAMPING_TIME), wheel.radius);
     let mut touch = Touch { forces: direction.forces, rate, slopes };
     add_damping(&mut touch, soil, motion);
     touch

@@ -1,1 +1,22 @@
 //! Comparing the model with measurements.
+//!
+//! [`compare`] runs the model on an experiment's inputs and returns measured, modelled and residual values beside the
+//! scatter between repeats, on request after a calibration of the soil.
+
+mod calibrate;
+mod compare;
+mod failure;
+mod fit;
+mod layout;
+mod least_squares;
+mod noise;
+mod prediction;
+mod single_wheel;
+
+pub use calibrate::{CalibratedParameter, Calibration, Prior};
+pub use compare::{CompareError, CompareOptions, Comparison, compare};
+pub use failure::{Failure, Level, levels};
+pub use fit::{Fit, RunFit, SignalFit};
+pub use noise::{FloorSource, NoiseFloor, Pooled};
+pub use prediction::PredictionError;
+pub use single_wheel::{Rig, SteadyError, SteadyPoint, steady_point};

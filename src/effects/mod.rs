@@ -32,7 +32,7 @@ pub struct Place<S = f64> {
     pub x: S,
     /// Contact angle, uphill positive, rad.
     pub contact_angle: S,
-    /// Slip.
+    /// Slip as far as it is established, see [`crate::contact::Motion::established_slip`].
     pub slip: S,
     /// Sinkage, m.
     pub sinkage: S,

@@ -67,9 +67,7 @@ impl AtWork {
         let nominal = || nominal(&model.rover);
         Ok(match model.control.kind {
             ControlKind::Torque | ControlKind::Speed => None,
-            ControlKind::Velocity => {
-                Some(Self::Velocity(VelocityController::new(&nominal(), model.control.velocity)?))
-            }
+            ControlKind::Velocity => Some(Self::Velocity(VelocityController::new(&nominal(), model.control.velocity)?)),
             ControlKind::Rtc => Some(Self::Rtc(Box::new(Rtc::new(nominal(), model.control.rtc)?))),
         })
     }

@@ -10,7 +10,10 @@ pub const PRESETS: &[(&str, &str)] = &[
     ("two_wheeled_speed", "the same, wheel speeds commanded and followed exactly"),
     ("gentle_velocity", "the same on gently rolling ground under individual-wheel velocity control"),
     ("gentle_rtc", "the same on gently rolling ground under rough-terrain control"),
-    ("rocker_bogie", "one side of a six-wheeled rocker-bogie rover, half of 6.1 kg, on flat thesis sand, wheel torques commanded"),
+    (
+        "rocker_bogie",
+        "one side of a six-wheeled rocker-bogie rover, half of 6.1 kg, on flat dry sand, wheel torques commanded",
+    ),
     ("rocker_bogie_speed", "the same, wheel speeds commanded and followed exactly"),
     ("rocker_bogie_velocity", "the same on gently rolling ground under individual-wheel velocity control"),
 ];
@@ -34,6 +37,11 @@ impl Model {
         let mut model = Self::new(name, vehicle);
         model.rover.terrain = terrain;
         model.control.kind = kind;
+        if name == "rocker_bogie_velocity" {
+            // Lighter wheels than the controller's default gains are for.
+            model.control.velocity.kp = 0.1;
+            model.control.velocity.ki = 5.0;
+        }
         Ok(model)
     }
 }

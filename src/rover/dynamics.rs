@@ -189,12 +189,19 @@ impl<S: Scalar> Evaluation<S> {
             soil: rover.terrain.soil(&rover.soil, foot.position[0]),
             exit_ratio: S::from(0.0),
         };
+        let mut motion = Motion {
+            sinkage: rover.wheel.radius - foot.distance,
+            normal_velocity: wheel.normal_velocity,
+            velocity: wheel.velocity,
+            spin: wheel.spin,
+            hold: state.wheels[k].hold,
+        };
         let place = Place {
             wheel: k,
             x: foot.position[0],
             contact_angle: foot.angle,
-            slip: slip(wheel.velocity, rover.wheel.radius * wheel.spin),
-            sinkage: rover.wheel.radius - foot.distance,
+            slip: motion.established_slip(&local.wheel, &local.soil),
+            sinkage: motion.sinkage,
             normal_velocity: wheel.normal_velocity,
             velocity: wheel.velocity,
         };
@@ -202,13 +209,7 @@ impl<S: Scalar> Evaluation<S> {
         wheel.slip = slip(wheel.velocity, local.wheel.radius * wheel.spin);
         wheel.sinkage = local.wheel.radius - foot.distance;
         wheel.contact_angle = foot.angle;
-        let motion = Motion {
-            sinkage: wheel.sinkage,
-            normal_velocity: wheel.normal_velocity,
-            velocity: wheel.velocity,
-            spin: wheel.spin,
-            hold: state.wheels[k].hold,
-        };
+        motion.sinkage = wheel.sinkage;
         wheel.touch = touch(&local.wheel, &local.soil, local.exit_ratio, &motion);
         rover.effects.forces(&place, &local, &mut wheel.touch.forces);
         if command.drive == Drive::Torque {

@@ -34,12 +34,12 @@ impl Rover<f64> {
     }
 
     /// One side of a six-wheeled rocker-bogie rover after appendix C of Iagnemma 2001: half of 6.1 kg,
-    /// rear wheel on the rocker, middle and front wheel on a bogie. Only the mass is in the thesis; wheel
+    /// rear wheel on the rocker, middle and front wheel on a bogie, on dry sand. Only the mass is in the thesis; wheel
     /// size, spacing and pivots are assumptions for a rover of that class.
     #[must_use]
     pub fn rocker_bogie() -> Self {
         let mut rover = Self::rigid(&[-0.2, 0.0, 0.2]);
-        rover.wheel = Wheel { radius: 0.06, width: 0.06, inertia: 0.002 };
+        rover.wheel = Wheel { radius: 0.06, width: 0.06, inertia: 0.005 };
         rover.body =
             Body { mass: 2.45, pitch_inertia: 0.03, centre_of_mass_x: -0.05, centre_of_mass_z: 0.08, belly_z: 0.03 };
         let bogie = LinkParameters {
@@ -54,7 +54,17 @@ impl Rover<f64> {
         rover.links = vec![Link { parent: 0, parameters: bogie }];
         rover.wheels[1].body = 1;
         rover.wheels[2].body = 1;
-        rover.soil.damping = 100.0;
+        // Dry sand of Wong 2008: the thesis's soil does not carry wheels this narrow forward.
+        rover.soil = Soil {
+            cohesion: 1040.0,
+            friction_angle: 28.0_f64.to_radians(),
+            k_c: 990.0,
+            k_phi: 1_528_430.0,
+            exponent: 1.1,
+            shear_modulus: 0.01,
+            damping: 100.0,
+            ..Soil::default()
+        };
         rover
     }
 }

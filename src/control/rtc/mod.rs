@@ -34,7 +34,7 @@ parameters! {
     /// Rough-terrain control.
     pub struct RoughTerrainControl {
         /// Gain K of the commanded acceleration K (v_desired - v).
-        gain: [Unit::PER_SECOND] = 10.0, 0.0..=1e3, Fixed, "assumption: not in the thesis; reaches a speed in 0.1 s where nothing resists (errata 11)";
+        gain: [Unit::PER_SECOND] = 50.0, 0.0..=1e3, Fixed, "assumption: not in the thesis; gain times period 0.5, the fastest well-damped sampled loop (errata 11)";
         /// Contact angle C above which traction counts instead of power (4.11).
         switch_angle: [Unit::RADIAN] = 15.0_f64.to_radians(), 0.0..=1.6, Fixed, "Iagnemma 2001, 4.4.1";
         /// Least normal force asked of every wheel, for N_i > 0 (4.13).

@@ -1,0 +1,69 @@
+//! Measured, modelled and residual values by run and signal.
+
+use super::layout::Layout;
+use crate::measurement::Experiment;
+use std::collections::BTreeMap;
+
+/// One signal of one run, one entry a row; NaN where nothing was measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SignalFit {
+    /// Name of the signal.
+    pub signal: String,
+    /// Measured values.
+    pub measured: Vec<f64>,
+    /// Modelled values; also where nothing was measured.
+    pub modelled: Vec<f64>,
+    /// Measured minus modelled.
+    pub residual: Vec<f64>,
+}
+
+/// All measured signals of one run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunFit {
+    /// Name of the run.
+    pub run: String,
+    /// One entry a measured signal.
+    pub signals: Vec<SignalFit>,
+}
+
+impl RunFit {
+    /// The signal called `name`, if this run measures it.
+    #[must_use]
+    pub fn signal(&self, name: &str) -> Option<&SignalFit> {
+        self.signals.iter().find(|signal| signal.signal == name)
+    }
+}
+
+/// The model beside the measurements, for one set of parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// One entry a run of the experiment, in its order.
+    pub runs: Vec<RunFit>,
+    /// Root mean square of the residual by signal, in the signal's unit.
+    pub rmse: BTreeMap<String, f64>,
+}
+
+impl Fit {
+    pub(crate) fn new(experiment: &Experiment, layout: &Layout, modelled: &[f64]) -> Self {
+        let mut runs: Vec<RunFit> =
+            experiment.runs.iter().map(|run| RunFit { run: run.name.clone(), signals: Vec::new() }).collect();
+        let mut squares: BTreeMap<String, (f64, usize)> = BTreeMap::new();
+        for block in &layout.blocks {
+            let (measured, modelled) = (&layout.measured[block.range.clone()], &modelled[block.range.clone()]);
+            let residual: Vec<f64> = measured.iter().zip(modelled).map(|(y, m)| y - m).collect();
+            let (sum, count) = squares.entry(block.signal.clone()).or_default();
+            for e in residual.iter().filter(|e| !e.is_nan()) {
+                *sum += e * e;
+                *count += 1;
+            }
+            runs[block.run].signals.push(SignalFit {
+                signal: block.signal.clone(),
+                measured: measured.to_vec(),
+                modelled: modelled.to_vec(),
+                residual,
+            });
+        }
+        let rmse = squares.into_iter().map(|(name, (sum, count))| (name, (sum / count as f64).sqrt())).collect();
+        Self { runs, rmse }
+    }
+}

@@ -1,0 +1,100 @@
+//! The noise floor: how well any model could do.
+//!
+//! Noise comes from repeats, not from residuals: the residuals of samples that repeat one set-point share the model's
+//! error there, so their scatter about their own mean contains none of it. Where the inputs of repeats differ a
+//! little, the residual has already taken off what the model says of that difference.
+
+use super::layout::Layout;
+use crate::measurement::{Experiment, Sample};
+use std::collections::BTreeMap;
+
+/// Standard deviation pooled over sets of repeats.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pooled {
+    /// Standard deviation of one sample, in the signal's unit.
+    pub deviation: f64,
+    /// Samples less sets: how much the number rests on.
+    pub degrees_of_freedom: usize,
+}
+
+/// What is known of a signal's noise.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct NoiseFloor {
+    /// Standard deviation of one sample as the experiment states it.
+    pub stated: Option<f64>,
+    /// As the repeats show it.
+    pub replicates: Option<Pooled>,
+}
+
+/// Where a noise floor comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FloorSource {
+    /// `[noise]` in `experiment.toml`.
+    Stated,
+    /// The scatter between repeats.
+    Replicates,
+    /// Neither: the floor is unknown.
+    Unknown,
+}
+
+impl FloorSource {
+    /// The word for reports and JSON.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stated => "stated",
+            Self::Replicates => "replicates",
+            Self::Unknown => "unknown",
+        }
+    }
+}
+
+impl NoiseFloor {
+    /// Standard deviation of one sample: stated, else from repeats, else unknown.
+    #[must_use]
+    pub fn value(&self) -> Option<f64> {
+        self.stated.or(self.replicates.map(|pooled| pooled.deviation))
+    }
+
+    /// Where [`value`](NoiseFloor::value) comes from.
+    #[must_use]
+    pub fn source(&self) -> FloorSource {
+        match (self.stated, self.replicates) {
+            (Some(_), _) => FloorSource::Stated,
+            (None, Some(_)) => FloorSource::Replicates,
+            (None, None) => FloorSource::Unknown,
+        }
+    }
+}
+
+/// Noise floors of all measured signals, given the modelled values.
+pub(crate) fn noise_floors(
+    experiment: &Experiment,
+    layout: &Layout,
+    modelled: &[f64],
+) -> BTreeMap<String, NoiseFloor> {
+    let sets = experiment.replicates();
+    let floor = |signal: &String| NoiseFloor {
+        stated: experiment.noise.get(signal).copied(),
+        replicates: pooled(&sets, layout, modelled, signal),
+    };
+    experiment.signals().into_iter().map(|signal| (signal.clone(), floor(&signal))).collect()
+}
+
+fn pooled(sets: &[Vec<Sample>], layout: &Layout, modelled: &[f64], signal: &str) -> Option<Pooled> {
+    let residual = |sample: &Sample| {
+        let block = layout.of_run(sample.run).find(|block| block.signal == signal)?;
+        let at = block.range.start + sample.row;
+        Some(layout.measured[at] - modelled[at]).filter(|e| !e.is_nan())
+    };
+    let (mut sum, mut freedom) = (0.0, 0);
+    for set in sets {
+        let residuals: Vec<f64> = set.iter().filter_map(residual).collect();
+        if residuals.len() > 1 {
+            let mean = residuals.iter().sum::<f64>() / residuals.len() as f64;
+            sum += residuals.iter().map(|e| (e - mean).powi(2)).sum::<f64>();
+            freedom += residuals.len() - 1;
+        }
+    }
+    (freedom > 0).then(|| Pooled { deviation: (sum / freedom as f64).sqrt(), degrees_of_freedom: freedom })
+}

@@ -1,0 +1,162 @@
+//! A wheel on a carriage: the steady point at a load, a slip and a wheel speed.
+
+use crate::contact::{Forces, rolling};
+use crate::scalar::{Dual, Scalar};
+use crate::soil::Soil;
+use crate::wheel::Wheel;
+use bekker_modeldescription::{Parameters, Variable, join};
+
+/// The normal force meets the load within this share of it: far below any measurement, above rounding.
+const LOAD_TOLERANCE: f64 = 1e-12;
+
+/// Newton's method in logarithms needs 3 to 6 steps; bisection of 0..r to 1e-12 needs 40.
+const MAX_STEPS: usize = 100;
+
+/// A wheel, the soil under it and how far the contact reaches behind it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rig<S = f64> {
+    /// The wheel.
+    pub wheel: Wheel<S>,
+    /// The soil.
+    pub soil: Soil<S>,
+    /// lambda of the exit angle theta_2 = -acos(1 - lambda z/r).
+    pub exit_ratio: S,
+}
+
+/// What a carriage measures at a steady point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SteadyPoint<S = f64> {
+    /// Drawbar pull, N.
+    pub drawbar_pull: S,
+    /// Torque on the wheel, N m.
+    pub torque: S,
+    /// Sinkage, m.
+    pub sinkage: S,
+}
+
+/// Why there is no steady point.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum SteadyError {
+    /// Slip and wheel speed contradict each other.
+    #[error("slip {slip} is impossible at wheel speed {wheel_speed} rad/s (a locked wheel has slip -1 and speed 0)")]
+    Impossible {
+        /// The slip.
+        slip: f64,
+        /// The wheel speed, rad/s.
+        wheel_speed: f64,
+    },
+    /// The wheel sinks to its axle.
+    #[error("the soil does not carry {load} N at slip {slip}: the wheel sinks to its axle, where it carries {carried} N")]
+    SunkToAxle {
+        /// The load, N.
+        load: f64,
+        /// The slip.
+        slip: f64,
+        /// Normal force at a sinkage of one radius, N.
+        carried: f64,
+    },
+    /// The normal force does not meet the load to rounding.
+    #[error("no sinkage balances {load} N at slip {slip}")]
+    NotBalanced {
+        /// The load, N.
+        load: f64,
+        /// The slip.
+        slip: f64,
+    },
+}
+
+impl<S: Scalar> Rig<S> {
+    /// The same rig over another scalar.
+    pub fn map<T>(&self, f: &dyn Fn(S) -> T) -> Rig<T> {
+        Rig { wheel: self.wheel.map(f), soil: self.soil.map(f), exit_ratio: f(self.exit_ratio) }
+    }
+
+    fn forces(&self, sinkage: S, velocity: S, spin: S) -> Forces<S> {
+        rolling(&self.wheel, &self.soil, self.exit_ratio, sinkage, velocity, spin)
+    }
+}
+
+impl<S: Copy> Parameters<S> for Rig<S> {
+    fn visit(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut S)) {
+        self.wheel.visit(&join(prefix, "wheel"), f);
+        self.soil.visit(&join(prefix, "soil"), f);
+    }
+
+    fn values(&self, f: &mut dyn FnMut(S)) {
+        self.wheel.values(f);
+        self.soil.values(f);
+    }
+}
+
+/// The steady point where the soil carries `load` (N) at `slip` and `wheel_speed` (rad/s).
+///
+/// With a dual number the derivatives are exact: they follow from the balance N(z, p) = W by the implicit function
+/// theorem, dz/dp = -(dN/dp) / (dN/dz). Second derivatives are not carried.
+///
+/// # Errors
+/// [`SteadyError`] where the wheel sinks to its axle or the inputs contradict each other.
+pub fn steady_point<S: Scalar>(
+    rig: &Rig<S>,
+    load: f64,
+    slip: f64,
+    wheel_speed: f64,
+) -> Result<SteadyPoint<S>, SteadyError> {
+    let spin = S::from(wheel_speed);
+    let velocity = rig.wheel.radius * carriage_speed_over_radius(slip, wheel_speed)?;
+    let (sinkage, by_sinkage) = balance(&rig.map(&|s| s.value()), load, slip, velocity.value(), wheel_speed)?;
+    let here = rig.forces(S::from(sinkage), velocity, spin);
+    // The real part of this step is rounding; its derivatives are dz/dp.
+    let step = -(here.normal - load) / by_sinkage.normal;
+    Ok(SteadyPoint {
+        drawbar_pull: here.drawbar + step * by_sinkage.drawbar,
+        torque: here.torque + step * by_sinkage.torque,
+        sinkage: step + sinkage,
+    })
+}
+
+/// V/r from the slip i = 1 - V/(r omega) driving, i = r omega/V - 1 in skid.
+fn carriage_speed_over_radius(slip: f64, wheel_speed: f64) -> Result<f64, SteadyError> {
+    let locked = slip == -1.0 && wheel_speed == 0.0;
+    if locked {
+        // Any speed: the rim slides fully. One radius a second, forward.
+        return Ok(1.0);
+    }
+    if slip == -1.0 || wheel_speed == 0.0 || !(-1.0..=1.0).contains(&slip) {
+        return Err(SteadyError::Impossible { slip, wheel_speed });
+    }
+    Ok(if slip >= 0.0 { wheel_speed * (1.0 - slip) } else { wheel_speed / (1.0 + slip) })
+}
+
+/// Sinkage at which the normal force is `load`, and the slopes of the forces in the sinkage there.
+///
+/// Newton's method on ln N over ln z (N is nearly a power of z), kept within a shrinking bracket.
+fn balance(rig: &Rig, load: f64, slip: f64, velocity: f64, spin: f64) -> Result<(f64, Forces), SteadyError> {
+    let lifted = rig.map(&Dual::<1>::from);
+    let at = |z: f64| {
+        lifted.forces(Dual::<1>::from(z).derivative(0), Dual::from(velocity), Dual::from(spin))
+    };
+    let (mut low, mut high) = (0.0, rig.wheel.radius);
+    let carried = rig.forces(high, velocity, spin).normal;
+    if carried.is_nan() || carried < load {
+        return Err(SteadyError::SunkToAxle { load, slip, carried });
+    }
+    // N is about proportional to z^(n + 1/2) (4.18).
+    let mut z = high * (load / carried).powf((rig.soil.exponent + 0.5).recip());
+    for _ in 0..MAX_STEPS {
+        let forces = at(z);
+        let (normal, slope) = (forces.normal.re, partial(&forces.normal, 0));
+        if (normal - load).abs() <= LOAD_TOLERANCE * load || (high - low) <= f64::EPSILON * high {
+            let (drawbar, torque) = (partial(&forces.drawbar, 0), partial(&forces.torque, 0));
+            return Ok((z, Forces { normal: slope, drawbar, torque }));
+        }
+        if normal < load { low = z } else { high = z }
+        let next = z * ((load / normal).ln() * normal / (slope * z)).exp();
+        z = if next > low && next < high { next } else { 0.5 * (low + high) };
+    }
+    Err(SteadyError::NotBalanced { load, slip })
+}
+
+/// The `k`-th partial derivative.
+pub(super) fn partial<const N: usize>(x: &Dual<N>, k: usize) -> f64 {
+    x.eps.0.map_or(0.0, |all| all[k])
+}

@@ -1,1 +1,0 @@
-//! Experiment folders and records.

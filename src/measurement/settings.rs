@@ -1,0 +1,162 @@
+//! `experiment.toml`: strict, with the line of whatever is wrong.
+
+use super::error::{ExperimentError, Problem};
+use super::experiment::Kind;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use toml::Spanned;
+
+type Numbers = BTreeMap<String, Spanned<f64>>;
+
+/// The file as it stands.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    name: String,
+    kind: Kind,
+    #[serde(default)]
+    ignore: Vec<String>,
+    #[serde(default)]
+    parameters: Numbers,
+    #[serde(default)]
+    priors: Numbers,
+    #[serde(default)]
+    noise: Numbers,
+    run: Vec<RunTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RunTable {
+    file: String,
+    group: Option<String>,
+    terrain: Option<Spanned<String>>,
+    x0: Option<Spanned<f64>>,
+    #[serde(default)]
+    parameters: Numbers,
+}
+
+/// The checked settings of an experiment.
+pub(super) struct Settings {
+    pub file: PathBuf,
+    pub name: String,
+    pub kind: Kind,
+    pub ignore: Vec<String>,
+    pub parameters: BTreeMap<String, f64>,
+    pub priors: BTreeMap<String, f64>,
+    /// Standard deviation and the line on which it stands.
+    pub noise: BTreeMap<String, (f64, u64)>,
+    pub runs: Vec<RunSettings>,
+}
+
+/// The checked settings of one run.
+pub(super) struct RunSettings {
+    pub file: String,
+    pub group: Option<String>,
+    pub terrain: Option<String>,
+    pub x0: Option<f64>,
+    pub parameters: BTreeMap<String, f64>,
+}
+
+impl Settings {
+    pub fn read(folder: &Path) -> Result<Self, ExperimentError> {
+        let path = folder.join("experiment.toml");
+        let text = std::fs::read_to_string(&path)
+            .map_err(|e| ExperimentError::in_file(&path, Problem::Unreadable(e.to_string())))?;
+        let file: File = toml::from_str(&text).map_err(|e| not_toml(&path, &text, &e))?;
+        if file.run.is_empty() {
+            let problem = Problem::Setting("at least one [[run]] is needed".to_owned());
+            return Err(ExperimentError::in_file(&path, problem));
+        }
+        let check = Checker { path: &path, text: &text };
+        let noise = file.noise.iter().map(|(name, sd)| {
+            Ok((name.clone(), (check.positive("noise", name, sd)?, line_of(&text, sd.span().start))))
+        });
+        Ok(Self {
+            name: file.name,
+            kind: file.kind,
+            ignore: file.ignore,
+            parameters: check.numbers("parameters", &file.parameters)?,
+            priors: file
+                .priors
+                .iter()
+                .map(|(name, sd)| Ok((name.clone(), check.positive("priors", name, sd)?)))
+                .collect::<Result<_, _>>()?,
+            noise: noise.collect::<Result<_, _>>()?,
+            runs: file.run.into_iter().map(|run| check.run(file.kind, run)).collect::<Result<_, _>>()?,
+            file: path.clone(),
+        })
+    }
+}
+
+struct Checker<'a> {
+    path: &'a Path,
+    text: &'a str,
+}
+
+impl Checker<'_> {
+    fn run(&self, kind: Kind, run: RunTable) -> Result<RunSettings, ExperimentError> {
+        let parameters = self.numbers("parameters", &run.parameters)?;
+        let only_traverse = |key: &str, at: usize| {
+            self.error(key, at, format!("only a `traverse` run has `{key}`; this is a `{}`", kind.name()))
+        };
+        if kind == Kind::SingleWheel {
+            if let Some(terrain) = &run.terrain {
+                return Err(only_traverse("terrain", terrain.span().start));
+            }
+            if let Some(x0) = &run.x0 {
+                return Err(only_traverse("x0", x0.span().start));
+            }
+        }
+        Ok(RunSettings {
+            file: run.file,
+            group: run.group,
+            terrain: run.terrain.map(Spanned::into_inner),
+            x0: run.x0.map(|x0| self.finite("x0", &x0)).transpose()?,
+            parameters,
+        })
+    }
+
+    fn numbers(&self, table: &str, numbers: &Numbers) -> Result<BTreeMap<String, f64>, ExperimentError> {
+        numbers.iter().map(|(name, value)| Ok((name.clone(), self.finite(&format!("{table}.{name}"), value)?))).collect()
+    }
+
+    fn finite(&self, key: &str, value: &Spanned<f64>) -> Result<f64, ExperimentError> {
+        let number = *value.get_ref();
+        if number.is_finite() {
+            return Ok(number);
+        }
+        Err(self.error(key, value.span().start, format!("{number} is not a finite number")))
+    }
+
+    fn positive(&self, table: &str, name: &str, value: &Spanned<f64>) -> Result<f64, ExperimentError> {
+        let key = format!("{table}.{name}");
+        let number = self.finite(&key, value)?;
+        if number > 0.0 {
+            return Ok(number);
+        }
+        Err(self.error(&key, value.span().start, format!("a standard deviation is positive, not {number}")))
+    }
+
+    fn error(&self, key: &str, at: usize, message: String) -> ExperimentError {
+        ExperimentError::in_file(self.path, Problem::Setting(message)).at_line(line_of(self.text, at)).at_column(key)
+    }
+}
+
+fn not_toml(path: &Path, text: &str, error: &toml::de::Error) -> ExperimentError {
+    let mut message = error.message().to_owned();
+    if message.contains("invalid type: map") {
+        message.push_str(" (names with a dot are quoted: \"wheel.radius\" = 0.1)");
+    }
+    let place = ExperimentError::in_file(path, Problem::Setting(message));
+    match error.span() {
+        Some(span) => place.at_line(line_of(text, span.start)),
+        None => place,
+    }
+}
+
+/// Line of a byte offset, counted from 1.
+fn line_of(text: &str, at: usize) -> u64 {
+    text.as_bytes()[..at.min(text.len())].iter().filter(|byte| **byte == b'\n').count() as u64 + 1
+}
