@@ -1,4 +1,4 @@
-//! A rover as a [`Model`](crate::model::Model).
+//! A rover as a [`Model`].
 
 use crate::model::{Failure, Model, Outcome};
 use bekker::model::{Model as RoverModel, Run};
