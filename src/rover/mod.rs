@@ -4,6 +4,7 @@ pub(crate) mod dynamics;
 pub(crate) mod kinematics;
 pub(crate) mod linear;
 mod presets;
+mod rate;
 mod settle;
 
 use crate::contact::Hold;
@@ -16,6 +17,8 @@ use crate::wheel::Wheel;
 use bekker_modeldescription::{Parameters, Unit, Variable, join, parameters};
 
 pub use linear::MAX_COORDINATES;
+pub use dynamics::DynamicsError;
+pub use rate::StateRate;
 pub use settle::SettleError;
 
 /// Most wheels of a rover.
