@@ -2,7 +2,9 @@
 
 use bekker::contact::rolling;
 use bekker::diagnosis::{CompareOptions, Comparison, Rig, compare, steady_point};
+use bekker::effects::Effects;
 use bekker::measurement::Experiment;
+use bekker::model::Model;
 use bekker::modeldescription::{Lookup, Parameters};
 use bekker::scalar::Dual;
 use bekker::soil::Soil;
@@ -17,7 +19,15 @@ const DIFFERENCE: f64 = 1e-6;
 /// Planted values come back to the rounding of the data files (9 digits), magnified by the fit's conditioning.
 const RECOVERY: f64 = 1e-3;
 
-const FREE: [&str; 5] = ["soil.cohesion", "soil.friction_angle", "soil.k_phi", "soil.exponent", "soil.shear_modulus"];
+const FREE: [&str; 7] = [
+    "soil.cohesion",
+    "soil.friction_angle",
+    "soil.k_phi",
+    "soil.exponent",
+    "soil.shear_modulus",
+    "soil.c1",
+    "soil.c2",
+];
 
 fn dry_sand() -> Rig {
     let wheel = Wheel { radius: 0.1, width: 0.12, ..Wheel::default() };
@@ -30,7 +40,12 @@ fn dry_sand() -> Rig {
         shear_modulus: 0.016,
         ..Soil::default()
     };
-    Rig { wheel, soil, exit_ratio: 0.0 }
+    Rig { wheel, soil, effects: Effects::default() }
+}
+
+/// The thesis's rover; a carriage tests its wheel, soil and effects.
+fn baseline() -> Model {
+    Model::preset("two_wheeled").unwrap()
 }
 
 fn shipped() -> Experiment {
@@ -38,8 +53,7 @@ fn shipped() -> Experiment {
 }
 
 fn run(experiment: &Experiment, calibrate: bool) -> Comparison {
-    let rig = Rig { wheel: Wheel::default(), soil: Soil::default(), exit_ratio: 0.0 };
-    compare(&rig, experiment, &CompareOptions { calibrate }).unwrap()
+    compare(&baseline(), experiment, &CompareOptions { calibrate }).unwrap()
 }
 
 #[test]
@@ -170,12 +184,11 @@ fn property_stated_parameters_stay_and_priors_pull() {
 #[test]
 fn property_wrong_names_are_refused_with_their_place() {
     let (folder, _) = planted("names");
-    let rig = dry_sand();
     let message = |lines: &str| {
         let toml = format!("name = \"p\"\nkind = \"single_wheel\"\n{lines}\n");
         std::fs::write(folder.join("experiment.toml"), toml).unwrap();
         let experiment = Experiment::read(&folder).unwrap();
-        compare(&rig, &experiment, &CompareOptions::default()).unwrap_err().to_string()
+        compare(&baseline(), &experiment, &CompareOptions::default()).unwrap_err().to_string()
     };
     let unknown = message("[parameters]\n\"soil.cohesoin\" = 1\n[[run]]\nfile = \"run.csv\"");
     assert!(unknown.contains("[parameters]") && unknown.contains("did you mean soil.cohesion"), "{unknown}");
