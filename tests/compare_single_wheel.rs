@@ -192,7 +192,10 @@ fn property_shipped_experiment_shows_structure_beyond_the_noise() {
     let comparison = run(&shipped(), true);
     let (calibration, fit) = comparison.calibrated.as_ref().unwrap();
     for p in &calibration.parameters {
-        println!("{:22} {:>12.5e} -> {:>12.5e} +- {:?} at bound {}", p.variable.name, p.start, p.value, p.deviation, p.at_bound);
+        println!(
+            "{:22} {:>12.5e} -> {:>12.5e} +- {:?} at bound {}",
+            p.variable.name, p.start, p.value, p.deviation, p.at_bound
+        );
     }
     println!("steps {} searches {} agreeing {}", calibration.steps, calibration.searches, calibration.agreeing);
     // What the generator put in: 2 % of each signal's RMS.

@@ -68,11 +68,7 @@ impl NoiseFloor {
 }
 
 /// Noise floors of all measured signals, given the modelled values.
-pub(crate) fn noise_floors(
-    experiment: &Experiment,
-    layout: &Layout,
-    modelled: &[f64],
-) -> BTreeMap<String, NoiseFloor> {
+pub(crate) fn noise_floors(experiment: &Experiment, layout: &Layout, modelled: &[f64]) -> BTreeMap<String, NoiseFloor> {
     let sets = experiment.replicates();
     let floor = |signal: &String| NoiseFloor {
         stated: experiment.noise.get(signal).copied(),

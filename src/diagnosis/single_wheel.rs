@@ -46,7 +46,9 @@ pub enum SteadyError {
         wheel_speed: f64,
     },
     /// The wheel sinks to its axle.
-    #[error("the soil does not carry {load} N at slip {slip}: the wheel sinks to its axle, where it carries {carried} N")]
+    #[error(
+        "the soil does not carry {load} N at slip {slip}: the wheel sinks to its axle, where it carries {carried} N"
+    )]
     SunkToAxle {
         /// The load, N.
         load: f64,
@@ -132,9 +134,7 @@ fn carriage_speed_over_radius(slip: f64, wheel_speed: f64) -> Result<f64, Steady
 /// Newton's method on ln N over ln z (N is nearly a power of z), kept within a shrinking bracket.
 fn balance(rig: &Rig, load: f64, slip: f64, velocity: f64, spin: f64) -> Result<(f64, Forces), SteadyError> {
     let lifted = rig.map(&Dual::<1>::from);
-    let at = |z: f64| {
-        lifted.forces(Dual::<1>::from(z).derivative(0), Dual::from(velocity), Dual::from(spin))
-    };
+    let at = |z: f64| lifted.forces(Dual::<1>::from(z).derivative(0), Dual::from(velocity), Dual::from(spin));
     let (mut low, mut high) = (0.0, rig.wheel.radius);
     let carried = rig.forces(high, velocity, spin).normal;
     if carried.is_nan() || carried < load {
@@ -149,7 +149,11 @@ fn balance(rig: &Rig, load: f64, slip: f64, velocity: f64, spin: f64) -> Result<
             let (drawbar, torque) = (partial(&forces.drawbar, 0), partial(&forces.torque, 0));
             return Ok((z, Forces { normal: slope, drawbar, torque }));
         }
-        if normal < load { low = z } else { high = z }
+        if normal < load {
+            low = z
+        } else {
+            high = z
+        }
         let next = z * ((load / normal).ln() * normal / (slope * z)).exp();
         z = if next > low && next < high { next } else { 0.5 * (low + high) };
     }
