@@ -1,4 +1,4 @@
-//! A rover as a [`Model`](crate::model::Model).
+//! A rover as a [`Model`].
 
 use crate::model::{Failure, Model, Outcome};
 use bekker::model::{Model as RoverModel, Run};
@@ -53,7 +53,10 @@ pub fn load(folder: &Path) -> Result<Box<dyn Model>, String> {
 /// A sentence where the model does not start.
 pub fn describe(model: &RoverModel) -> Result<(String, Description), String> {
     let text = model.to_toml();
-    let rover = Rover::parse(&text)?;
+    let mut rover = Rover::parse(&text)?;
+    if rover.model.list() != model.clone().list() || rover.model.control.kind != model.control.kind {
+        return Err("its TOML does not read back as the same model".to_owned());
+    }
     Ok((text, Description::clone(&rover.description)))
 }
 

@@ -98,11 +98,7 @@ pub fn levels(experiment: &Experiment, fit: &Fit, signal: &str, condition: &str)
 }
 
 /// The worst level of every condition for every signal, the worst first.
-pub(crate) fn failures(
-    experiment: &Experiment,
-    fit: &Fit,
-    floors: &BTreeMap<String, NoiseFloor>,
-) -> Vec<Failure> {
+pub(crate) fn failures(experiment: &Experiment, fit: &Fit, floors: &BTreeMap<String, NoiseFloor>) -> Vec<Failure> {
     let mut all = Vec::new();
     for (signal, floor) in floors {
         for condition in conditions(experiment) {

@@ -48,7 +48,9 @@ pub enum SteadyError {
         wheel_speed: f64,
     },
     /// The wheel sinks to its axle.
-    #[error("the soil does not carry {load} N at slip {slip}: the wheel sinks to its axle, where it carries {carried} N")]
+    #[error(
+        "the soil does not carry {load} N at slip {slip}: the wheel sinks to its axle, where it carries {carried} N"
+    )]
     SunkToAxle {
         /// The load, N.
         load: f64,
@@ -179,7 +181,11 @@ fn balance(rig: &Rig, load: f64, slip: f64, velocity: f64, spin: f64) -> Result<
             let (drawbar, torque) = (partial(&forces.drawbar, 0), partial(&forces.torque, 0));
             return Ok((z, Forces { normal: slope, drawbar, torque }));
         }
-        if normal < load { low = z } else { high = z }
+        if normal < load {
+            low = z
+        } else {
+            high = z
+        }
         let next = z * ((load / normal).ln() * normal / (slope * z)).exp();
         z = if next > low && next < high { next } else { 0.5 * (low + high) };
     }
