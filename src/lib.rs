@@ -8,6 +8,8 @@ pub mod linear_stress;
 pub mod measurement;
 pub mod model;
 pub mod motor;
+#[cfg(feature = "report")]
+pub mod report;
 pub mod rover;
 pub mod scalar;
 pub mod sensors;
