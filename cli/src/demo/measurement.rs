@@ -2,7 +2,7 @@
 
 use crate::compare::{print, write_page};
 use anyhow::{Context, Result};
-use bekker::diagnosis::{CompareOptions, compare};
+use bekker::diagnosis::{CompareOptions, Comparison, compare};
 use bekker::measurement::Experiment;
 use bekker::model::Model;
 use std::path::{Path, PathBuf};
@@ -23,8 +23,24 @@ pub fn run(out: &Path) -> Result<Vec<(PathBuf, &'static str)>> {
     let experiment = Experiment::read(&folder)?;
     let comparison = compare(&Model::preset("two_wheeled")?, &experiment, &CompareOptions { calibrate: true })?;
     print(&comparison, "   ");
-    println!("   Calibration alone does not reach the noise floor: a physical effect is missing from the model.");
+    judge(&comparison);
     let page = out.join("sand_wheel.html");
     write_page(&comparison, &page)?;
     Ok(vec![(folder, "the experiment"), (page, "overlay and residual plots: open it in a browser")])
+}
+
+/// Says what the errors mean beside the noise floor.
+fn judge(comparison: &Comparison) {
+    let ratio = |(signal, error): (&String, &f64)| {
+        comparison.noise_floor.get(signal).and_then(|floor| floor.value()).map(|floor| error / floor)
+    };
+    let worst = comparison.fit().rmse.iter().filter_map(ratio).fold(0.0_f64, f64::max);
+    if worst > 1.2 {
+        println!(
+            "   After calibration the error is still up to {worst:.1} times the noise: no soil parameters explain these\n   \
+             data, so a physical effect is missing from the model."
+        );
+    } else {
+        println!("   After calibration the error is at the noise floor ({worst:.1} times): nothing is missing.");
+    }
 }
