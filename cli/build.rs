@@ -8,7 +8,8 @@ fn main() {
     let folder = Path::new(&env::var("CARGO_MANIFEST_DIR").expect("set by cargo")).join("../examples/sand_wheel");
     println!("cargo:rerun-if-changed={}", folder.display());
     let mut files = vec![folder.join("experiment.toml")];
-    files.extend(fs::read_dir(folder.join("runs")).expect("examples/sand_wheel/runs").map(|e| e.expect("entry").path()));
+    files
+        .extend(fs::read_dir(folder.join("runs")).expect("examples/sand_wheel/runs").map(|e| e.expect("entry").path()));
     files.sort();
     let mut list = String::from("[");
     for file in &files {

@@ -27,15 +27,8 @@ const NOISE_ESTIMATE: f64 = 0.2;
 /// An error this many times the scatter of repeats is structure; the calibrated baseline has 1.6 in its best signal.
 const STRUCTURE: f64 = 1.4;
 
-const FREE: [&str; 7] = [
-    "soil.cohesion",
-    "soil.friction_angle",
-    "soil.k_phi",
-    "soil.exponent",
-    "soil.shear_modulus",
-    "soil.c1",
-    "soil.c2",
-];
+const FREE: [&str; 7] =
+    ["soil.cohesion", "soil.friction_angle", "soil.k_phi", "soil.exponent", "soil.shear_modulus", "soil.c1", "soil.c2"];
 
 fn dry_sand() -> Rig {
     let wheel = Wheel { radius: 0.1, width: 0.12, ..Wheel::default() };

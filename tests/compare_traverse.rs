@@ -61,7 +61,8 @@ fn recorded(name: &str, kind: &str, commands: &str, command: impl Fn(usize) -> f
     let hill: String = x.iter().zip(&z).map(|(x, z)| format!("{x:?},{z:?}\n")).collect();
     std::fs::write(folder.join("hill.csv"), format!("x,z\n{hill}")).unwrap();
     let run = "[[run]]\nfile = \"drive.csv\"\nterrain = \"hill.csv\"\nx0 = 0.2\n";
-    std::fs::write(folder.join("experiment.toml"), format!("name = \"hill\"\nkind = \"traverse\"\n{settings}{run}")).unwrap();
+    std::fs::write(folder.join("experiment.toml"), format!("name = \"hill\"\nkind = \"traverse\"\n{settings}{run}"))
+        .unwrap();
     folder
 }
 
@@ -72,7 +73,12 @@ fn agreement_a_replay_is_the_simulation_bit_for_bit() {
     let speed = |row: usize| 2.0 + (row as f64 * 0.3).sin();
     let torque = |row: usize| if row < 60 { 3.0 } else { 1.0 };
     for (name, kind, commands, folder) in [
-        ("speed", "two_wheeled_speed", "speed_command", recorded("s", "two_wheeled_speed", "speed_command", speed, TRUTH)),
+        (
+            "speed",
+            "two_wheeled_speed",
+            "speed_command",
+            recorded("s", "two_wheeled_speed", "speed_command", speed, TRUTH),
+        ),
         ("torque", "two_wheeled", "torque_command", recorded("t", "two_wheeled", "torque_command", torque, TRUTH)),
     ] {
         let experiment = Experiment::read(&folder).unwrap();

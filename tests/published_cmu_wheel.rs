@@ -38,7 +38,10 @@ fn calibrated(experiment: &Experiment) -> Comparison {
         println!("  {:20} {:>12.5e} +- {:?} {unit} in {:e} .. {:e}{flag}", v.name, p.value, p.deviation, v.min, v.max);
     }
     println!("  rms {:?}, noise {:?}", fit.rmse, comparison.noise_floor);
-    println!("  {} of {} searches agree, chi-square {}", calibration.agreeing, calibration.searches, calibration.chi_square);
+    println!(
+        "  {} of {} searches agree, chi-square {}",
+        calibration.agreeing, calibration.searches, calibration.chi_square
+    );
     comparison
 }
 
@@ -77,7 +80,8 @@ fn published_baseline_error_and_bounds_of_the_smooth_wheel() {
     assert!(DRAWBAR_PULL.contains(&fit.rmse["drawbar_pull"]), "{:?}", fit.rmse);
     assert!(SINKAGE.contains(&fit.rmse["sinkage"]), "{:?}", fit.rmse);
     // The baseline hides its error in an absurd parameter, and that is seen.
-    let bound: Vec<_> = calibration.parameters.iter().filter(|p| p.at_bound).map(|p| p.variable.name.as_str()).collect();
+    let bound: Vec<_> =
+        calibration.parameters.iter().filter(|p| p.at_bound).map(|p| p.variable.name.as_str()).collect();
     assert!(bound.contains(&"soil.cohesion"), "{bound:?}");
 }
 

@@ -53,10 +53,8 @@ fn property_derivatives_in_every_parameter_agree_with_differences() {
                 *place = place.derivative(0);
             }
         });
-        let exact: Vec<f64> = accelerations(&dual, &dual_state, &command)
-            .iter()
-            .map(|a| a.eps.0.map_or(0.0, |eps| eps[0]))
-            .collect();
+        let exact: Vec<f64> =
+            accelerations(&dual, &dual_state, &command).iter().map(|a| a.eps.0.map_or(0.0, |eps| eps[0])).collect();
         let step = 1e-6 * value.abs().max(1e-3);
         let at = |value: f64| {
             let mut changed = rover.clone();

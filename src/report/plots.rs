@@ -71,7 +71,10 @@ fn overlay_by_load(comparison: &Comparison, signal: &str) -> Plot {
         );
         let (x, y) = model_line(class, shown.factor);
         plot.add_trace(
-            Scatter::new(x, y).mode(Mode::Lines).name(format!("{name} model")).line(Line::new().color(colour).width(2.0)),
+            Scatter::new(x, y)
+                .mode(Mode::Lines)
+                .name(format!("{name} model"))
+                .line(Line::new().color(colour).width(2.0)),
         );
     }
     plot.set_layout(layout("slip", &shown.axis(&spoken(signal)), true));

@@ -16,8 +16,8 @@ use crate::terrain::Terrain;
 use crate::wheel::Wheel;
 use bekker_modeldescription::{Parameters, Unit, Variable, join, parameters};
 
-pub use linear::MAX_COORDINATES;
 pub use dynamics::DynamicsError;
+pub use linear::MAX_COORDINATES;
 pub use rate::StateRate;
 pub use settle::SettleError;
 
