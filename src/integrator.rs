@@ -116,13 +116,13 @@ impl<S: Scalar> Integrator<S> {
         let factors = self.condense(rover, command.drive, gh)?;
         self.first.set(rover, state, &self.now);
         self.first.solve(rover, &self.now, &self.condensed, &factors, command.drive, gh);
-        self.predicted.clone_from(state);
+        self.predicted.copy_from(state);
         self.first.add_to(&mut self.predicted, h);
         self.ahead.update(rover, &self.predicted, command)?;
         self.second.set(rover, &self.predicted, &self.ahead);
         self.second.add_scaled(&self.first, -2.0);
         self.second.solve(rover, &self.now, &self.condensed, &factors, command.drive, gh);
-        self.predicted.clone_from(state);
+        self.predicted.copy_from(state);
         self.first.add_to(&mut self.predicted, 1.5 * h);
         self.second.add_to(&mut self.predicted, 0.5 * h);
         for wheel in &mut self.predicted.wheels {

@@ -191,7 +191,8 @@ impl Simulation {
     fn change_command(&mut self, command: &Command) -> Result<(), DynamicsError> {
         let before = self.integrator.now.mechanical_energy(&self.rover, &self.state);
         self.integrator.impose(&self.rover, &mut self.state, command)?;
-        self.command.clone_from(command);
+        self.command.drive = command.drive;
+        self.command.values.copy_from_slice(&command.values);
         self.integrator.evaluate(&self.rover, &mut self.state, &self.command)?;
         let after = self.integrator.now.mechanical_energy(&self.rover, &self.state);
         self.energies.drive += after - before;

@@ -202,6 +202,7 @@ fn property_events_end_a_run_and_nothing_moves_afterwards() {
     let mut bog = Rover::two_wheeled();
     bog.soil.k_phi = 200_000.0;
     bog.effects.slip_sinkage.n1 = 1.0;
+    bog.body.belly_z = 0.1;
     let cases = [
         (stuck, speed(2.5), Event::Stuck),
         (tall, speed(6.0), Event::TippedOver),

@@ -204,6 +204,14 @@ pub struct State<S = f64> {
 }
 
 impl<S: Scalar> State<S> {
+    /// Takes the values of a state of the same rover over, without allocating.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.position.copy_from_slice(&other.position);
+        self.rate.copy_from_slice(&other.rate);
+        self.wheels.copy_from_slice(&other.wheels);
+        self.start_x = other.start_x;
+    }
+
     /// At rest, with the reference point at (x, z).
     #[must_use]
     pub fn at_rest(rover: &Rover<S>, x: S, z: S) -> Self {
