@@ -1,7 +1,7 @@
 //! The comparison of a model with an experiment.
 
-use super::calibrate::{Calibration, Free, Prior, calibrate};
 use super::bounds::published;
+use super::calibrate::{Calibration, Free, Prior, calibrate};
 use super::failure::{Failure, failures};
 use super::fit::Fit;
 use super::layout::Layout;

@@ -122,7 +122,7 @@ pub(crate) fn failures(experiment: &Experiment, fit: &Fit, floors: &BTreeMap<Str
     // A signal without a noise floor is judged against its own error.
     let size = |failure: &Failure| {
         let scale = failure.noise.or_else(|| fit.rmse.get(&failure.signal).copied()).unwrap_or(1.0);
-        failure.spread / scale
+        failure.level.mean.abs() / scale
     };
     all.sort_by(|a, b| size(b).total_cmp(&size(a)));
     all

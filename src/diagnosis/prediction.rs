@@ -2,8 +2,8 @@
 
 use super::layout::Layout;
 use super::single_wheel::{Rig, SteadyError, SteadyPoint, partial, steady_point};
-use crate::model::RunError;
 use crate::measurement::Experiment;
+use crate::model::RunError;
 use crate::scalar::{Dual, Scalar};
 use crate::simulation::Event;
 use crate::terrain::SamplesError;

@@ -164,9 +164,7 @@ fn carriage_speed_over_radius(slip: f64, wheel_speed: f64) -> Result<f64, Steady
 /// Newton's method on ln N over ln z (N is nearly a power of z), kept within a shrinking bracket.
 fn balance(rig: &Rig, load: f64, slip: f64, velocity: f64, spin: f64) -> Result<(f64, Forces), SteadyError> {
     let lifted = rig.map(&Dual::<1>::from);
-    let at = |z: f64| {
-        lifted.forces(Dual::<1>::from(z).derivative(0), Dual::from(velocity), Dual::from(spin), slip)
-    };
+    let at = |z: f64| lifted.forces(Dual::<1>::from(z).derivative(0), Dual::from(velocity), Dual::from(spin), slip);
     let (mut low, mut high) = (0.0, rig.wheel.radius);
     let carried = rig.forces(high, velocity, spin, slip).normal;
     if carried.is_nan() || carried < load {

@@ -33,7 +33,9 @@ pub(super) fn summary(comparison: &Comparison) -> Vec<String> {
     let mut unknown = Vec::new();
     for (signal, rmse) in &fit.rmse {
         match comparison.noise_floor.get(signal).and_then(|floor| floor.value()) {
-            Some(noise) if *rmse > NOISE_ONLY * noise => above.push(format!("{} {} times", spoken(signal), digits(rmse / noise))),
+            Some(noise) if *rmse > NOISE_ONLY * noise => {
+                above.push(format!("{} {} times", spoken(signal), digits(rmse / noise)))
+            }
             Some(_) => {}
             None => unknown.push(spoken(signal)),
         }
@@ -67,11 +69,12 @@ pub(super) fn summary(comparison: &Comparison) -> Vec<String> {
 pub(super) fn sentence(failure: &Failure) -> String {
     let (signal, condition) = (of_column(&failure.signal), of_column(&failure.condition));
     let level = &failure.level;
-    let (low, high) = (condition.number(level.low), condition.number(level.high));
+    let (low, high) = (condition.plain(level.low), condition.plain(level.high));
     let place = if low == high { low } else { format!("{low} to {high}") };
     let side = if level.mean > 0.0 { "above" } else { "below" };
     let mean = signal.number(level.mean.abs());
-    let times = failure.ratio().map_or_else(String::new, |ratio| format!(", {} times the noise of one sample", digits(ratio)));
+    let times =
+        failure.ratio().map_or_else(String::new, |ratio| format!(", {} times the noise of one sample", digits(ratio)));
     format!(
         "At {} {place} the measured {} lies {mean} {side} the model on average over {} samples{times}.",
         spoken(&failure.condition),
