@@ -22,7 +22,11 @@ pub(super) fn what_was_measured(comparison: &Comparison) -> String {
         format!("{} set-points were repeated", sets.len())
     };
     let signals = experiment.signals().iter().map(|s| spoken(s)).collect::<Vec<_>>().join(", ");
-    format!("{what}: {} runs, {rows} rows; measured: {signals}; {repeats}.", experiment.runs.len())
+    let runs = match experiment.runs.len() {
+        1 => "1 run".to_owned(),
+        n => format!("{n} runs"),
+    };
+    format!("{what}: {runs}, {rows} rows; measured: {signals}; {repeats}.")
 }
 
 /// The sentences of the first screen: how large the error is against the noise, and where it is worst.
