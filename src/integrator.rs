@@ -145,6 +145,9 @@ impl<S: Scalar> Integrator<S> {
             *condensed = Condensed::new(rover, wheel, drive, gh);
             add_contact(&mut matrix, wheel, condensed, drive, gh, n);
         }
+        for (j, link) in rover.links.iter().enumerate() {
+            matrix[3 + j][3 + j] += link.parameters.damping * gh;
+        }
         Factors::new(&matrix, n).ok_or(DynamicsError::NotFinite)
     }
 }

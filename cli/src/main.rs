@@ -1,5 +1,6 @@
 //! `bekker`: simulate rovers on soft soil, compare them with measurements, package them as FMUs.
 
+mod compare;
 mod demo;
 mod fmu;
 mod model;
@@ -22,6 +23,8 @@ struct Cli {
 enum Command {
     /// Drive a rover and write its signals as CSV.
     Simulate(simulate::Simulate),
+    /// Run a model on the inputs of an experiment and see where it fails.
+    Compare(compare::Compare),
     /// Write a model as an FMU for other simulation tools.
     Fmu(fmu::Fmu),
     /// List the vocabulary: every parameter, input and signal of a model.
@@ -33,6 +36,7 @@ enum Command {
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Simulate(command) => command.run(),
+        Command::Compare(command) => command.run(),
         Command::Fmu(command) => command.run(),
         Command::Parameters(command) => command.run(),
         Command::Demo(command) => command.run(),

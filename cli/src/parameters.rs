@@ -35,7 +35,7 @@ impl Parameters {
         }
         let mut model = self.model.load()?;
         if self.toml {
-            write!(out, "{}", model.to_toml())?;
+            write!(out, "{}", model.to_toml()?)?;
             return Ok(());
         }
         writeln!(out, "# Parameters of `{}` (name = value unit [range] meaning; source)", model.name)?;

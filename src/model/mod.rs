@@ -33,7 +33,7 @@ pub struct Stepping {
     /// Default length of a run, s.
     pub duration: f64,
     /// Seed of the sensors' noise.
-    pub seed: u64,
+    pub seed: u32,
 }
 
 impl Default for Stepping {

@@ -4,6 +4,7 @@ pub(crate) mod dynamics;
 pub(crate) mod kinematics;
 pub(crate) mod linear;
 mod presets;
+mod rate;
 mod settle;
 
 use crate::contact::Hold;
@@ -15,7 +16,9 @@ use crate::terrain::Terrain;
 use crate::wheel::Wheel;
 use bekker_modeldescription::{Parameters, Unit, Variable, join, parameters};
 
+pub use dynamics::DynamicsError;
 pub use linear::MAX_COORDINATES;
+pub use rate::StateRate;
 pub use settle::SettleError;
 
 /// Most wheels of a rover.
