@@ -214,8 +214,7 @@ fn property_shipped_experiment_shows_structure_beyond_the_noise() {
         assert!(rmse > STRUCTURE * floor.deviation, "{signal}: {rmse} against {floor:?}");
     }
     // The hidden effect grows with slip, and so does what the model misses.
-    let worst = &comparison.failures[0];
-    assert_eq!((worst.signal.as_str(), worst.condition.as_str()), ("sinkage", "slip"), "{worst:?}");
+    assert!(comparison.failures[..2].iter().all(|worst| worst.condition == "slip"), "{:?}", comparison.failures);
     let by_slip = levels(&comparison.experiment, comparison.given.as_ref().unwrap(), "sinkage", "slip");
     assert!(by_slip.windows(2).all(|pair| pair[1].mean > pair[0].mean), "{by_slip:?}");
     // Calibration tries to swallow it in the angle of maximum stress, and that is seen.

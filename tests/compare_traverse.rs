@@ -71,7 +71,8 @@ const TRUTH: &str = "[parameters]\n\"soil.friction_angle\" = 0.55\n\"soil.shear_
 #[test]
 fn agreement_a_replay_is_the_simulation_bit_for_bit() {
     let speed = |row: usize| 2.0 + (row as f64 * 0.3).sin();
-    let torque = |row: usize| if row < 60 { 3.0 } else { 1.0 };
+    // Driven for 0.8 s, then coasting to a stop: a constant torque would run off the hill.
+    let torque = |row: usize| if row < 16 { 3.0 } else { 0.0 };
     for (name, kind, commands, folder) in [
         (
             "speed",
@@ -112,6 +113,19 @@ fn property_calibration_recovers_a_planted_soil_from_a_drive() {
     }
     let given = comparison.given.as_ref().unwrap();
     assert!(fit.rmse["x"] < 1e-3 * given.rmse["x"], "{:?} {:?}", fit.rmse, given.rmse);
+}
+
+#[cfg(feature = "report")]
+#[test]
+fn property_the_page_shows_a_drive_over_time() {
+    let folder = recorded("page", "two_wheeled_speed", "speed_command", |row| 2.0 + (row as f64 * 0.3).sin(), "");
+    let model = Model::preset("two_wheeled_speed").unwrap();
+    let comparison = compare(&model, &Experiment::read(&folder).unwrap(), &CompareOptions::default()).unwrap();
+    let page = bekker::report::comparison_page(&comparison);
+    std::fs::write(folder.join("page.html"), &page).unwrap();
+    assert!(page.contains("velocity against time") && page.contains("wheel[1].torque against pitch"));
+    assert_eq!(page.matches("data-plot=\"").count(), 6 + 6 * 3 - 2, "x and pitch are not drawn against themselves");
+    assert!(page.contains("Floor unknown"));
 }
 
 #[test]

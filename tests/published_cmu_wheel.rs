@@ -46,8 +46,8 @@ fn calibrated(experiment: &Experiment) -> Comparison {
 }
 
 /// The trials with beta = 0 and slip >= 0 as an experiment folder: mm to m, rim speed in mm/s to rad/s.
-fn folder_from_trials(csv: &Path) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("published_cmu_wheel");
+fn folder_from_trials(csv: &Path, name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("published_cmu_wheel").join(name);
     std::fs::create_dir_all(&folder).unwrap();
     let mut out = "condition,load,slip,wheel_speed,drawbar_pull,sinkage\n".to_owned();
     let text = std::fs::read_to_string(csv).unwrap();
@@ -58,7 +58,7 @@ fn folder_from_trials(csv: &Path) -> PathBuf {
         let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
         // Trials at zero slip scatter about it.
         if cells[beta] == 0.0 && cells[slip] > -0.05 {
-            let label = (cells[slip] * 10.0).round().abs();
+            let label = (cells[slip] * 20.0).round().abs();
             let (speed, sinkage) = (cells[rim] * 1e-3 / 0.058, cells[depth] * 1e-3);
             writeln!(out, "s{label},{},{},{speed},{},{sinkage}", cells[load], cells[slip], cells[pull]).unwrap();
         }
@@ -72,7 +72,7 @@ fn folder_from_trials(csv: &Path) -> PathBuf {
 #[test]
 fn published_baseline_error_and_bounds_of_the_smooth_wheel() {
     let Some(csv) = data("cmu_smooth_189trials.csv") else { return };
-    let experiment = Experiment::read(folder_from_trials(&csv)).unwrap();
+    let experiment = Experiment::read(folder_from_trials(&csv, "baseline")).unwrap();
     assert_eq!(experiment.runs[0].data.rows(), 15);
     let comparison = calibrated(&experiment);
     let (calibration, fit) = comparison.calibrated.as_ref().unwrap();
@@ -88,7 +88,7 @@ fn published_baseline_error_and_bounds_of_the_smooth_wheel() {
 #[test]
 fn agreement_experiment_folder_gives_the_same_as_the_trials() {
     let (Some(csv), Some(folder)) = (data("cmu_smooth_189trials.csv"), data("cmu_smooth")) else { return };
-    let trials = calibrated(&Experiment::read(folder_from_trials(&csv)).unwrap());
+    let trials = calibrated(&Experiment::read(folder_from_trials(&csv, "same")).unwrap());
     let shipped = calibrated(&Experiment::read(folder).unwrap());
     for signal in ["drawbar_pull", "sinkage"] {
         let ratio = shipped.fit().rmse[signal] / trials.fit().rmse[signal];

@@ -3,7 +3,7 @@
 
 use super::page::{Page, escape, table};
 use super::plots::{overlay, residual_conditions, residuals};
-use super::units::{digits, of_column, of_unit, spoken};
+use super::units::{digits, of_column, of_unit, short, spoken};
 use super::words::{sentence, source, summary, what_was_measured};
 use crate::diagnosis::{Calibration, Comparison, Failure};
 
@@ -59,7 +59,7 @@ fn add_overlays(page: &mut Page, comparison: &Comparison) {
     let what = if comparison.calibrated.is_some() { "after calibration" } else { "with the parameters as given" };
     page.section(
         "Measured and modelled",
-        &format!("Points are measurements, repeats included; lines are the model {what}."),
+        &format!("Points are measurements, repeats included; lines of the same colour are the model {what}."),
     );
     let signals = comparison.experiment.signals();
     let plots: Vec<_> = signals.iter().map(|signal| (spoken(signal), overlay(comparison, signal))).collect();
@@ -128,7 +128,7 @@ fn add_parameters(page: &mut Page, calibration: &Calibration) {
                 number(p.start),
                 number(p.value),
                 p.deviation.map_or(String::new(), number),
-                format!("{} .. {}", number(p.variable.min), number(p.variable.max)),
+                format!("{} .. {}", short(p.variable.min * shown.factor), short(p.variable.max * shown.factor)),
                 notes.join(", "),
             ]
         })

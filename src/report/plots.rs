@@ -67,13 +67,16 @@ fn overlay_by_load(comparison: &Comparison, signal: &str) -> Plot {
             Scatter::new(x, y)
                 .mode(Mode::Markers)
                 .name(format!("{name} measured"))
+                .legend_group(&name)
+                .show_legend(false)
                 .marker(Marker::new().color(colour).size(6).opacity(0.55)),
         );
         let (x, y) = model_line(class, shown.factor);
         plot.add_trace(
             Scatter::new(x, y)
                 .mode(Mode::Lines)
-                .name(format!("{name} model"))
+                .name(&name)
+                .legend_group(&name)
                 .line(Line::new().color(colour).width(2.0)),
         );
     }
@@ -108,13 +111,16 @@ fn overlay_by_run(comparison: &Comparison, signal: &str) -> Plot {
             Scatter::new(x, y)
                 .mode(Mode::Markers)
                 .name(format!("{} measured", run.name))
+                .legend_group(&run.name)
+                .show_legend(false)
                 .marker(Marker::new().color(colour).size(4).opacity(0.5)),
         );
         let (x, y) = pick(&fit.modelled);
         plot.add_trace(
             Scatter::new(x, y)
                 .mode(Mode::Lines)
-                .name(format!("{} model", run.name))
+                .name(&run.name)
+                .legend_group(&run.name)
                 .line(Line::new().color(colour).width(2.0)),
         );
     }

@@ -23,6 +23,11 @@ impl Shown {
         format!("{} {}", digits(value * self.factor), self.symbol).trim_end().to_owned()
     }
 
+    /// `value` (SI) with its unit, without trailing zeros: for set-points and bounds.
+    pub fn plain(&self, value: f64) -> String {
+        format!("{} {}", short(value * self.factor), self.symbol).trim_end().to_owned()
+    }
+
     /// `name` with the unit, for an axis.
     pub fn axis(&self, name: &str) -> String {
         if self.symbol.is_empty() { name.to_owned() } else { format!("{name} ({})", self.symbol) }
@@ -68,5 +73,17 @@ pub(super) fn digits(value: f64) -> String {
         format!("{value:.decimals$}")
     } else {
         format!("{value:.2e}")
+    }
+}
+
+/// [`digits`] without trailing zeros.
+pub(super) fn short(value: f64) -> String {
+    let text = digits(value);
+    if text.contains('e') {
+        text.replace(".00e", "e")
+    } else if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
     }
 }

@@ -22,7 +22,11 @@ pub(super) fn what_was_measured(comparison: &Comparison) -> String {
         format!("{} set-points were repeated", sets.len())
     };
     let signals = experiment.signals().iter().map(|s| spoken(s)).collect::<Vec<_>>().join(", ");
-    format!("{what}: {} runs, {rows} rows; measured: {signals}; {repeats}.", experiment.runs.len())
+    let runs = match experiment.runs.len() {
+        1 => "1 run".to_owned(),
+        n => format!("{n} runs"),
+    };
+    format!("{what}: {runs}, {rows} rows; measured: {signals}; {repeats}.")
 }
 
 /// The sentences of the first screen: how large the error is against the noise, and where it is worst.
@@ -69,7 +73,7 @@ pub(super) fn summary(comparison: &Comparison) -> Vec<String> {
 pub(super) fn sentence(failure: &Failure) -> String {
     let (signal, condition) = (of_column(&failure.signal), of_column(&failure.condition));
     let level = &failure.level;
-    let (low, high) = (condition.number(level.low), condition.number(level.high));
+    let (low, high) = (condition.plain(level.low), condition.plain(level.high));
     let place = if low == high { low } else { format!("{low} to {high}") };
     let side = if level.mean > 0.0 { "above" } else { "below" };
     let mean = signal.number(level.mean.abs());
