@@ -51,7 +51,7 @@ fn drive(bencher: Bencher, controller: &mut dyn Controller, wheels: usize) {
 }
 
 fn rtc(bencher: Bencher, wheels: usize, switch_angle: f64) {
-    let parameters = RoughTerrainControl { switch_angle, ..RoughTerrainControl::default() };
+    let parameters = RoughTerrainControl { gain: 10.0, switch_angle, ..RoughTerrainControl::default() };
     let mut controller = Rtc::new(rover(wheels), parameters).expect("a valid rover");
     for call in 0..64 {
         let (goal, mut command) = (Reference { velocity: 0.25 }, Command::torque(vec![0.0; wheels]));

@@ -116,13 +116,13 @@ impl<S: Scalar> Integrator<S> {
         let factors = self.condense(rover, command.drive, gh)?;
         self.first.set(rover, state, &self.now);
         self.first.solve(rover, &self.now, &self.condensed, &factors, command.drive, gh);
-        self.predicted.clone_from(state);
+        self.predicted.copy_from(state);
         self.first.add_to(&mut self.predicted, h);
         self.ahead.update(rover, &self.predicted, command)?;
         self.second.set(rover, &self.predicted, &self.ahead);
         self.second.add_scaled(&self.first, -2.0);
         self.second.solve(rover, &self.now, &self.condensed, &factors, command.drive, gh);
-        self.predicted.clone_from(state);
+        self.predicted.copy_from(state);
         self.first.add_to(&mut self.predicted, 1.5 * h);
         self.second.add_to(&mut self.predicted, 0.5 * h);
         for wheel in &mut self.predicted.wheels {
@@ -144,6 +144,9 @@ impl<S: Scalar> Integrator<S> {
         for (wheel, condensed) in self.now.wheels.iter().zip(&mut self.condensed) {
             *condensed = Condensed::new(rover, wheel, drive, gh);
             add_contact(&mut matrix, wheel, condensed, drive, gh, n);
+        }
+        for (j, link) in rover.links.iter().enumerate() {
+            matrix[3 + j][3 + j] += link.parameters.damping * gh;
         }
         Factors::new(&matrix, n).ok_or(DynamicsError::NotFinite)
     }

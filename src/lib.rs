@@ -1,4 +1,40 @@
 //! Rough-terrain rovers on deformable soil, from physics to insight.
+//!
+//! The whole in one line: a rover with generalised coordinates q, mass matrix M and wheels k obeys
+//!
+//! ```text
+//! M(q) q'' = weight + inertia + sum_k [ n_k^T N_k + t_k^T DP_k + a_k^T T_k ],    I w_k' = T_drive - T_k
+//! ```
+//!
+//! where N, DP and T are the integrals of the soil's stresses over the rim (Bekker, Wong-Reece,
+//! Janosi-Hanamoto; (2.7)-(2.9) of Iagnemma's thesis, MIT 2001).
+//!
+//! | module | what it holds | may use |
+//! |---|---|---|
+//! | [`soil`], [`terrain`], [`wheel`] | what the wheel rolls on, and the wheel | [`scalar`] |
+//! | [`contact`] | the forces between them | soil, wheel |
+//! | [`linear_stress`] | the thesis's closed forms, a named alternative with its measured error | soil, wheel |
+//! | [`motor`], [`effects`] | drives, and missing physics to be switched on | contact |
+//! | [`rover`] | bodies, joints, equations of motion, rest | effects, terrain, motor |
+//! | [`simulation`] | a rover in motion, with a fixed step | rover |
+//! | [`signals`], [`sensors`] | commands, true signals, what sensors make of them | |
+//! | [`control`] | controllers: they see measurements, never the true state | signals |
+//! | [`model`] | all of it in one value; TOML in and out; a run | all above |
+//! | [`measurement`], [`diagnosis`], [`report`] | experiments, comparison, calibration, pages | model |
+//!
+//! ```
+//! use bekker::model::Model;
+//! use bekker::modeldescription::Lookup;
+//!
+//! let mut model = Model::preset("gentle_rtc")?;
+//! model.set("soil.shear_modulus", 0.01)?;
+//! let mut run = model.start()?;
+//! run.inputs_mut().set("velocity_command", 0.2)?;
+//! run.advance(500)?; // inner steps of 2 ms
+//! assert!(run.signals().body.x > 0.05);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
 pub mod contact;
 pub mod control;
 pub mod diagnosis;
@@ -8,6 +44,8 @@ pub mod linear_stress;
 pub mod measurement;
 pub mod model;
 pub mod motor;
+#[cfg(feature = "report")]
+pub mod report;
 pub mod rover;
 pub mod scalar;
 pub mod sensors;

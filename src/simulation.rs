@@ -97,7 +97,9 @@ struct Energies {
 #[derive(Clone, Copy, Debug, Default)]
 struct Window {
     start_x: f64,
+    /// Path of the rims, mean over the wheels: without and with sign, m.
     rim_travel: f64,
+    rim_progress: f64,
 }
 
 /// A rover in motion. Cloning it is a snapshot: the clone goes on to the same bits.
@@ -138,7 +140,7 @@ impl Simulation {
         integrator
             .evaluate(&rover, &mut state, &command)
             .map_err(|source| StepError::Dynamics { time: 0.0, source })?;
-        let window = Window { start_x: state.position[0], rim_travel: 0.0 };
+        let window = Window { start_x: state.position[0], ..Window::default() };
         let signals = Signals { wheels: vec![WheelSignals::default(); rover.wheels.len()], ..Signals::default() };
         let mut simulation = Self {
             rover,
@@ -189,7 +191,8 @@ impl Simulation {
     fn change_command(&mut self, command: &Command) -> Result<(), DynamicsError> {
         let before = self.integrator.now.mechanical_energy(&self.rover, &self.state);
         self.integrator.impose(&self.rover, &mut self.state, command)?;
-        self.command.clone_from(command);
+        self.command.drive = command.drive;
+        self.command.values.copy_from_slice(&command.values);
         self.integrator.evaluate(&self.rover, &mut self.state, &self.command)?;
         let after = self.integrator.now.mechanical_energy(&self.rover, &self.state);
         self.energies.drive += after - before;
@@ -224,14 +227,17 @@ impl Simulation {
         } else if self.belly_touches() {
             self.status = Status::Ended(Event::BellyContact);
         }
-        let rim_speed = wheels.iter().map(|wheel| wheel.speed.abs()).sum::<f64>() * radius / wheels.len() as f64;
-        self.window.rim_travel += rim_speed * self.step_size;
+        let scale = radius * self.step_size / wheels.len() as f64;
+        self.window.rim_travel += wheels.iter().map(|wheel| wheel.speed.abs()).sum::<f64>() * scale;
+        self.window.rim_progress += wheels.iter().map(|wheel| wheel.speed).sum::<f64>() * scale;
         if self.window.rim_travel >= STUCK_WINDOW * radius {
-            let progress = (self.state.position[0] - self.window.start_x).abs();
+            // Progress counts in the direction of driving: sliding back while driving on is being stuck.
+            let way = self.state.position[0] - self.window.start_x;
+            let progress = way.copysign(way * self.window.rim_progress);
             if progress < STUCK_SHARE * self.window.rim_travel && self.status == Status::Running {
                 self.status = Status::Ended(Event::Stuck);
             }
-            self.window = Window { start_x: self.state.position[0], rim_travel: 0.0 };
+            self.window = Window { start_x: self.state.position[0], ..Window::default() };
         }
     }
 

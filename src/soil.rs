@@ -19,9 +19,9 @@ parameters! {
         /// Shear modulus K of 1 - exp(-|j|/K) (2.1).
         shear_modulus: [Unit::METRE] = 0.03, 0.001..=0.2, Calibrated, "Iagnemma 2001, 4.4.1";
         /// Angle of maximum stress theta_m = (c1 + c2 |i|) theta_1: constant part.
-        c1: [Unit::ONE] = 0.4, 0.0..=1.0, Fixed, "Wong and Reece 1967: 0.18 loose to 0.43 compact sand";
+        c1: [Unit::ONE] = 0.4, 0.0..=1.0, Calibrated, "Wong and Reece 1967: 0.18 loose to 0.43 compact sand";
         /// Angle of maximum stress theta_m = (c1 + c2 |i|) theta_1: part that grows with slip.
-        c2: [Unit::ONE] = 0.2, 0.0..=1.0, Fixed, "Wong and Reece 1967: 0.32";
+        c2: [Unit::ONE] = 0.2, 0.0..=1.0, Calibrated, "Wong and Reece 1967: 0.32";
         /// Damping of one wheel along the ground's normal, against the normal velocity; nothing in steady driving.
         damping: [Unit::NEWTON_SECOND_PER_METRE] = 300.0, 0.0..=1e5, Fixed, "assumption: about half critical for 5 kg on the thesis's soil";
         /// Displacement over which a contact's forces build up from standstill, and a standing wheel's friction is mobilised.

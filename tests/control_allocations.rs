@@ -2,45 +2,19 @@
 //! allocates once a solution (it resets its timers), and nothing else.
 
 mod control_support;
+#[path = "support/counting.rs"]
+mod counting;
 
 use bekker::control::{Controller, Rtc, VelocityControl, VelocityController};
 use bekker::signals::{Command, Measurement, Reference};
 use control_support::Case;
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
-thread_local! {
-    static COUNT: Cell<usize> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-// SAFETY: every call is handed on to the system's allocator unchanged; counting touches no memory of its own.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let _ = COUNT.try_with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller keeps the contract of `alloc`.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
-        // SAFETY: the caller keeps the contract of `dealloc`.
-        unsafe { System.dealloc(place, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
 /// Allocations of one command after ten others.
 fn allocations(controller: &mut dyn Controller, measured: &Measurement, goal: &Reference) -> usize {
     let mut command = Command::torque(vec![0.0; measured.wheels.len()]);
     for _ in 0..10 {
         controller.command(measured, goal, &mut command).expect("finite readings");
     }
-    let before = COUNT.with(Cell::get);
-    controller.command(measured, goal, &mut command).expect("finite readings");
-    COUNT.with(Cell::get) - before
+    counting::allocations(|| controller.command(measured, goal, &mut command).expect("finite readings"))
 }
 
 #[test]

@@ -34,6 +34,7 @@ fn distribution(case: &Case) -> Option<DVector<f64>> {
     let (rtc, _) = case.run();
     let outcome = rtc.outcome().expect("a command was given");
     assert_eq!(outcome.criterion, Criterion::Power);
+    assert_eq!(outcome.optimal, outcome.feasible, "{case:?}");
     outcome.feasible.then(|| DVector::from_column_slice(&outcome.forces))
 }
 

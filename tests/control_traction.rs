@@ -26,6 +26,7 @@ fn found(case: &Case) -> Option<f64> {
     let (rtc, _) = case.run();
     let outcome = rtc.outcome().expect("a command was given");
     assert_eq!(outcome.criterion, Criterion::Traction);
+    assert_eq!(outcome.optimal, outcome.feasible, "{case:?}");
     assert!(
         !outcome.feasible || (outcome.objective - ratio(&DVector::from_column_slice(&outcome.forces))).abs() < 1e-12
     );

@@ -3,7 +3,8 @@
 use bekker::measurement::{Experiment, Kind, Problem};
 use std::path::{Path, PathBuf};
 
-const TOML: &str = "name = \"t\"\nkind = \"single_wheel\"\n[parameters]\n\"wheel.radius\" = 0.1\n[[run]]\nfile = \"a.csv\"\n";
+const TOML: &str =
+    "name = \"t\"\nkind = \"single_wheel\"\n[parameters]\n\"wheel.radius\" = 0.1\n[[run]]\nfile = \"a.csv\"\n";
 const CSV: &str = "load,slip,wheel_speed,drawbar_pull,sinkage\n30,0.1,0.2,-1.5,0.012\n30,0.2,0.2,,0.014\n";
 const TRAVERSE: &str = "name = \"t\"\nkind = \"traverse\"\n[[run]]\nfile = \"a.csv\"\n";
 
@@ -50,7 +51,8 @@ fn property_traverse_with_everything() {
         + &(0..10).map(|k| format!("{k},1.0,0.1,hello,0.2\n")).collect::<String>();
     let hill = "x,z\n0,0\n1,0.1\n";
     let experiment =
-        Experiment::read(folder("traverse", &[("experiment.toml", toml), ("a.csv", &csv), ("hill.csv", hill)])).unwrap();
+        Experiment::read(folder("traverse", &[("experiment.toml", toml), ("a.csv", &csv), ("hill.csv", hill)]))
+            .unwrap();
     let run = &experiment.runs[0];
     assert_eq!((run.x0, run.parameters["rover.mass"]), (Some(0.6), 12.0));
     assert_eq!(run.terrain.as_ref().unwrap().column("z").unwrap(), [0.0, 0.1]);
@@ -114,9 +116,21 @@ fn property_a_bad_table_is_named() {
 
 #[test]
 fn property_a_bad_traverse_is_named() {
-    let backwards = traverse_rows(|k, row| if k == 5 { row[0] = "0.1".to_owned() });
-    let degrees = traverse_rows(|k, row| if k == 3 { row[3] = "12".to_owned() });
-    let gap = traverse_rows(|k, row| if k == 7 { row[2].clear() });
+    let backwards = traverse_rows(|k, row| {
+        if k == 5 {
+            row[0] = "0.1".to_owned()
+        }
+    });
+    let degrees = traverse_rows(|k, row| {
+        if k == 3 {
+            row[3] = "12".to_owned()
+        }
+    });
+    let gap = traverse_rows(|k, row| {
+        if k == 7 {
+            row[2].clear()
+        }
+    });
     let short = "time,wheel[1].speed_command,x\n0,1,0\n1,1,0\n".to_owned();
     let mixed = "time,wheel[1].speed_command,wheel[2].torque_command,x\n".to_owned()
         + &(0..10).map(|k| format!("{k},1,1,0\n")).collect::<String>();
@@ -152,7 +166,8 @@ fn property_bad_settings_are_named_by_line() {
         ("syntax", TOML.replace("name = ", "name "), Some(1), ""),
     ];
     for (name, toml, line, words) in cases {
-        let (file, at_line, _, message) = refused(&format!("toml_{name}"), &[("experiment.toml", &toml), ("a.csv", CSV)]);
+        let (file, at_line, _, message) =
+            refused(&format!("toml_{name}"), &[("experiment.toml", &toml), ("a.csv", CSV)]);
         assert_eq!((file.as_str(), at_line), ("experiment.toml", line), "{message}");
         assert!(message.contains(words), "{message}");
     }

@@ -1,42 +1,26 @@
 //! Comparing the model with measurements; the results leave as dictionaries, from which Python builds its classes.
 
 use crate::error::{self, ModelError, SimulationError};
+use crate::model::Model;
 use bekker::diagnosis::{
-    CalibratedParameter, Calibration, CompareError, CompareOptions, Comparison, Failure, Fit, NoiseFloor, Rig, RunFit,
+    CalibratedParameter, Calibration, CompareError, CompareOptions, Comparison, Failure, Fit, NoiseFloor, RunFit,
     compare as core_compare,
 };
-use bekker::measurement::{Experiment, Kind};
-use bekker::modeldescription::Lookup;
-use bekker::soil::Soil;
-use bekker::wheel::Wheel;
+use bekker::measurement::Experiment;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Compares a wheel on soil with the experiment in `folder`, parameters set by name, calibrated on request.
+/// Runs `model` on the inputs of the experiment in `folder`, calibrated on request, and compares.
 #[pyfunction]
-pub fn compare<'py>(
-    py: Python<'py>,
-    folder: PathBuf,
-    parameters: BTreeMap<String, f64>,
-    calibrate: bool,
-) -> PyResult<Bound<'py, PyDict>> {
+pub fn compare<'py>(py: Python<'py>, folder: PathBuf, model: &Model, calibrate: bool) -> PyResult<Bound<'py, PyDict>> {
     let experiment = py
         .detach(|| error::fenced(|| Experiment::read(&folder)))?
         .map_err(|refused| ModelError::new_err(refused.to_string()))?;
-    if experiment.kind != Kind::SingleWheel {
-        let message = format!("{}: kind `{}`, expected `single_wheel`", folder.display(), experiment.kind.name());
-        return Err(ModelError::new_err(message));
-    }
-    let mut rig = Rig { wheel: Wheel::default(), soil: Soil::default(), exit_ratio: 0.0 };
-    for (name, value) in &parameters {
-        rig.set(name, *value).map_err(|refused| error::parameter(&refused))?;
-    }
     let options = CompareOptions { calibrate };
     let comparison = py
-        .detach(|| error::fenced(|| core_compare(&rig, &experiment, &options)))?
+        .detach(|| error::fenced(|| core_compare(&model.core, &experiment, &options)))?
         .map_err(|refused| failed(&refused))?;
     described(py, &comparison)
 }

@@ -29,7 +29,9 @@ pub fn model(error: &CoreModelError) -> PyErr {
         }
         CoreModelError::UnknownPreset { .. } => UnknownNameError::new_err(error.to_string()),
         CoreModelError::Unreadable { source, .. }
-        | CoreModelError::Terrain(TerrainSpecError::Unreadable { source, .. }) => unreachable_file(source, error.to_string()),
+        | CoreModelError::Terrain(TerrainSpecError::Unreadable { source, .. }) => {
+            unreachable_file(source, error.to_string())
+        }
         _ => ModelError::new_err(error.to_string()),
     }
 }

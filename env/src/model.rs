@@ -46,8 +46,8 @@ impl Model {
     }
 
     /// The model as TOML, complete in itself; reading it back gives the same model to the last bit.
-    fn to_toml(&self) -> String {
-        self.core.to_toml()
+    fn to_toml(&self) -> PyResult<String> {
+        self.core.to_toml().map_err(|refused| error::model(&refused))
     }
 
     /// Every parameter of this model, in the vocabulary's order.
@@ -125,14 +125,14 @@ impl Model {
         self.core.stepping.duration
     }
 
-    /// Seed of the sensors' noise.
+    /// Seed of the sensors' noise, below 2^32.
     #[getter]
-    fn seed(&self) -> u64 {
+    fn seed(&self) -> u32 {
         self.core.stepping.seed
     }
 
     #[setter]
-    fn set_seed(&mut self, seed: u64) {
+    fn set_seed(&mut self, seed: u32) {
         self.core.stepping.seed = seed;
     }
 
@@ -150,7 +150,7 @@ impl Model {
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
-        Ok((slf.get_type().getattr("from_toml")?, (slf.borrow().to_toml(),)))
+        Ok((slf.get_type().getattr("from_toml")?, (slf.borrow().to_toml()?,)))
     }
 
     fn __repr__(&self) -> String {

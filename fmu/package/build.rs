@@ -2,13 +2,20 @@
 //! is; the crate embeds it. A dependency alone would not do: as a cdylib it would appear only in some
 //! builds, and where its features are unified with the workspace's it would carry the HTML reports.
 
+use std::collections::BTreeSet;
 use std::env;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+/// The workspace, seen from this crate.
+const ROOT: &str = "../..";
+
 fn main() {
-    let manifest = PathBuf::from(variable("DEP_BEKKER_FMU_MANIFEST"));
+    // Beside this crate in the checkout and in a source distribution. All paths start from here: absolute
+    // ones, kept in a target directory that is moved or copied, would name the sources of another checkout.
+    let root = canonical(&Path::new(&variable("CARGO_MANIFEST_DIR")).join(ROOT));
+    let manifest = root.join("fmu/Cargo.toml");
     let target = variable("TARGET").into_string().unwrap_or_else(|name| panic!("target {name:?} is not a text"));
     // A target directory of its own: the outer cargo holds the lock of the other one.
     let directory = Path::new(&variable("OUT_DIR")).join("target");
@@ -22,7 +29,7 @@ fn main() {
     );
     println!("cargo::rustc-env=BEKKER_FMU_PLATFORM={platform}");
     println!("cargo::rustc-env=BEKKER_FMU_EXTENSION={extension}");
-    watch(&release.join(format!("{prefix}bekker_fmu.d")), &manifest);
+    watch(&release.join(format!("{prefix}bekker_fmu.d")), &root);
 }
 
 fn build(manifest: &Path, target: &str, directory: &Path) {
@@ -52,25 +59,29 @@ fn platform() -> (String, &'static str, &'static str) {
     }
 }
 
-/// Builds again when a source file of the library, a manifest beside one, or the lock file changes.
-fn watch(dependencies: &Path, manifest: &Path) {
+/// Builds again when a source file of the library, a manifest above one, or the lock file changes.
+fn watch(dependencies: &Path, root: &Path) {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-env-changed=CARGO_ENCODED_RUSTFLAGS");
     let list = std::fs::read_to_string(dependencies)
         .unwrap_or_else(|error| panic!("cannot read `{}`: {error}", dependencies.display()));
     let (_, files) = list.split_once(": ").unwrap_or_default();
-    assert!(!files.is_empty(), "`{}` names no source files", dependencies.display());
     // Make's format: a blank in a path has a backslash before it.
     let files = files.lines().next().unwrap_or_default().replace("\\ ", "\0");
-    let mut watched: Vec<PathBuf> = files.split(' ').map(|file| PathBuf::from(file.replace('\0', " "))).collect();
-    let mut manifests: Vec<PathBuf> = watched.iter().filter_map(|file| above(file, "Cargo.toml")).collect();
-    watched.append(&mut manifests);
-    watched.extend(above(manifest, "Cargo.lock"));
-    watched.sort();
-    watched.dedup();
+    let sources: Vec<PathBuf> = files.split(' ').map(|file| canonical(Path::new(&file.replace('\0', " ")))).collect();
+    let manifests = sources.iter().filter_map(|file| above(file, "Cargo.toml"));
+    let lock = Some(root.join("Cargo.lock")).filter(|file| file.is_file());
+    let watched: BTreeSet<PathBuf> = manifests.chain(lock).chain(sources.iter().cloned()).collect();
+    assert!(watched.contains(&root.join("fmu/src/lib.rs")), "`{}` does not name the sources", dependencies.display());
     for file in watched {
-        println!("cargo::rerun-if-changed={}", file.display());
+        // Cargo reads relative paths from this crate's folder.
+        let relative = file.strip_prefix(root).map_or(file.clone(), |inside| Path::new(ROOT).join(inside));
+        println!("cargo::rerun-if-changed={}", relative.display());
     }
+}
+
+fn canonical(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|error| panic!("cannot find `{}`: {error}", path.display()))
 }
 
 /// The nearest file called `name` in a folder above `place`.

@@ -1,4 +1,4 @@
-//! A rover as a [`Model`](crate::model::Model).
+//! A rover as a [`Model`].
 
 use crate::model::{Failure, Model, Outcome};
 use bekker::model::{Model as RoverModel, Run};
@@ -52,8 +52,11 @@ pub fn load(folder: &Path) -> Result<Box<dyn Model>, String> {
 /// # Errors
 /// A sentence where the model does not start.
 pub fn describe(model: &RoverModel) -> Result<(String, Description), String> {
-    let text = model.to_toml();
-    let rover = Rover::parse(&text)?;
+    let text = model.to_toml().map_err(|error| error.to_string())?;
+    let mut rover = Rover::parse(&text)?;
+    if rover.model.list() != model.clone().list() || rover.model.control.kind != model.control.kind {
+        return Err("its TOML does not read back as the same model".to_owned());
+    }
     Ok((text, Description::clone(&rover.description)))
 }
 

@@ -1,15 +1,14 @@
 //! The FMU computes what the core computes, to the last bit.
+#![allow(clippy::unwrap_used)]
 
 mod host;
 
 use bekker::model::Model;
 use bekker_fmu::fmi3::*;
 use bekker_modeldescription::{Lookup, Parameters};
-use host::{Fmu, get, messages, set, step};
+use host::{Fmu, INNER, get, messages, model, set, step};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use std::ptr::null_mut;
-
-const INNER: f64 = 0.001;
 
 /// Wheel torques that drive the rover forward: up to 0.3 of weight times radius, under what spins a wheel, N m.
 fn torques(random: &mut StdRng, model: &Model) -> Vec<f64> {
@@ -35,7 +34,7 @@ fn references(fmu: &Fmu, model: &Model) -> (Vec<u32>, Vec<u32>) {
 fn agreement_of_the_fmu_with_the_core() {
     let mut random = StdRng::seed_from_u64(2);
     for preset in ["two_wheeled", "rocker_bogie"] {
-        let mut model = Model::preset(preset).unwrap();
+        let mut model = model(preset);
         let fmu = Fmu::new(&model);
         let (inputs, signals) = references(&fmu, &model);
         let instance = fmu.instantiate();
@@ -66,7 +65,7 @@ fn agreement_of_the_fmu_with_the_core() {
 #[test]
 fn agreement_of_a_restored_state_with_the_first_time() {
     let fmu = Fmu::preset("two_wheeled");
-    let model = Model::preset("two_wheeled").unwrap();
+    let model = model("two_wheeled");
     let (inputs, signals) = references(&fmu, &model);
     let instance = fmu.running();
     let mut state = null_mut();
@@ -94,7 +93,7 @@ fn agreement_of_a_restored_state_with_the_first_time() {
 #[test]
 fn agreement_after_reset_with_a_new_instance() {
     let fmu = Fmu::preset("two_wheeled");
-    let (inputs, signals) = references(&fmu, &Model::preset("two_wheeled").unwrap());
+    let (inputs, signals) = references(&fmu, &model("two_wheeled"));
     let radius = fmu.reference("wheel.radius");
     let drive = |instance: Instance| {
         assert_eq!(fmi3EnterInitializationMode(instance, 0, 0.0, 0.0, 0, 0.0), Status::Ok);
@@ -117,7 +116,7 @@ fn agreement_after_reset_with_a_new_instance() {
 /// Full torque backwards and forwards on the spot digs the rover in or turns its wheels in vain.
 #[test]
 fn property_an_end_event_terminates_without_an_error() {
-    let mut model = Model::preset("two_wheeled").unwrap();
+    let mut model = model("two_wheeled");
     model.set("soil.cohesion", 0.0).unwrap();
     model.set("soil.friction_angle", 0.2).unwrap();
     let fmu = Fmu::new(&model);
@@ -141,7 +140,7 @@ fn property_an_end_event_terminates_without_an_error() {
 #[test]
 fn property_instances_in_threads_do_not_meet() {
     let fmu = Fmu::preset("two_wheeled");
-    let (inputs, signals) = references(&fmu, &Model::preset("two_wheeled").unwrap());
+    let (inputs, signals) = references(&fmu, &model("two_wheeled"));
     let drive = |torque: f64| {
         let instance = fmu.running();
         for k in 0..50 {

@@ -1,4 +1,5 @@
 //! The order of calls, without a C border, on a model that can be computed by hand: x' = u, h = 0.1.
+#![allow(clippy::unwrap_used)]
 
 use bekker_fmu::lifecycle::{Lifecycle, Phase, Refusal, Type};
 use bekker_fmu::model::{Failure, Model, Outcome};

@@ -1,13 +1,12 @@
 //! Calls that the standard forbids: each is answered with an error and a message, and the instance goes on.
+#![allow(clippy::unwrap_used)]
 
 mod host;
 
 use bekker_fmu::fmi3::*;
-use host::{Fmu, get, instantiate, messages, set, step};
+use host::{Fmu, INNER, get, instantiate, messages, set, step};
 use std::ffi::c_void;
 use std::ptr::{null, null_mut};
-
-const INNER: f64 = 0.001;
 
 /// Calls `call`, which must be refused with a message that has `words`.
 fn refused(words: &str, call: impl FnOnce() -> Status) {

@@ -1,5 +1,6 @@
 //! The writer of `modelDescription.xml`: what it writes reads back, and what cannot be valid is refused.
 //! That the file is valid by the standard's schema is checked with FMPy (`env/tests/test_fmu.py`).
+#![allow(clippy::unwrap_used)]
 
 use bekker_modeldescription::xml::{Description, DescriptionError, Entry, Experiment, Item, identifier};
 use bekker_modeldescription::{Lookup, Unit, parameters};

@@ -1,5 +1,6 @@
 //! The comparison of a model with an experiment.
 
+use super::bounds::published;
 use super::calibrate::{Calibration, Free, Prior, calibrate};
 use super::failure::{Failure, failures};
 use super::fit::Fit;
@@ -7,7 +8,9 @@ use super::layout::Layout;
 use super::noise::{NoiseFloor, noise_floors};
 use super::prediction::{Predict, PredictionError, SingleWheelPrediction};
 use super::single_wheel::Rig;
-use crate::measurement::Experiment;
+use super::traverse::TraversePrediction;
+use crate::measurement::{Experiment, Kind};
+use crate::model::Model;
 use bekker_modeldescription::{Lookup, ParameterError, Parameters, Role};
 use std::collections::BTreeMap;
 
@@ -71,22 +74,34 @@ impl Comparison {
     }
 }
 
-/// Compares a wheel on a carriage with an experiment of kind `single_wheel`.
+/// Runs the model on the inputs of an experiment, of either kind, and compares it with what was measured.
+///
+/// With `options.calibrate` the free parameters are calibrated first: those with [`Role::Calibrated`] unless the
+/// experiment states their value, and all that have a prior.
 ///
 /// # Errors
 /// [`CompareError`].
-pub fn compare(rig: &Rig, experiment: &Experiment, options: &CompareOptions) -> Result<Comparison, CompareError> {
+pub fn compare(model: &Model, experiment: &Experiment, options: &CompareOptions) -> Result<Comparison, CompareError> {
     let layout = Layout::new(experiment);
-    let mut known = with_parameters(rig, &experiment.parameters, "experiment.toml, [parameters]")?;
-    let rigs = experiment
+    let mut known = with_parameters(model, &experiment.parameters, "experiment.toml, [parameters]")?;
+    let models = experiment
         .runs
         .iter()
         .map(|run| with_parameters(&known, &run.parameters, &format!("experiment.toml, run {}", run.name)))
         .collect::<Result<Vec<_>, _>>()?;
     let free = free_parameters(&mut known, experiment)?;
     let names: Vec<String> = free.iter().map(|free| free.variable.name.clone()).collect();
-    let predict = SingleWheelPrediction::new(experiment, &layout, rigs, &names);
-    evaluate(&predict, experiment, &layout, &free, options)
+    match experiment.kind {
+        Kind::SingleWheel => {
+            let rigs = models.iter().map(|model| Rig::of(&model.rover)).collect();
+            let predict = SingleWheelPrediction::new(experiment, &layout, rigs, &names);
+            evaluate(&predict, experiment, &layout, &free, options)
+        }
+        Kind::Traverse => {
+            let predict = TraversePrediction::new(experiment, &layout, models, &free)?;
+            evaluate(&predict, experiment, &layout, &free, options)
+        }
+    }
 }
 
 /// The model with the given parameters and, on request, calibrated.
@@ -166,8 +181,13 @@ fn free_parameters(model: &mut dyn Parameters<f64>, experiment: &Experiment) -> 
     };
     let chosen = listed.into_iter().filter(|(variable, _)| is_free(&variable.name, variable.role));
     Ok(chosen
-        .map(|(variable, start)| {
+        .map(|(mut variable, start)| {
             let deviation = experiment.priors.get(&variable.name).copied();
+            if let Some((low, high)) = published(&variable.name) {
+                // A value that the experiment states stays reachable.
+                variable.min = variable.min.max(low.min(start));
+                variable.max = variable.max.min(high.max(start));
+            }
             Free { prior: deviation.map(|deviation| Prior { mean: start, deviation }), variable, start }
         })
         .collect())

@@ -85,7 +85,7 @@ pub fn levels(experiment: &Experiment, fit: &Fit, signal: &str, condition: &str)
     let gap = SAME_LEVEL * (last.0 - first.0);
     let groups: Vec<&[(f64, f64)]> = samples.chunk_by(|a, b| b.0 - a.0 <= gap).collect();
     let fits = (2..=DISTINCT_LEVELS).contains(&groups.len());
-    let groups = if fits { groups } else { samples.chunks(samples.len().div_ceil(CLASSES)).collect() };
+    let groups = if fits { groups } else { classes(&samples) };
     groups
         .into_iter()
         .map(|group| Level {
@@ -97,12 +97,14 @@ pub fn levels(experiment: &Experiment, fit: &Fit, signal: &str, condition: &str)
         .collect()
 }
 
+/// Classes of equal count, to one sample.
+fn classes(samples: &[(f64, f64)]) -> Vec<&[(f64, f64)]> {
+    let edge = |k: usize| k * samples.len() / CLASSES;
+    (0..CLASSES).map(|k| &samples[edge(k)..edge(k + 1)]).filter(|class| !class.is_empty()).collect()
+}
+
 /// The worst level of every condition for every signal, the worst first.
-pub(crate) fn failures(
-    experiment: &Experiment,
-    fit: &Fit,
-    floors: &BTreeMap<String, NoiseFloor>,
-) -> Vec<Failure> {
+pub(crate) fn failures(experiment: &Experiment, fit: &Fit, floors: &BTreeMap<String, NoiseFloor>) -> Vec<Failure> {
     let mut all = Vec::new();
     for (signal, floor) in floors {
         for condition in conditions(experiment) {
@@ -126,7 +128,7 @@ pub(crate) fn failures(
     // A signal without a noise floor is judged against its own error.
     let size = |failure: &Failure| {
         let scale = failure.noise.or_else(|| fit.rmse.get(&failure.signal).copied()).unwrap_or(1.0);
-        failure.spread / scale
+        failure.level.mean.abs() / scale
     };
     all.sort_by(|a, b| size(b).total_cmp(&size(a)));
     all

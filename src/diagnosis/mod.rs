@@ -3,6 +3,7 @@
 //! [`compare`] runs the model on an experiment's inputs and returns measured, modelled and residual values beside the
 //! scatter between repeats, on request after a calibration of the soil.
 
+mod bounds;
 mod calibrate;
 mod compare;
 mod failure;
@@ -12,6 +13,7 @@ mod least_squares;
 mod noise;
 mod prediction;
 mod single_wheel;
+mod traverse;
 
 pub use calibrate::{CalibratedParameter, Calibration, Prior};
 pub use compare::{CompareError, CompareOptions, Comparison, compare};

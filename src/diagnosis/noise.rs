@@ -1,8 +1,10 @@
 //! The noise floor: how well any model could do.
 //!
 //! Noise comes from repeats, not from residuals: the residuals of samples that repeat one set-point share the model's
-//! error there, so their scatter about their own mean contains none of it. Where the inputs of repeats differ a
-//! little, the residual has already taken off what the model says of that difference.
+//! error there, so their scatter about their own mean contains none of it. Where the recorded inputs of repeats differ
+//! a little, the residual has already taken off what the model says of that difference. That helps where the inputs
+//! really differed, and adds scatter where only their recording did; either way what remains is an upper bound, so the
+//! smaller of the two scatters, of the residuals and of the plain measurements, is taken.
 
 use super::layout::Layout;
 use crate::measurement::{Experiment, Sample};
@@ -15,6 +17,8 @@ pub struct Pooled {
     pub deviation: f64,
     /// Samples less sets: how much the number rests on.
     pub degrees_of_freedom: usize,
+    /// Whether the model's sensitivity to differences of the recorded inputs was taken off.
+    pub corrected: bool,
 }
 
 /// What is known of a signal's noise.
@@ -68,11 +72,7 @@ impl NoiseFloor {
 }
 
 /// Noise floors of all measured signals, given the modelled values.
-pub(crate) fn noise_floors(
-    experiment: &Experiment,
-    layout: &Layout,
-    modelled: &[f64],
-) -> BTreeMap<String, NoiseFloor> {
+pub(crate) fn noise_floors(experiment: &Experiment, layout: &Layout, modelled: &[f64]) -> BTreeMap<String, NoiseFloor> {
     let sets = experiment.replicates();
     let floor = |signal: &String| NoiseFloor {
         stated: experiment.noise.get(signal).copied(),
@@ -81,20 +81,28 @@ pub(crate) fn noise_floors(
     experiment.signals().into_iter().map(|signal| (signal.clone(), floor(&signal))).collect()
 }
 
+/// The smaller of the scatters of measurements and residuals.
 fn pooled(sets: &[Vec<Sample>], layout: &Layout, modelled: &[f64], signal: &str) -> Option<Pooled> {
-    let residual = |sample: &Sample| {
+    let place = |sample: &Sample| {
         let block = layout.of_run(sample.run).find(|block| block.signal == signal)?;
-        let at = block.range.start + sample.row;
-        Some(layout.measured[at] - modelled[at]).filter(|e| !e.is_nan())
+        Some(block.range.start + sample.row)
     };
+    let plain = scatter(sets, false, &|s| place(s).map(|at| layout.measured[at]))?;
+    let corrected = scatter(sets, true, &|s| place(s).map(|at| layout.measured[at] - modelled[at]))?;
+    // Equal inputs leave a difference of rounding.
+    Some(if corrected.deviation < plain.deviation * (1.0 - 1e-9) { corrected } else { plain })
+}
+
+/// Standard deviation of `value` about the mean of each set, pooled over the sets.
+fn scatter(sets: &[Vec<Sample>], corrected: bool, value: &dyn Fn(&Sample) -> Option<f64>) -> Option<Pooled> {
     let (mut sum, mut freedom) = (0.0, 0);
     for set in sets {
-        let residuals: Vec<f64> = set.iter().filter_map(residual).collect();
-        if residuals.len() > 1 {
-            let mean = residuals.iter().sum::<f64>() / residuals.len() as f64;
-            sum += residuals.iter().map(|e| (e - mean).powi(2)).sum::<f64>();
-            freedom += residuals.len() - 1;
+        let values: Vec<f64> = set.iter().filter_map(value).filter(|v| !v.is_nan()).collect();
+        if values.len() > 1 {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            sum += values.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
+            freedom += values.len() - 1;
         }
     }
-    (freedom > 0).then(|| Pooled { deviation: (sum / freedom as f64).sqrt(), degrees_of_freedom: freedom })
+    (freedom > 0).then(|| Pooled { deviation: (sum / freedom as f64).sqrt(), degrees_of_freedom: freedom, corrected })
 }

@@ -3,7 +3,10 @@
 use super::layout::Layout;
 use super::single_wheel::{Rig, SteadyError, SteadyPoint, partial, steady_point};
 use crate::measurement::Experiment;
-use crate::scalar::Dual;
+use crate::model::RunError;
+use crate::scalar::{Dual, Scalar};
+use crate::simulation::Event;
+use crate::terrain::SamplesError;
 use bekker_modeldescription::Parameters;
 
 /// Derivatives that travel together. A baseline calibration has five free parameters, with one effect six or seven.
@@ -21,6 +24,50 @@ pub enum PredictionError {
         row: usize,
         /// Why.
         source: SteadyError,
+    },
+    /// The simulation of a traverse failed.
+    #[error("run {run}: {source}")]
+    Simulation {
+        /// Name of the run.
+        run: String,
+        /// Why.
+        source: Box<RunError>,
+    },
+    /// The simulation of a traverse ended before the measurements did.
+    #[error("run {run}, at {time} s of its time: the rover is {event}")]
+    Ended {
+        /// Name of the run.
+        run: String,
+        /// Time in the run's file, s.
+        time: f64,
+        /// What happened.
+        event: Event,
+    },
+    /// The run's commands do not fit the model.
+    #[error("run {run}: commands for {commands} wheels, the model has {wheels}")]
+    Wheels {
+        /// Name of the run.
+        run: String,
+        /// Wheels that the commands name.
+        commands: usize,
+        /// Wheels of the model.
+        wheels: usize,
+    },
+    /// A measured signal that this model does not have.
+    #[error("run {run} measures `{signal}`, which the model does not have")]
+    Signal {
+        /// Name of the run.
+        run: String,
+        /// Name of the signal.
+        signal: String,
+    },
+    /// The run's profile cannot be used.
+    #[error("run {run}: terrain: {source}")]
+    Terrain {
+        /// Name of the run.
+        run: String,
+        /// Why.
+        source: SamplesError,
     },
 }
 
@@ -49,7 +96,7 @@ impl<'a> SingleWheelPrediction<'a> {
     }
 
     /// Sets the free parameters of a run's rig; `place` gets the index of the parameter and where it goes.
-    fn set_free<S: Copy>(&self, run: usize, rig: &mut Rig<S>, place: &dyn Fn(usize, &mut S)) {
+    fn set_free<S: Scalar>(&self, run: usize, rig: &mut Rig<S>, place: &dyn Fn(usize, &mut S)) {
         let own = &self.experiment.runs[run].parameters;
         rig.visit("", &mut |variable, value| {
             if let Some(k) = self.names.iter().position(|name| *name == variable.name)
@@ -61,7 +108,7 @@ impl<'a> SingleWheelPrediction<'a> {
     }
 
     /// Calls `point` with every row of every run and its steady point.
-    fn each_point<S: crate::scalar::Scalar>(
+    fn each_point<S: Scalar>(
         &self,
         rig_of: &dyn Fn(usize) -> Rig<S>,
         store: &mut dyn FnMut(usize, S),

@@ -1,6 +1,8 @@
 //! A wheel on a carriage: the steady point at a load, a slip and a wheel speed.
 
 use crate::contact::{Forces, rolling};
+use crate::effects::{BodyMotion, Effects, Local, Place};
+use crate::rover::Rover;
 use crate::scalar::{Dual, Scalar};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
@@ -12,23 +14,23 @@ const LOAD_TOLERANCE: f64 = 1e-12;
 /// Newton's method in logarithms needs 3 to 6 steps; bisection of 0..r to 1e-12 needs 40.
 const MAX_STEPS: usize = 100;
 
-/// A wheel, the soil under it and how far the contact reaches behind it.
+/// A wheel, the soil under it and the effects between them: the part of a rover that a carriage tests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rig<S = f64> {
     /// The wheel.
     pub wheel: Wheel<S>,
-    /// The soil.
+    /// The soil, the same everywhere.
     pub soil: Soil<S>,
-    /// lambda of the exit angle theta_2 = -acos(1 - lambda z/r).
-    pub exit_ratio: S,
+    /// Missing physics, neutral by default.
+    pub effects: Effects<S>,
 }
 
 /// What a carriage measures at a steady point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SteadyPoint<S = f64> {
-    /// Drawbar pull, N.
+    /// Drawbar pull as the carriage feels it, N.
     pub drawbar_pull: S,
-    /// Torque on the wheel, N m.
+    /// Torque of the drive, wheel side of the gear, its friction included, N m.
     pub torque: S,
     /// Sinkage, m.
     pub sinkage: S,
@@ -46,7 +48,9 @@ pub enum SteadyError {
         wheel_speed: f64,
     },
     /// The wheel sinks to its axle.
-    #[error("the soil does not carry {load} N at slip {slip}: the wheel sinks to its axle, where it carries {carried} N")]
+    #[error(
+        "the soil does not carry {load} N at slip {slip}: the wheel sinks to its axle, where it carries {carried} N"
+    )]
     SunkToAxle {
         /// The load, N.
         load: f64,
@@ -65,26 +69,54 @@ pub enum SteadyError {
     },
 }
 
-impl<S: Scalar> Rig<S> {
-    /// The same rig over another scalar.
-    pub fn map<T>(&self, f: &dyn Fn(S) -> T) -> Rig<T> {
-        Rig { wheel: self.wheel.map(f), soil: self.soil.map(f), exit_ratio: f(self.exit_ratio) }
-    }
-
-    fn forces(&self, sinkage: S, velocity: S, spin: S) -> Forces<S> {
-        rolling(&self.wheel, &self.soil, self.exit_ratio, sinkage, velocity, spin)
+impl Rig {
+    /// The wheel, soil and effects of a rover.
+    #[must_use]
+    pub fn of(rover: &Rover) -> Self {
+        Self { wheel: rover.wheel, soil: rover.soil, effects: rover.effects }
     }
 }
 
-impl<S: Copy> Parameters<S> for Rig<S> {
+impl<S: Scalar> Rig<S> {
+    /// The same rig over another scalar.
+    pub fn map<T>(&self, f: &dyn Fn(S) -> T) -> Rig<T> {
+        Rig { wheel: self.wheel.map(f), soil: self.soil.map(f), effects: self.effects.map(f) }
+    }
+
+    /// Forces at a sinkage, through the same hooks as in the rover's equations of motion; the torque is the drive's and the
+    /// drawbar pull what is left after resistances at the carriage.
+    fn forces(&self, sinkage: S, velocity: S, spin: S, slip: f64) -> Forces<S> {
+        let zero = S::from(0.0);
+        let place = Place {
+            wheel: 0,
+            x: zero,
+            contact_angle: zero,
+            slip: S::from(slip),
+            sinkage,
+            normal_velocity: zero,
+            velocity,
+        };
+        let mut local = Local { wheel: self.wheel, soil: self.soil, exit_ratio: zero };
+        self.effects.contact(&place, &mut local);
+        let mut forces = rolling(&local.wheel, &local.soil, local.exit_ratio, sinkage, velocity, spin);
+        self.effects.forces(&place, &local, &mut forces);
+        forces.torque += self.effects.drive_friction(spin).0;
+        forces.drawbar += self.effects.body_force(&BodyMotion { travelled: zero, velocity });
+        forces
+    }
+}
+
+impl<S: Scalar> Parameters<S> for Rig<S> {
     fn visit(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut S)) {
         self.wheel.visit(&join(prefix, "wheel"), f);
         self.soil.visit(&join(prefix, "soil"), f);
+        self.effects.visit(prefix, f);
     }
 
     fn values(&self, f: &mut dyn FnMut(S)) {
         self.wheel.values(f);
         self.soil.values(f);
+        self.effects.values(f);
     }
 }
 
@@ -104,7 +136,7 @@ pub fn steady_point<S: Scalar>(
     let spin = S::from(wheel_speed);
     let velocity = rig.wheel.radius * carriage_speed_over_radius(slip, wheel_speed)?;
     let (sinkage, by_sinkage) = balance(&rig.map(&|s| s.value()), load, slip, velocity.value(), wheel_speed)?;
-    let here = rig.forces(S::from(sinkage), velocity, spin);
+    let here = rig.forces(S::from(sinkage), velocity, spin, slip);
     // The real part of this step is rounding; its derivatives are dz/dp.
     let step = -(here.normal - load) / by_sinkage.normal;
     Ok(SteadyPoint {
@@ -132,11 +164,9 @@ fn carriage_speed_over_radius(slip: f64, wheel_speed: f64) -> Result<f64, Steady
 /// Newton's method on ln N over ln z (N is nearly a power of z), kept within a shrinking bracket.
 fn balance(rig: &Rig, load: f64, slip: f64, velocity: f64, spin: f64) -> Result<(f64, Forces), SteadyError> {
     let lifted = rig.map(&Dual::<1>::from);
-    let at = |z: f64| {
-        lifted.forces(Dual::<1>::from(z).derivative(0), Dual::from(velocity), Dual::from(spin))
-    };
+    let at = |z: f64| lifted.forces(Dual::<1>::from(z).derivative(0), Dual::from(velocity), Dual::from(spin), slip);
     let (mut low, mut high) = (0.0, rig.wheel.radius);
-    let carried = rig.forces(high, velocity, spin).normal;
+    let carried = rig.forces(high, velocity, spin, slip).normal;
     if carried.is_nan() || carried < load {
         return Err(SteadyError::SunkToAxle { load, slip, carried });
     }
@@ -149,7 +179,11 @@ fn balance(rig: &Rig, load: f64, slip: f64, velocity: f64, spin: f64) -> Result<
             let (drawbar, torque) = (partial(&forces.drawbar, 0), partial(&forces.torque, 0));
             return Ok((z, Forces { normal: slope, drawbar, torque }));
         }
-        if normal < load { low = z } else { high = z }
+        if normal < load {
+            low = z
+        } else {
+            high = z
+        }
         let next = z * ((load / normal).ln() * normal / (slope * z)).exp();
         z = if next > low && next < high { next } else { 0.5 * (low + high) };
     }

@@ -97,8 +97,11 @@ impl Experiment {
             let own = run.parameters.get("wheel.radius").or_else(|| settings.parameters.get("wheel.radius"));
             own.copied().unwrap_or(default_radius)
         };
-        let runs: Vec<Run> =
-            settings.runs.iter().map(|run| read_run(folder, &settings, run, radius_of(run))).collect::<Result<_, _>>()?;
+        let runs: Vec<Run> = settings
+            .runs
+            .iter()
+            .map(|run| read_run(folder, &settings, run, radius_of(run)))
+            .collect::<Result<_, _>>()?;
         let experiment = Self {
             name: settings.name,
             kind: settings.kind,
@@ -206,7 +209,9 @@ fn check_inputs(sheet: &Sheet, kind: Kind) -> Result<(), ExperimentError> {
             return missing("wheel[1].speed_command");
         }
         if speeds > 0 && torques > 0 {
-            return Err(sheet.error(Problem::Header("speed and torque commands in one run; give one of them")).at_line(1));
+            return Err(sheet
+                .error(Problem::Header("speed and torque commands in one run; give one of them"))
+                .at_line(1));
         }
     }
     Ok(())

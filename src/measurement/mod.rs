@@ -13,6 +13,7 @@ mod replicates;
 mod settings;
 mod sheet;
 mod table;
+mod table_file;
 
 pub use error::{ExperimentError, Problem};
 pub use experiment::{Experiment, Kind, Run};

@@ -44,7 +44,8 @@ impl Experiment {
         for run in &self.runs {
             let Some(group) = &run.group else { continue };
             if !run.conditions.is_empty() {
-                let message = format!("the run has a `condition` column and belongs to group `{group}`; give one of them");
+                let message =
+                    format!("the run has a `condition` column and belongs to group `{group}`; give one of them");
                 return Err(refuse(run, message));
             }
             if let Some(first) = self.runs.iter().find(|other| other.group == run.group)

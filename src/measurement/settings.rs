@@ -119,7 +119,10 @@ impl Checker<'_> {
     }
 
     fn numbers(&self, table: &str, numbers: &Numbers) -> Result<BTreeMap<String, f64>, ExperimentError> {
-        numbers.iter().map(|(name, value)| Ok((name.clone(), self.finite(&format!("{table}.{name}"), value)?))).collect()
+        numbers
+            .iter()
+            .map(|(name, value)| Ok((name.clone(), self.finite(&format!("{table}.{name}"), value)?)))
+            .collect()
     }
 
     fn finite(&self, key: &str, value: &Spanned<f64>) -> Result<f64, ExperimentError> {

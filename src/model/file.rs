@@ -32,6 +32,9 @@ pub enum ModelError {
     /// The text is not TOML, or has an unknown key or a value of the wrong type.
     #[error("the model file cannot be read: {0}")]
     Syntax(#[from] toml::de::Error),
+    /// The model cannot be written.
+    #[error("the model cannot be written: {0}")]
+    Unwritable(#[from] toml::ser::Error),
     /// The file cannot be opened.
     #[error("{file}: {source}")]
     Unreadable {
@@ -168,8 +171,10 @@ impl Model {
 
     /// The model as TOML, complete in itself: every parameter with its value, samples of the terrain inline.
     /// Reading it back gives the same model to the last bit.
-    #[must_use]
-    pub fn to_toml(&self) -> String {
+    ///
+    /// # Errors
+    /// [`ModelError::Unwritable`] where a value has no form in TOML.
+    pub fn to_toml(&self) -> Result<String, ModelError> {
         let mut parameters = toml::Table::new();
         self.clone().visit("", &mut |variable, value| {
             // The terrain's own numbers stand in its section.
@@ -189,8 +194,7 @@ impl Model {
             control: Some(ControlSpec { kind: self.control.kind }),
             simulation: Some(self.stepping),
         };
-        // The only errors of this serializer are types that TOML does not have; there are none above.
-        toml::to_string(&file).unwrap_or_default()
+        Ok(toml::to_string(&file)?)
     }
 }
 

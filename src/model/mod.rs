@@ -4,11 +4,13 @@ mod closed_loop;
 mod file;
 mod presets;
 mod run;
+mod summary;
 
 pub use closed_loop::{Control, ControlKind, RtcTiming, nominal};
 pub use file::ModelError;
 pub use presets::PRESETS;
 pub use run::{Inputs, Run, RunError};
+pub use summary::{Summary, SummaryBuilder};
 
 use crate::rover::Rover;
 use crate::sensors::Sensors;
@@ -31,7 +33,7 @@ pub struct Stepping {
     /// Default length of a run, s.
     pub duration: f64,
     /// Seed of the sensors' noise.
-    pub seed: u64,
+    pub seed: u32,
 }
 
 impl Default for Stepping {

@@ -176,7 +176,7 @@ impl Run {
         };
         let mut run = Self {
             simulation,
-            sensors: SensorSuite::new(model.sensors, model.stepping.seed),
+            sensors: SensorSuite::new(model.sensors, u64::from(model.stepping.seed)),
             controller: AtWork::new(model).map_err(|source| RunError::Control { time: 0.0, source })?,
             period: whole_multiple(seconds, step_size)?,
             inputs: Inputs::new(model),

@@ -4,6 +4,7 @@ pub(crate) mod dynamics;
 pub(crate) mod kinematics;
 pub(crate) mod linear;
 mod presets;
+mod rate;
 mod settle;
 
 use crate::contact::Hold;
@@ -15,7 +16,9 @@ use crate::terrain::Terrain;
 use crate::wheel::Wheel;
 use bekker_modeldescription::{Parameters, Unit, Variable, join, parameters};
 
+pub use dynamics::DynamicsError;
 pub use linear::MAX_COORDINATES;
+pub use rate::StateRate;
 pub use settle::SettleError;
 
 /// Most wheels of a rover.
@@ -201,6 +204,14 @@ pub struct State<S = f64> {
 }
 
 impl<S: Scalar> State<S> {
+    /// Takes the values of a state of the same rover over, without allocating.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.position.copy_from_slice(&other.position);
+        self.rate.copy_from_slice(&other.rate);
+        self.wheels.copy_from_slice(&other.wheels);
+        self.start_x = other.start_x;
+    }
+
     /// At rest, with the reference point at (x, z).
     #[must_use]
     pub fn at_rest(rover: &Rover<S>, x: S, z: S) -> Self {

@@ -18,8 +18,13 @@ pub(super) trait Curve<S: Scalar> {
     /// Height, slope and curvature at `x`.
     fn at(&self, x: S) -> Sample<S>;
 
-    /// A bound on |d2z/dx2| over `from..=to`; `middle` is the sample halfway.
-    fn bend(&self, from: f64, to: f64, middle: &Sample<f64>) -> f64;
+    /// A bound from above on side * d2z/dx2 over `from..to`, for a side of 1 or -1; `middle` is the sample halfway.
+    fn bend(&self, side: f64, from: f64, to: f64, middle: &Sample<f64>) -> f64;
+
+    /// The same bound for all x, where it costs less than looking closer.
+    fn bend_anywhere(&self, _side: f64) -> f64 {
+        f64::INFINITY
+    }
 
     /// Where to cut `from..to` in two; best at a jump of the curvature.
     fn cut(&self, from: f64, to: f64) -> f64 {

@@ -1,9 +1,10 @@
 //! The contact foot: the point of the profile nearest to a wheel's centre.
 //!
-//! A stationary point of the distance solves g(x) = x - x_c + (h - z_c) h' = 0. Where the profile bends less
-//! than the circle through such a point, |h''| d < 1 over x_c - d .. x_c + d, the profile minus the circle's
-//! arc is concave there, so the point is the only nearest one and Newton's method from x_c finds it. Elsewhere
-//! (a narrow ditch, sharp waves) branch and bound over that interval finds the nearest of several.
+//! A stationary point of the distance solves g(x) = x - x_c + (h - z_c) h' = 0. The circle of radius d about the
+//! centre bends upwards by at least 1/d along its lower arc. Where the profile under it bends less, h'' < 1/d
+//! over x_c - d .. x_c + d, profile minus arc is concave, so a point where they touch is the only nearest one and
+//! Newton's method from x_c finds it. Elsewhere (a narrow ditch, sharp waves) branch and bound over that interval
+//! finds the nearest of several. For a centre below the ground the same holds upside down (`side` is -1).
 
 use super::TerrainError;
 use super::curve::{Curve, Sample};
@@ -33,7 +34,7 @@ const LAST_STEP: f64 = 1e-8;
 /// Cells narrower than this part of the clearance are not cut again (the circle osculates the profile there).
 const NARROW: f64 = 1e-6;
 /// A cell is dismissed only when it is further away than rounding can explain.
-const ROUNDING: f64 = 1.0 + 1e-12;
+const ROUNDING: f64 = 1e-12;
 /// Steps inside a bracket; bisection alone would need 60.
 const BISECTIONS: usize = 80;
 /// The derivative of the foot is unbounded where the circle osculates the profile; 1/g' is limited to 1e6 there.
@@ -76,8 +77,8 @@ pub(super) fn on_plane<S: Scalar>(angle: S, centre: [S; 2]) -> Result<Foot<S>, T
     let (sin, cos) = angle.sin_cos();
     let [x, z] = centre;
     let distance = z * cos - x * sin;
-    // Written so that NaN is refused too.
-    if !(distance.value().abs() <= FAR) {
+    let within = distance.value().abs() <= FAR;
+    if !within {
         let [x, z] = [x.value(), z.value()];
         if !(x.is_finite() && z.is_finite()) {
             return Err(TerrainError::NotFinite { x, z });
@@ -110,19 +111,22 @@ fn nearest(curve: &impl Curve<f64>, centre: [f64; 2]) -> Result<(f64, Sample<f64
     }
     let below = curve.at(x);
     let clearance = z - below.height;
-    // Written so that NaN is refused too.
-    if !(clearance.abs() <= FAR) {
+    // False for NaN too.
+    let within = clearance.abs() <= FAR;
+    if !within {
         return Err(TerrainError::TooFar { x, clearance, limit: FAR });
     }
+    let side = if clearance < 0.0 { -1.0 } else { 1.0 };
     let newton = newton(curve, centre, below);
     if let Some((foot, sample)) = newton {
         let reach = length(foot - x, z - sample.height);
         let same_side = (z - sample.height) * clearance >= 0.0;
-        if same_side && curve.bend(x - reach, x + reach, &below) * reach < 1.0 {
+        let unique = |bend: f64| bend * reach < 1.0;
+        if same_side && (unique(curve.bend_anywhere(side)) || unique(curve.bend(side, x - reach, x + reach, &below))) {
             return Ok((foot, sample));
         }
     }
-    let mut search = Search { curve, centre, reach: clearance.abs(), best: None };
+    let mut search = Search { curve, centre, side, reach: clearance.abs(), best: None };
     if let Some((foot, sample)) = newton {
         search.offer(foot, sample);
     }
@@ -155,6 +159,8 @@ fn newton(curve: &impl Curve<f64>, centre: [f64; 2], below: Sample<f64>) -> Opti
 struct Search<'a, C> {
     curve: &'a C,
     centre: [f64; 2],
+    /// 1 for a centre above the ground, -1 below.
+    side: f64,
     /// The nearest point is no further than this.
     reach: f64,
     best: Option<(f64, Sample<f64>)>,
@@ -182,17 +188,19 @@ impl<C: Curve<f64>> Search<'_, C> {
         }
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         let sample = self.curve.at(middle);
-        let bend = self.curve.bend(from, to, &sample);
-        // The profile lies within `sag` of its tangent at the middle.
-        let sag = 0.5 * bend * half * half;
-        if self.distance_to_tangent(middle, half, &sample) - sag > self.reach * ROUNDING {
+        let bend = self.curve.bend(self.side, from, to, &sample);
+        if self.stays_outside(bend, middle, half, &sample) {
             return;
         }
         self.reach = self.reach.min(self.distance(middle, &sample));
-        // Where g' = 1 + h'^2 + (h - z_c) h'' cannot vanish there is at most one stationary point.
-        let gap = (self.centre[1] - sample.height).abs() + sample.slope.abs() * half + sag;
+        // Bounds on the depth gap = z_c - h and, with those on h'', on g' = 1 + h'^2 - gap h'' over the cell: where
+        // it cannot vanish there is at most one stationary point.
+        let other = self.curve.bend(-self.side, from, to, &sample);
+        let gap = self.side * (self.centre[1] - sample.height);
+        let spread = half * (sample.slope.abs() + 0.5 * half * bend.abs().max(other.abs()));
+        let monotone = bend * (gap + spread) < 1.0 && other * (spread - gap) < 1.0;
         let cut = self.curve.cut(from, to);
-        if bend * gap < 1.0 || half <= NARROW * self.reach || !(cut > from && cut < to) {
+        if monotone || half <= NARROW * self.reach || !(cut > from && cut < to) {
             self.bracketed(from, to);
         } else {
             self.cell(from, cut);
@@ -200,12 +208,16 @@ impl<C: Curve<f64>> Search<'_, C> {
         }
     }
 
-    /// Distance of the centre from the piece of the tangent within `half` of `middle`.
-    fn distance_to_tangent(&self, middle: f64, half: f64, sample: &Sample<f64>) -> f64 {
-        let (dx, dz) = (self.centre[0] - middle, self.centre[1] - sample.height);
-        let along = (dx + dz * sample.slope) / (1.0 + sample.slope * sample.slope);
-        let u = along.clamp(-half, half);
-        length(dx - u, dz - u * sample.slope)
+    /// Whether the profile within `half` of `middle` stays outside the circle of radius `reach` about the centre.
+    /// Its height over the arc, phi = h - a, has phi'' <= bend - 1/reach, since the arc bends by at least 1/reach.
+    fn stays_outside(&self, bend: f64, middle: f64, half: f64, sample: &Sample<f64>) -> bool {
+        let along = middle - self.centre[0];
+        let arc = (self.reach * self.reach - along * along).max(0.0).sqrt();
+        let phi = arc - self.side * (self.centre[1] - sample.height);
+        let slope = self.side * sample.slope - along / arc;
+        let second = bend - 1.0 / self.reach;
+        let highest = if second < 0.0 { (-slope / second).clamp(-half, half) } else { half.copysign(slope) };
+        phi + highest * (slope + 0.5 * second * highest) < -ROUNDING * self.reach
     }
 
     /// The minimum within `from..to` by Newton's method kept inside the bracket by bisection.

@@ -53,9 +53,9 @@ fn level<S: Scalar>(height: S) -> Sample<S> {
     Sample { height, slope: S::from(0.0), curvature: S::from(0.0) }
 }
 
-/// Curvature of a C2 piece anywhere within `half` of a place where it is `curvature`, given a bound on its third derivative.
+/// Bound on the curvature within `half` of a place where it is `curvature`, given a bound on the third derivative.
 pub(super) fn bend_nearby(curvature: f64, third: f64, half: f64, most: f64) -> f64 {
-    (curvature.abs() + third * half).min(most)
+    (curvature + third * half).min(most)
 }
 
 impl<S: Scalar> Curve<S> for Slope<S> {
@@ -64,7 +64,7 @@ impl<S: Scalar> Curve<S> for Slope<S> {
         Sample { height: slope * x, slope, curvature: S::from(0.0) }
     }
 
-    fn bend(&self, _: f64, _: f64, _: &Sample<f64>) -> f64 {
+    fn bend(&self, _: f64, _: f64, _: f64, _: &Sample<f64>) -> f64 {
         0.0
     }
 }
@@ -82,7 +82,7 @@ impl<S: Scalar> Curve<S> for Waves<S> {
         Sample { height: self.amplitude * (-cos + 1.0), slope: rise * sin, curvature: rise * k * cos }
     }
 
-    fn bend(&self, from: f64, to: f64, middle: &Sample<f64>) -> f64 {
+    fn bend(&self, side: f64, from: f64, to: f64, middle: &Sample<f64>) -> f64 {
         let start = self.start.value();
         let k = TAU / self.wavelength.value();
         let most = self.amplitude.value() * k * k;
@@ -91,7 +91,7 @@ impl<S: Scalar> Curve<S> for Waves<S> {
         } else if from < start {
             most
         } else {
-            bend_nearby(middle.curvature, most * k, 0.5 * (to - from), most)
+            bend_nearby(side * middle.curvature, most * k, 0.5 * (to - from), most)
         }
     }
 
@@ -121,7 +121,7 @@ impl<S: Scalar> Curve<S> for Ditch<S> {
         Sample { height: -half * (cos + 1.0), slope: half * k * sin, curvature: half * k * k * cos }
     }
 
-    fn bend(&self, from: f64, to: f64, middle: &Sample<f64>) -> f64 {
+    fn bend(&self, side: f64, from: f64, to: f64, middle: &Sample<f64>) -> f64 {
         let [left, right] = self.rims();
         let k = TAU / self.width.value();
         let most = 0.5 * self.depth.value().abs() * k * k;
@@ -130,7 +130,7 @@ impl<S: Scalar> Curve<S> for Ditch<S> {
         } else if from < left || to > right {
             most
         } else {
-            bend_nearby(middle.curvature, most * k, 0.5 * (to - from), most)
+            bend_nearby(side * middle.curvature, most * k, 0.5 * (to - from), most)
         }
     }
 
@@ -164,15 +164,16 @@ impl<S: Scalar> Curve<S> for Step<S> {
         }
     }
 
-    fn bend(&self, from: f64, to: f64, _: &Sample<f64>) -> f64 {
+    fn bend(&self, side: f64, from: f64, to: f64, _: &Sample<f64>) -> f64 {
         let [left, right] = self.edges();
         if to <= left || from >= right {
             return 0.0;
         }
         // Linear on the face: largest at one end of the part that lies on it.
         let length = self.length.value();
-        let at = |x: f64| (6.0 - 12.0 * (x - left) / length).abs();
-        self.height.value().abs() / (length * length) * at(from.max(left)).max(at(to.min(right)))
+        let at = |x: f64| side * self.height.value() / (length * length) * (6.0 - 12.0 * (x - left) / length);
+        let face = at(from.max(left)).max(at(to.min(right)));
+        if from < left || to > right { face.max(0.0) } else { face }
     }
 
     fn cut(&self, from: f64, to: f64) -> f64 {

@@ -15,6 +15,8 @@ const OCTAVES: usize = 4;
 const VOICES: usize = 4;
 /// Sinusoids altogether.
 const WAVES: usize = OCTAVES * VOICES;
+/// 2^(v/4): wavenumbers of the first octave over the lowest.
+const ROOTS: [f64; VOICES] = [1.0, 1.189_207_115_002_721, std::f64::consts::SQRT_2, 1.681_792_830_507_429];
 
 parameters! {
     /// Spectrum of random ground: four octaves downwards from the longest wavelength with power density
@@ -72,6 +74,8 @@ impl<S: Scalar> Random<S> {
 pub(super) struct Sum<'a, S> {
     wavenumber: [S; VOICES],
     amplitude: [S; WAVES],
+    /// Bounds on the second and third derivative.
+    bend: [f64; 2],
     phases: &'a [[f64; 2]; WAVES],
 }
 
@@ -89,8 +93,14 @@ impl<'a, S: Scalar> Sum<'a, S> {
         let scale = roughness * (squares * 0.5).sqrt().recip();
         amplitude.iter_mut().for_each(|a| *a *= scale);
         let lowest = S::from(TAU) / wavelength;
-        let wavenumber = std::array::from_fn(|v| lowest * (v as f64 / VOICES as f64).exp2());
-        Self { wavenumber, amplitude, phases }
+        let wavenumber: [S; VOICES] = std::array::from_fn(|v| lowest * ROOTS[v]);
+        let mut bend = [0.0, 0.0];
+        for (j, a) in amplitude.iter().enumerate() {
+            let k = wavenumber[j % VOICES].value() * f64::from(1u32 << (j / VOICES));
+            let second = a.value() * k * k;
+            bend = [bend[0] + second, bend[1] + second * k];
+        }
+        Self { wavenumber, amplitude, bend, phases }
     }
 }
 
@@ -116,13 +126,8 @@ impl<S: Scalar> Curve<S> for Sum<'_, S> {
         sample
     }
 
-    fn bend(&self, from: f64, to: f64, middle: &Sample<f64>) -> f64 {
-        let (mut second, mut third) = (0.0, 0.0);
-        for (j, a) in self.amplitude.iter().enumerate() {
-            let k = self.wavenumber[j % VOICES].value() * f64::from(1u32 << (j / VOICES));
-            second += a.value() * k * k;
-            third += a.value() * k * k * k;
-        }
-        bend_nearby(middle.curvature, third, 0.5 * (to - from), second)
+    fn bend(&self, side: f64, from: f64, to: f64, middle: &Sample<f64>) -> f64 {
+        let [second, third] = self.bend;
+        bend_nearby(side * middle.curvature, third, 0.5 * (to - from), second)
     }
 }

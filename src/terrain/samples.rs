@@ -22,8 +22,8 @@ pub struct Samples {
     /// For equal parts of `first..last`, the piece that holds the part's beginning.
     index: Vec<u32>,
     parts_per_metre: f64,
-    /// Largest |d2z/dx2| of all.
-    bend: f64,
+    /// Least and largest d2z/dx2 of all.
+    bend: [f64; 2],
 }
 
 /// Why samples do not make a profile.
@@ -103,8 +103,8 @@ impl Samples {
                 behind.max(1) as u32
             })
             .collect();
-        let mut samples = Self { pieces, first, last, index, parts_per_metre, bend: 0.0 };
-        samples.bend = samples.bend_within(first, last);
+        let mut samples = Self { pieces, first, last, index, parts_per_metre, bend: [0.0; 2] };
+        samples.bend = [-samples.bend_within(-1.0, first, last), samples.bend_within(1.0, first, last)];
         samples
     }
 
@@ -119,9 +119,9 @@ impl Samples {
         self.pieces[1..].iter().map(|piece| (piece.start, piece.height))
     }
 
-    /// Largest |d2z/dx2| in `from..to`: it is linear on each piece, so largest at the ends of the piece's part.
-    fn bend_within(&self, from: f64, to: f64) -> f64 {
-        let mut most = 0.0_f64;
+    /// Largest side * d2z/dx2 in `from..to`: linear on each piece, so largest at the ends of the piece's part.
+    fn bend_within(&self, side: f64, from: f64, to: f64) -> f64 {
+        let mut most = f64::NEG_INFINITY;
         for i in self.locate(from)..self.pieces.len() {
             let piece = &self.pieces[i];
             if i > 0 && piece.start >= to {
@@ -129,7 +129,7 @@ impl Samples {
             }
             let end = self.pieces.get(i + 1).map_or(to, |next| next.start.min(to));
             let begin = if i == 0 { from } else { piece.start.max(from) };
-            let at = |x: f64| (2.0 * piece.c[1] + 6.0 * piece.c[2] * (x - piece.start)).abs();
+            let at = |x: f64| side * (2.0 * piece.c[1] + 6.0 * piece.c[2] * (x - piece.start));
             most = most.max(at(begin)).max(at(end));
         }
         most
@@ -170,10 +170,13 @@ impl<S: Scalar> Curve<S> for Samples {
         }
     }
 
-    #[inline]
-    fn bend(&self, from: f64, to: f64, _: &Sample<f64>) -> f64 {
-        // A circle of this interval's half width lies above all of a gentle profile: no need to look closer.
-        if self.bend * 0.5 * (to - from) < 1.0 { self.bend } else { self.bend_within(from, to) }
+    fn bend(&self, side: f64, from: f64, to: f64, _: &Sample<f64>) -> f64 {
+        self.bend_within(side, from, to)
+    }
+
+    fn bend_anywhere(&self, side: f64) -> f64 {
+        // The straight extensions have none.
+        (side * self.bend[0]).max(side * self.bend[1]).max(0.0)
     }
 
     fn cut(&self, from: f64, to: f64) -> f64 {

@@ -13,6 +13,9 @@ use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+/// Gain K of the cases, 1/s; their results by hand are for this one.
+const GAIN: f64 = 10.0;
+
 /// The two-wheeled rover of 4.4.1 with the centre of mass 0.15 m over the wheel centres.
 pub fn thesis_rover() -> Nominal {
     level_rover(2)
@@ -47,7 +50,8 @@ impl Case {
     /// On level ground, at the wanted speed.
     pub fn level(nominal: Nominal) -> Self {
         let angles = vec![0.0; nominal.wheels()];
-        Self { nominal, parameters: RoughTerrainControl::default(), pitch: 0.0, angles, velocity: 0.0, goal: 0.0 }
+        let parameters = RoughTerrainControl { gain: GAIN, ..RoughTerrainControl::default() };
+        Self { nominal, parameters, pitch: 0.0, angles, velocity: 0.0, goal: 0.0 }
     }
 
     /// Random rover, slopes, demand and limits; steep slopes and tight limits often, infeasible ones too.
@@ -74,6 +78,7 @@ impl Case {
         let parameters = RoughTerrainControl {
             minimum_load: weight / wheels as f64 * rng.random_range(0.01..0.6),
             margin: rng.random_range(0.0..0.3),
+            gain: GAIN,
             ..RoughTerrainControl::default()
         };
         let goal = rng.random_range(-0.3..0.3);

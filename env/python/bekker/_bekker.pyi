@@ -1,7 +1,7 @@
 """Native part of the package `bekker`."""
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, Literal, final
 
 import numpy as np
@@ -15,7 +15,7 @@ __version__: str
 
 def presets() -> list[tuple[str, str]]: ...
 def effects() -> list[tuple[str, str]]: ...
-def compare(folder: str | os.PathLike[str], parameters: Mapping[str, float], calibrate: bool) -> dict[str, Any]: ...
+def compare(folder: str | os.PathLike[str], model: Model, calibrate: bool) -> dict[str, Any]: ...
 def export_fmu(model: Model, path: str | os.PathLike[str]) -> None: ...
 def record(
     model: Model, inputs: NDArray[np.float64], steps: int

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _bekker
+from .models import ModelLike, as_model
 from .vocabulary import unknown
 
 __all__ = ["CalibratedParameter", "Calibration", "Comparison", "Failure", "Fit", "NoiseFloor", "SignalFit", "compare"]
@@ -141,21 +142,27 @@ class Comparison:
 
 
 def compare(
-    experiment: str | os.PathLike[str], parameters: Mapping[str, float] | None = None, *, calibrate: bool = False
+    experiment: str | os.PathLike[str],
+    model: ModelLike = "two_wheeled",
+    *,
+    calibrate: bool = False,
+    parameters: Mapping[str, float] | None = None,
 ) -> Comparison:
-    """Compares a wheel on soil with an experiment folder of kind ``single_wheel``.
+    """Runs a model on the inputs of an experiment and compares it with what was measured.
 
     Args:
-        experiment: the folder with ``experiment.toml``.
-        parameters: values of ``wheel.*`` and ``soil.*`` by name, before those that the experiment states.
+        experiment: the folder with ``experiment.toml``; a wheel on a carriage takes wheel, soil and effects of the
+            model, a traverse the whole rover.
+        model: a Model, the name of a preset, TOML text, or the path of a TOML file.
         calibrate: whether to calibrate the soil first.
+        parameters: values by name that replace the model's, before those that the experiment states.
 
     Raises:
-        UnknownNameError: a parameter that the wheel on soil does not have.
-        ModelError: the folder is refused (the message gives file, line and column), or a value is.
+        UnknownNameError, ModelError: as :func:`bekker.models.as_model`; a ModelError too where the folder is refused
+            (the message gives file, line and column) or does not suit the model.
         SimulationError: the model cannot compute a measured row, for example where the wheel sinks to its axle.
     """
-    found = _bekker.compare(experiment, dict(parameters or {}), calibrate)
+    found = _bekker.compare(experiment, as_model(model, parameters), calibrate)
     return Comparison(
         experiment=found["experiment"],
         given=_fit(found["given"]),

@@ -74,7 +74,8 @@ class RoverEnv(gymnasium.Env[Observation, Action]):
     At rest, settled on the soil, the reference point above x = `x0`. The same at every reset, unless `vary` draws
     parameters: each uniformly between its two values, from the environment's seeded generator.
     `reset(options={"parameters": {...}, "x0": ...})` sets parameters by name for that episode, after the drawing.
-    `reset(seed=s)` also seeds the noise of the sensors inside the model with s; a reset without a seed draws one.
+    `reset(seed=s)` also seeds the noise of the sensors inside the model with s
+    (its last 32 bits); a reset without a seed draws one.
 
     ## Episode End
 
@@ -148,7 +149,7 @@ class RoverEnv(gymnasium.Env[Observation, Action]):
         model = self._model.copy()
         # Always as many draws, so that options do not shift the sequence.
         self._drawn = {name: float(self.np_random.uniform(low, high)) for name, (low, high) in self._vary.items()}
-        model.seed = int(self.np_random.integers(2**63)) if seed is None else seed % 2**64
+        model.seed = int(self.np_random.integers(2**32)) if seed is None else seed % 2**32
         for name, value in (self._drawn | _checked_options(options or {})).items():
             model.set(name, value)
         self._weight = model.total_mass * model.get("gravity")

@@ -1,7 +1,7 @@
 //! The C border of FMI 3.0: every function of the standard's header `fmi3Functions.h`, by its name.
 //!
 //! Each function translates its arguments, calls the [lifecycle](crate::lifecycle) under a guard
-//! ([`instance`]) and translates back. What the FMU does not offer answers with an error and a message.
+//! (module `instance`) and translates back. What the FMU does not offer answers with an error and a message.
 //!
 //! # Safety
 //! The importer promises what a C header can only ask for: that pointers are NULL or valid for the stated

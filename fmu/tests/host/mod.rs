@@ -1,5 +1,5 @@
 //! A simulation tool in miniature: it calls the C functions and keeps what they log.
-#![allow(dead_code)]
+#![allow(dead_code, clippy::unwrap_used)]
 
 use bekker::model::Model;
 use bekker_fmu::fmi3::*;
@@ -25,6 +25,16 @@ pub unsafe extern "C" fn log(_: *mut c_void, status: Status, category: *const c_
     LOG.with_borrow_mut(|log| log.push(format!("{status:?} {category}: {message}")));
 }
 
+/// Inner step of all models here, s.
+pub const INNER: f64 = 0.001;
+
+/// A built-in model with the inner step [`INNER`].
+pub fn model(preset: &str) -> Model {
+    let mut model = Model::preset(preset).unwrap();
+    model.stepping.step_size = INNER;
+    model
+}
+
 /// An unpacked FMU.
 pub struct Fmu {
     folder: PathBuf,
@@ -43,7 +53,7 @@ impl Fmu {
     }
 
     pub fn preset(name: &str) -> Self {
-        Self::new(&Model::preset(name).unwrap())
+        Self::new(&model(name))
     }
 
     pub fn folder(&self) -> &Path {

@@ -23,7 +23,7 @@ pub use problem::{Problem, load_of, traction_of};
 pub use solver::{Program, Rows, Unsolved};
 pub use strength::{compaction_resistance, contact_area, sinkage};
 pub use switch::Criterion;
-pub use traction::MaximumTraction;
+pub use traction::{MaximumTraction, Search};
 
 use super::error::{ControlError, finite, same_count, within_bounds};
 use super::{Controller, Nominal};
@@ -53,6 +53,8 @@ pub struct Outcome {
     pub criterion: Criterion,
     /// Whether the forces balance the wanted body force; otherwise they are the nearest admissible ones.
     pub feasible: bool,
+    /// Whether the forces are the criterion's optimum; see [`Found::optimal`].
+    pub optimal: bool,
     /// Value of the criterion: P in W (4.10) or R (4.5).
     pub objective: f64,
     /// x = [T_1, N_1, .., T_n, N_n]: tractive and normal forces, N.
@@ -145,6 +147,7 @@ impl Rtc {
         outcome.forces.clone_from(&self.forces);
         outcome.criterion = criterion;
         outcome.feasible = found.feasible;
+        outcome.optimal = found.optimal;
         outcome.steps = found.steps;
         outcome.objective = match criterion {
             Criterion::Power => self.power(),

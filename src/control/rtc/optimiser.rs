@@ -16,6 +16,9 @@ const BALANCED: f64 = 1e-6;
 pub struct Found {
     /// Whether the forces balance the wanted body force; otherwise they are the nearest.
     pub feasible: bool,
+    /// Whether they are the criterion's optimum. Feasible forces that are not are the best that were found
+    /// where admissible forces have next to no interior.
+    pub optimal: bool,
     /// Linear programs of the traction search.
     pub steps: usize,
 }
@@ -47,13 +50,15 @@ impl Optimiser {
     pub fn solve(&mut self, problem: &Problem, criterion: Criterion, forces: &mut [f64]) -> Result<Found, Unsolved> {
         if self.power.solve(problem, forces).is_err() {
             self.nearest.solve(problem, forces)?;
-            return Ok(Found { feasible: miss(problem, forces) <= BALANCED, steps: 0 });
+            return Ok(Found { feasible: miss(problem, forces) <= BALANCED, optimal: false, steps: 0 });
         }
-        let steps = match criterion {
-            Criterion::Power => 0,
-            Criterion::Traction => self.traction.solve(problem, &mut self.power, forces)?,
-        };
-        Ok(Found { feasible: true, steps })
+        Ok(match criterion {
+            Criterion::Power => Found { feasible: true, optimal: true, steps: 0 },
+            Criterion::Traction => {
+                let search = self.traction.solve(problem, &mut self.power, forces);
+                Found { feasible: true, optimal: search.converged, steps: search.steps }
+            }
+        })
     }
 }
 

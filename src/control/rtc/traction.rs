@@ -2,7 +2,7 @@
 
 use super::power::{MinimumPower, to_newton};
 use super::problem::{Problem, load_of, traction_of};
-use super::solver::{Program, Rows, Unsolved};
+use super::solver::{Program, Rows};
 
 /// Gain in the ratio at which the search ends: a hundredth of [`RATIO_ROOM`].
 const RATIO_TOLERANCE: f64 = 1e-8;
@@ -11,6 +11,16 @@ const RATIO_TOLERANCE: f64 = 1e-8;
 const RATIO_ROOM: f64 = 1e-6;
 /// Linear programs at most. 3 to 5 are usual, 15 were the most in 15,000 random cases of 2 to 8 wheels.
 const MOST_STEPS: usize = 30;
+
+/// How a traction search went.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Search {
+    /// Linear programs solved.
+    pub steps: usize,
+    /// Whether the optimum was reached. The optimiser can stall where the admissible forces have next to no
+    /// interior, within about 1e-8 weights of infeasible; the forces are then the best that were found.
+    pub converged: bool,
+}
 
 /// Minimises R = max |T_i| / N_i (4.5) over the admissible forces.
 ///
@@ -47,31 +57,35 @@ impl MaximumTraction {
         Self { program, trial: vec![0.0; unknowns], loads: problem.expected_loads.clone() }
     }
 
-    /// Improves `forces`, admissible at first (those of minimum power), to the optimum; N. Returns how many
-    /// linear programs it took.
-    ///
-    /// # Errors
-    /// [`Unsolved`] where the optimiser gives up.
-    pub fn solve(
-        &mut self,
-        problem: &Problem,
-        cheapest: &mut MinimumPower,
-        forces: &mut [f64],
-    ) -> Result<usize, Unsolved> {
+    /// Improves `forces`, admissible at first (those of minimum power), to the optimum; N.
+    pub fn solve(&mut self, problem: &Problem, cheapest: &mut MinimumPower, forces: &mut [f64]) -> Search {
+        let mut search = self.least_ratio(problem, forces);
+        let ratio = problem.ratio(forces);
+        if search.converged && problem.wheels() > 2 && ratio > RATIO_TOLERANCE {
+            search.converged = cheapest_within(problem, cheapest, ratio, forces);
+        }
+        search
+    }
+
+    /// Improves `forces` until their ratio is the least.
+    fn least_ratio(&mut self, problem: &Problem, forces: &mut [f64]) -> Search {
         let mut reached = problem.ratio(forces);
         let mut lambda = reached.min(problem.friction);
         self.loads.copy_from_slice(&problem.expected_loads);
         if lambda == reached {
             self.weigh_by(forces);
         }
-        let mut steps = 0;
-        while steps < MOST_STEPS && reached > RATIO_TOLERANCE {
-            steps += 1;
-            let solution = self.program.solve(|rows| write(problem, lambda, &self.loads, rows))?;
+        for steps in 0..MOST_STEPS {
+            if reached <= RATIO_TOLERANCE {
+                return Search { steps, converged: true };
+            }
+            let Ok(solution) = self.program.solve(|rows| write(problem, lambda, &self.loads, rows)) else {
+                return Search { steps: steps + 1, converged: false };
+            };
             to_newton(problem, solution, &mut self.trial);
             let better = problem.ratio(&self.trial);
             if lambda >= reached && reached - better <= RATIO_TOLERANCE {
-                break;
+                return Search { steps: steps + 1, converged: true };
             }
             if better < reached {
                 reached = better;
@@ -80,10 +94,7 @@ impl MaximumTraction {
             lambda = reached;
             self.weigh_by(forces);
         }
-        if problem.wheels() > 2 && reached > RATIO_TOLERANCE {
-            cheapest_within(problem, cheapest, reached, forces)?;
-        }
-        Ok(steps)
+        Search { steps: MOST_STEPS, converged: false }
     }
 
     /// Takes the loads of `forces` for the weights of the next linear program.
@@ -92,22 +103,11 @@ impl MaximumTraction {
     }
 }
 
-/// The cheapest forces of a ratio that is the least up to [`RATIO_ROOM`], or up to a little more where that
-/// leaves too thin an interior.
-fn cheapest_within(
-    problem: &Problem,
-    cheapest: &mut MinimumPower,
-    least: f64,
-    forces: &mut [f64],
-) -> Result<(), Unsolved> {
-    let mut outcome = Ok(());
-    for room in [RATIO_ROOM, 10.0 * RATIO_ROOM, 100.0 * RATIO_ROOM] {
-        outcome = cheapest.solve_within(problem, least + room, forces);
-        if outcome.is_ok() {
-            break;
-        }
-    }
-    outcome
+/// Takes the cheapest forces of a ratio that is the least up to [`RATIO_ROOM`], or up to a little more where
+/// that leaves too thin an interior; says whether they were found.
+fn cheapest_within(problem: &Problem, cheapest: &mut MinimumPower, least: f64, forces: &mut [f64]) -> bool {
+    let rooms = [RATIO_ROOM, 10.0 * RATIO_ROOM, 100.0 * RATIO_ROOM];
+    rooms.into_iter().any(|room| cheapest.solve_within(problem, least + room, forces).is_ok())
 }
 
 /// Rows of the linear program at the ratio `lambda`, weighted by `loads`, N.

@@ -1,0 +1,69 @@
+//! Rover steps: `cargo bench --bench rover`. One iteration is 100 inner steps of 2 ms.
+//!
+//! The peer in the same run is the contact alone: as many contact evaluations as the steps make.
+
+use bekker::contact::{Hold, Motion, touch};
+use bekker::model::Model;
+use bekker::rover::Rover;
+use bekker::signals::Command;
+use bekker::simulation::Simulation;
+use bekker::terrain::{Profile, Terrain, Waves};
+use divan::{Bencher, black_box, counter::ItemsCount};
+
+/// Steps of one iteration.
+const STEPS: u64 = 100;
+
+fn main() {
+    divan::main();
+}
+
+fn waves(mut rover: Rover) -> Simulation {
+    rover.terrain = Terrain::new(Profile::Waves(Waves { amplitude: 0.02, wavelength: 2.0, start: 0.3 }));
+    Simulation::new(rover, 0.0, 0.002).expect("settles")
+}
+
+fn step(bencher: Bencher, rover: Rover, torque: f64) {
+    let command = Command::torque(vec![torque; rover.wheels.len()]);
+    let start = waves(rover);
+    bencher.counter(ItemsCount::new(STEPS)).with_inputs(|| start.clone()).bench_local_values(|mut simulation| {
+        simulation.advance(&command, STEPS).expect("steps");
+        simulation
+    });
+}
+
+/// The two-wheeled rover: 4 contact evaluations a step.
+#[divan::bench]
+fn two_wheels(bencher: Bencher) {
+    step(bencher, Rover::two_wheeled(), 1.5);
+}
+
+/// One side of the six-wheeled rocker-bogie: 6 contact evaluations a step.
+#[divan::bench]
+fn rocker_bogie_side(bencher: Bencher) {
+    step(bencher, Rover::rocker_bogie(), 0.3);
+}
+
+/// Six wheels on one rigid chassis: 12 contact evaluations a step.
+#[divan::bench]
+fn six_wheels(bencher: Bencher) {
+    step(bencher, Rover::rigid(&[-0.5, -0.3, -0.1, 0.1, 0.3, 0.5]), 0.6);
+}
+
+/// The peer: the contact evaluations of 100 steps of the two-wheeled rover and nothing else.
+#[divan::bench]
+fn contacts_of_two_wheels(bencher: Bencher) {
+    let rover = Rover::two_wheeled();
+    let motion = Motion { sinkage: 0.015, normal_velocity: 0.0, velocity: 0.2, spin: 2.4, hold: Hold::default() };
+    bencher.counter(ItemsCount::new(STEPS)).bench(|| {
+        for _ in 0..4 * STEPS {
+            black_box(touch(&rover.wheel, &rover.soil, 0.0, black_box(&motion)));
+        }
+    });
+}
+
+/// Settling a rover on its ground, as every reset does.
+#[divan::bench]
+fn settle(bencher: Bencher) {
+    let model = Model::preset("gentle_velocity").expect("a preset");
+    bencher.bench(|| black_box(&model.rover).settled_at(1.0).expect("settles"));
+}

@@ -1,0 +1,90 @@
+//! `bekker compare`.
+
+use crate::model::ModelArguments;
+use anyhow::{Context, Result};
+use bekker::diagnosis::{Calibration, CompareOptions, Comparison, compare};
+use bekker::measurement::Experiment;
+use bekker::report::comparison_page;
+use std::path::{Path, PathBuf};
+
+/// Run a model on the inputs of an experiment and see where it fails.
+#[derive(clap::Args)]
+pub struct Compare {
+    /// Folder of the experiment, with `experiment.toml` and CSV files.
+    experiment: PathBuf,
+    #[command(flatten)]
+    model: ModelArguments,
+    /// Calibrate the free parameters first, within their bounds.
+    #[arg(long)]
+    calibrate: bool,
+    /// Write a self-contained page with overlay and residual plots.
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
+}
+
+impl Compare {
+    pub fn run(self) -> Result<()> {
+        let experiment = Experiment::read(&self.experiment)?;
+        let model = self.model.load()?;
+        let comparison = compare(&model, &experiment, &CompareOptions { calibrate: self.calibrate })?;
+        print(&comparison, "");
+        if let Some(path) = &self.html {
+            write_page(&comparison, path)?;
+            println!("wrote {}", path.display());
+        }
+        Ok(())
+    }
+}
+
+/// Writes the page of a comparison.
+pub fn write_page(comparison: &Comparison, path: &Path) -> Result<()> {
+    std::fs::write(path, comparison_page(comparison)).with_context(|| format!("cannot write `{}`", path.display()))
+}
+
+/// Prints errors, free parameters, and where the model fails most; every line starts with `indent`.
+pub fn print(comparison: &Comparison, indent: &str) {
+    println!("{indent}{}: {} runs", comparison.experiment.name, comparison.experiment.runs.len());
+    print_errors(comparison, indent);
+    if let Some((calibration, _)) = &comparison.calibrated {
+        print_parameters(calibration, indent);
+    }
+    println!("{indent}where it fails most (mean residual, measured minus modelled):");
+    for failure in comparison.failures.iter().take(4) {
+        let (level, noise) = (&failure.level, failure.ratio());
+        let noise = noise.map_or_else(|| "noise unknown".to_owned(), |ratio| format!("{ratio:.1} times the noise"));
+        println!(
+            "{indent}  {:14} {:+.4} where {} = {:.3} .. {:.3} ({noise})",
+            failure.signal, level.mean, failure.condition, level.low, level.high
+        );
+    }
+}
+
+fn print_errors(comparison: &Comparison, indent: &str) {
+    println!("{indent}{:16} {:>12} {:>12} {:>12}", "error (RMS, SI)", "as given", "calibrated", "noise floor");
+    let cell = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.5}"));
+    for (signal, best) in &comparison.fit().rmse {
+        let given = comparison.given.as_ref().ok().and_then(|fit| fit.rmse.get(signal).copied());
+        let calibrated = comparison.calibrated.as_ref().map(|_| *best);
+        let floor = comparison.noise_floor.get(signal).and_then(|floor| floor.value());
+        println!("{indent}{signal:16} {:>12} {:>12} {:>12}", cell(given), cell(calibrated), cell(floor));
+    }
+    if let Err(error) = &comparison.given {
+        println!("{indent}the given parameters cannot compute this experiment: {error}");
+    }
+}
+
+fn print_parameters(calibration: &Calibration, indent: &str) {
+    println!(
+        "{indent}calibrated (chi-square {:.0} for {} degrees of freedom; {} of {} searches agree):",
+        calibration.chi_square, calibration.degrees_of_freedom, calibration.agreeing, calibration.searches
+    );
+    for parameter in &calibration.parameters {
+        let deviation = parameter.deviation.map_or_else(String::new, |deviation| format!(" +- {deviation:.3e}"));
+        let flag = if parameter.at_bound { "  ON ITS BOUND" } else { "" };
+        let variable = &parameter.variable;
+        println!(
+            "{indent}  {:20} {:.4e}{deviation} {} (from {:.4e}, bounds {:e} .. {:e}){flag}",
+            variable.name, parameter.value, variable.unit.symbol, parameter.start, variable.min, variable.max
+        );
+    }
+}

@@ -1,0 +1,59 @@
+//! `bekker`: simulate rovers on soft soil, compare them with measurements, package them as FMUs.
+
+mod compare;
+mod demo;
+mod fmu;
+mod model;
+mod parameters;
+mod progress;
+mod simulate;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Rough-terrain rovers on deformable soil: simulate, compare with measurements, package as FMU.
+#[derive(Parser)]
+#[command(name = "bekker", version, about, after_help = "Exit codes: 0 done, 1 the work failed, 2 the call is wrong.")]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Drive a rover and write its signals as CSV.
+    Simulate(simulate::Simulate),
+    /// Run a model on the inputs of an experiment and see where it fails.
+    Compare(compare::Compare),
+    /// Write a model as an FMU for other simulation tools.
+    Fmu(fmu::Fmu),
+    /// List the vocabulary: every parameter, input and signal of a model.
+    Parameters(parameters::Parameters),
+    /// Chapter 4's rover under both controllers, an FMU, and a comparison with measurements.
+    Demo(demo::Demo),
+}
+
+fn main() -> ExitCode {
+    let outcome = match Cli::parse().command {
+        Command::Simulate(command) => command.run(),
+        Command::Compare(command) => command.run(),
+        Command::Fmu(command) => command.run(),
+        Command::Parameters(command) => command.run(),
+        Command::Demo(command) => command.run(),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("bekker: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// A reader that has seen enough (`bekker parameters | head`) is no failure.
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| {
+        cause.downcast_ref::<std::io::Error>().is_some_and(|io| io.kind() == std::io::ErrorKind::BrokenPipe)
+    })
+}

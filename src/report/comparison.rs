@@ -1,0 +1,143 @@
+//! The page of a comparison, in the order in which a person asks: what was measured, how large is the error against
+//! the noise, what do measurement and model look like, where does it fail, what did the calibration do.
+
+use super::page::{Page, escape, table};
+use super::plots::{overlay, residual_conditions, residuals};
+use super::units::{digits, of_column, of_unit, short, spoken};
+use super::words::{sentence, source, summary, what_was_measured};
+use crate::diagnosis::{Calibration, Comparison, Failure};
+
+/// Sentences on where the model fails.
+const MOST_SENTENCES: usize = 5;
+
+/// A self-contained HTML page of a comparison: no network, light and dark, readable on a phone.
+#[must_use]
+pub fn comparison_page(comparison: &Comparison) -> String {
+    let name = &comparison.experiment.name;
+    let mut page = Page::new(&format!("{name}: model and measurement"));
+    page.html(&format!("<h1>{}: model and measurement</h1>", escape(name)));
+    page.html(&format!("<p class=\"lead\">{}</p>", escape(&what_was_measured(comparison))));
+    let sentences: String = summary(comparison).iter().map(|s| format!("<p>{}</p>", escape(s))).collect();
+    page.html(&format!("<div class=\"verdict\">{sentences}</div>"));
+    page.html(&errors(comparison));
+    add_overlays(&mut page, comparison);
+    add_failures(&mut page, comparison);
+    if let Some((calibration, _)) = &comparison.calibrated {
+        add_parameters(&mut page, calibration);
+    }
+    page.finish()
+}
+
+/// Root mean square error by signal beside the noise floor.
+fn errors(comparison: &Comparison) -> String {
+    let rows: Vec<Vec<String>> = comparison
+        .experiment
+        .signals()
+        .iter()
+        .map(|signal| {
+            let shown = of_column(signal);
+            let error = |fit: Option<&crate::diagnosis::Fit>| {
+                fit.and_then(|fit| fit.rmse.get(signal)).map_or("none".to_owned(), |rmse| shown.number(*rmse))
+            };
+            let floor = comparison.noise_floor.get(signal).and_then(|floor| floor.value());
+            let ratio = floor.zip(comparison.fit().rmse.get(signal)).map(|(floor, rmse)| rmse / floor);
+            let mut row = vec![spoken(signal), error(comparison.given.as_ref().ok())];
+            row.extend(comparison.calibrated.as_ref().map(|(_, fit)| error(Some(fit))));
+            row.push(floor.map_or("unknown".to_owned(), |floor| shown.number(floor)));
+            row.push(ratio.map_or(String::new(), digits));
+            row.push(source(comparison, signal));
+            row
+        })
+        .collect();
+    let mut header = vec!["error (RMS)", "as given"];
+    header.extend(comparison.calibrated.is_some().then_some("calibrated"));
+    header.extend(["noise floor", "error / noise", "floor from"]);
+    table(&header, &rows)
+}
+
+fn add_overlays(page: &mut Page, comparison: &Comparison) {
+    let what = if comparison.calibrated.is_some() { "after calibration" } else { "with the parameters as given" };
+    page.section(
+        "Measured and modelled",
+        &format!("Points are measurements, repeats included; lines of the same colour are the model {what}."),
+    );
+    let signals = comparison.experiment.signals();
+    let plots: Vec<_> = signals.iter().map(|signal| (spoken(signal), overlay(comparison, signal))).collect();
+    page.plots(&plots);
+}
+
+fn add_failures(page: &mut Page, comparison: &Comparison) {
+    page.section(
+        "Where it fails",
+        "Residuals (measured less model) against the conditions. The band is two standard deviations of the noise of one sample; \
+         diamonds are means: away from zero they are structure, not noise.",
+    );
+    let clear = |failure: &&Failure| failure.ratio().is_none_or(|ratio| ratio > 1.0);
+    let items: String = comparison
+        .failures
+        .iter()
+        .filter(clear)
+        .take(MOST_SENTENCES)
+        .map(|failure| format!("<li>{}</li>", escape(&sentence(failure))))
+        .collect();
+    let nothing = "<p>No mean residual exceeds the noise of one sample.</p>".to_owned();
+    page.html(&if items.is_empty() { nothing } else { format!("<ul>{items}</ul>") });
+    for signal in comparison.experiment.signals() {
+        let plots: Vec<_> = residual_conditions(&comparison.experiment)
+            .into_iter()
+            .filter(|condition| *condition != signal)
+            .filter_map(|condition| {
+                let title = format!("{} against {}", spoken(&signal), spoken(condition));
+                Some((title, residuals(comparison, &signal, condition)?))
+            })
+            .collect();
+        if !plots.is_empty() {
+            page.plots(&plots);
+        }
+    }
+}
+
+fn add_parameters(page: &mut Page, calibration: &Calibration) {
+    let how = if calibration.converged { "converged" } else { "did NOT converge" };
+    page.section(
+        "Calibrated parameters",
+        &format!(
+            "{} of {} searches from different starts ended at the same error; the best {how} in {} steps. Standard errors take the \
+             residuals as independent.",
+            calibration.agreeing, calibration.searches, calibration.steps
+        ),
+    );
+    let rows: Vec<Vec<String>> = calibration
+        .parameters
+        .iter()
+        .map(|p| {
+            let shown = of_unit(p.variable.unit);
+            let number = |value: f64| digits(value * shown.factor);
+            let mut notes = Vec::new();
+            if p.at_bound {
+                notes.push("on its bound".to_owned());
+            } else if p.deviation.is_none() {
+                notes.push("not determined".to_owned());
+            }
+            if let Some(shift) = p.prior_shift() {
+                notes.push(format!("{} sigma from its prior", digits(shift)));
+            }
+            vec![
+                p.variable.name.clone(),
+                shown.symbol.to_owned(),
+                number(p.start),
+                number(p.value),
+                p.deviation.map_or(String::new(), number),
+                format!("{} .. {}", short(p.variable.min * shown.factor), short(p.variable.max * shown.factor)),
+                notes.join(", "),
+            ]
+        })
+        .collect();
+    page.html(&table(&["parameter", "unit", "before", "after", "std. error", "bounds", "note"], &rows));
+    let weights: Vec<String> = calibration
+        .weights
+        .iter()
+        .map(|(signal, deviation)| format!("{} {}", spoken(signal), of_column(signal).number(*deviation)))
+        .collect();
+    page.html(&format!("<p class=\"small\">Residuals were divided by: {}.</p>", escape(&weights.join(", "))));
+}

@@ -1,0 +1,9 @@
+//! Self-contained HTML reports: one file, no network, readable on a phone, in light and dark.
+
+mod comparison;
+mod page;
+mod plots;
+mod units;
+mod words;
+
+pub use comparison::comparison_page;

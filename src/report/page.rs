@@ -1,0 +1,84 @@
+//! The page around the sections: style, plotting library, theme.
+
+use plotly::Plot;
+
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
+
+/// A page in the making.
+pub(super) struct Page {
+    title: String,
+    body: String,
+    plots: usize,
+}
+
+impl Page {
+    pub fn new(title: &str) -> Self {
+        Self { title: escape(title), body: String::new(), plots: 0 }
+    }
+
+    /// Adds HTML as it is.
+    pub fn html(&mut self, html: &str) {
+        self.body.push_str(html);
+        self.body.push('\n');
+    }
+
+    /// Adds a heading and the sentence under it, both plain text.
+    pub fn section(&mut self, heading: &str, lead: &str) {
+        self.html(&format!("<h2>{}</h2>\n<p class=\"lead\">{}</p>", escape(heading), escape(lead)));
+    }
+
+    /// Adds plots side by side as far as the width allows, each with its title.
+    pub fn plots(&mut self, plots: &[(String, Plot)]) {
+        self.body.push_str(if plots.len() == 1 { "<div class=\"wide\">\n" } else { "<div class=\"row\">\n" });
+        for (title, plot) in plots {
+            self.plots += 1;
+            // A closing tag inside a string of the data would end the script.
+            let json = plot.to_json().replace("</", "<\\/");
+            self.body.push_str(&format!(
+                "<figure><figcaption>{}</figcaption><div class=\"plot\" id=\"plot{n}\"></div>\
+                 <script type=\"application/json\" data-plot=\"plot{n}\">{json}</script></figure>\n",
+                escape(title),
+                n = self.plots
+            ));
+        }
+        self.body.push_str("</div>\n");
+    }
+
+    /// The finished page.
+    pub fn finish(self) -> String {
+        let Self { title, body, .. } = self;
+        let library = plotting_library();
+        format!(
+            "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n\
+             {library}</head>\n<body>\n<main>\n{body}</main>\n<script>\n{SCRIPT}</script>\n</body>\n</html>\n"
+        )
+    }
+}
+
+/// The plotting library alone: the crate's sources add a typesetter for formulas, which no page here needs.
+fn plotting_library() -> String {
+    let sources = Plot::offline_js_sources();
+    let end = sources.find("</script>").map_or(sources.len(), |at| at + "</script>".len());
+    sources[..end].to_owned() + "\n"
+}
+
+/// Plain text as HTML.
+pub(super) fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// A table: header cells and rows of cells, all plain text; the first column names the row.
+pub(super) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
+    let cells = |tag: &str, cells: &mut dyn Iterator<Item = &str>| {
+        cells.map(|cell| format!("<{tag}>{}</{tag}>", escape(cell))).collect::<String>()
+    };
+    let body: String =
+        rows.iter().map(|row| format!("<tr>{}</tr>\n", cells("td", &mut row.iter().map(String::as_str)))).collect();
+    format!(
+        "<div class=\"scroll\"><table>\n<thead><tr>{}</tr></thead>\n<tbody>\n{body}</tbody></table></div>",
+        cells("th", &mut header.iter().copied())
+    )
+}

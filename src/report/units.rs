@@ -1,0 +1,89 @@
+//! Numbers in the units in which people read them.
+
+use crate::signals::{BodySignals, WheelSignals};
+use bekker_modeldescription::{Lookup, Unit};
+
+/// A display unit: symbol and factor from SI.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Shown {
+    pub symbol: &'static str,
+    pub factor: f64,
+}
+
+impl Shown {
+    fn of(unit: Unit) -> Self {
+        match unit.display {
+            Some(display) => Self { symbol: display.symbol, factor: display.factor },
+            None => Self { symbol: if unit.symbol == "1" { "" } else { unit.symbol }, factor: 1.0 },
+        }
+    }
+
+    /// `value` (SI) with its unit.
+    pub fn number(&self, value: f64) -> String {
+        format!("{} {}", digits(value * self.factor), self.symbol).trim_end().to_owned()
+    }
+
+    /// `value` (SI) with its unit, without trailing zeros: for set-points and bounds.
+    pub fn plain(&self, value: f64) -> String {
+        format!("{} {}", short(value * self.factor), self.symbol).trim_end().to_owned()
+    }
+
+    /// `name` with the unit, for an axis.
+    pub fn axis(&self, name: &str) -> String {
+        if self.symbol.is_empty() { name.to_owned() } else { format!("{name} ({})", self.symbol) }
+    }
+}
+
+/// Display unit of a parameter.
+pub(super) fn of_unit(unit: Unit) -> Shown {
+    Shown::of(unit)
+}
+
+/// Display unit of a column of an experiment: a signal, an input or time. Speeds of wheels stay in rad/s, in which
+/// they are commanded, and positions in m.
+pub(super) fn of_column(name: &str) -> Shown {
+    let field = name.rsplit('.').next().unwrap_or(name);
+    let unit = match field {
+        "time" => Unit::SECOND,
+        "load" => Unit::NEWTON,
+        "torque_command" => Unit::NEWTON_METRE,
+        "speed" | "wheel_speed" | "speed_command" => return Shown { symbol: "rad/s", factor: 1.0 },
+        "x" | "z" => return Shown { symbol: "m", factor: 1.0 },
+        _ => {
+            let (mut wheel, mut body) = (WheelSignals::default(), BodySignals::default());
+            let mut listed = wheel.list().into_iter().chain(body.list());
+            listed.find(|(variable, _)| variable.name == field).map_or(Unit::ONE, |(variable, _)| variable.unit)
+        }
+    };
+    Shown::of(unit)
+}
+
+/// A name as people say it: `drawbar_pull` is drawbar pull.
+pub(super) fn spoken(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+/// Three significant digits, without an exponent where that is short.
+pub(super) fn digits(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e5).contains(&size) {
+        let decimals = (2 - size.log10().floor() as i32).max(0) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.2e}")
+    }
+}
+
+/// [`digits`] without trailing zeros.
+pub(super) fn short(value: f64) -> String {
+    let text = digits(value);
+    if text.contains('e') {
+        text.replace(".00e", "e")
+    } else if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}

@@ -1,0 +1,57 @@
+//! The explicit right-hand side x' = f(x, u, p), for callers that integrate or differentiate it themselves.
+
+use super::dynamics::{DynamicsError, Evaluation};
+use super::{Rover, State};
+use crate::contact::Hold;
+use crate::scalar::Scalar;
+use crate::signals::Command;
+
+/// Time derivative of a [`State`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct StateRate<S = f64> {
+    /// Rates of x, z, pitch and joint angles; m/s, rad/s.
+    pub position: Vec<S>,
+    /// Their accelerations; m/s^2, rad/s^2.
+    pub rate: Vec<S>,
+    /// Angular acceleration of each wheel (rad/s^2; of no meaning where speeds are imposed) and the rate
+    /// of its contact's memory (1/s).
+    pub wheels: Vec<(S, Hold<S>)>,
+}
+
+impl<S: Scalar> Rover<S> {
+    /// f(x, u, p): the time derivative of `state` under `command`. Allocates; the simulation's own steps do not.
+    ///
+    /// # Errors
+    /// [`DynamicsError`] where a wheel is beyond the ground or something is not finite.
+    pub fn rate_of_change(&self, state: &State<S>, command: &Command) -> Result<StateRate<S>, DynamicsError> {
+        let mut evaluation = Evaluation::new(self);
+        evaluation.update(self, state, command)?;
+        Ok(StateRate {
+            position: state.rate.clone(),
+            rate: evaluation.acceleration[..self.coordinates()].to_vec(),
+            wheels: evaluation
+                .wheels
+                .iter()
+                .enumerate()
+                .map(|(k, wheel)| (evaluation.spin_rate(self, k), wheel.touch.rate))
+                .collect(),
+        })
+    }
+}
+
+impl<S: Scalar> State<S> {
+    /// The same state over another scalar.
+    #[must_use]
+    pub fn map<T: Scalar>(&self, f: &dyn Fn(S) -> T) -> State<T> {
+        let wheel = |wheel: &super::WheelState<S>| super::WheelState {
+            spin: f(wheel.spin),
+            hold: Hold { travel: f(wheel.hold.travel), turn: f(wheel.hold.turn) },
+        };
+        State {
+            position: self.position.iter().map(|&x| f(x)).collect(),
+            rate: self.rate.iter().map(|&x| f(x)).collect(),
+            wheels: self.wheels.iter().map(wheel).collect(),
+            start_x: f(self.start_x),
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! A rover on a profile against measurements: the replay is the simulation, and planted parameters come back.
+
+use bekker::diagnosis::{CompareOptions, compare};
+use bekker::measurement::{Experiment, Record};
+use bekker::model::Model;
+use bekker::modeldescription::Lookup;
+use bekker::terrain::{Profile, Samples};
+use std::path::{Path, PathBuf};
+
+/// Time between rows, s, and rows of a run.
+const PERIOD: f64 = 0.05;
+const ROWS: usize = 81;
+/// Planted values come back to the rounding of central differences, magnified by the fit's conditioning.
+const RECOVERY: f64 = 1e-3;
+
+const MEASURED: [&str; 6] = ["x", "pitch", "velocity", "wheel[1].torque", "wheel[2].torque", "wheel[2].sinkage"];
+
+fn hill() -> (Vec<f64>, Vec<f64>) {
+    let x: Vec<f64> = (0..121).map(|k| -2.0 + 0.05 * f64::from(k)).collect();
+    let z = x.iter().map(|x| 0.03 * (2.0 * x).sin()).collect();
+    (x, z)
+}
+
+/// A rover with planted friction angle and shear modulus.
+fn planted(kind: &str) -> Model {
+    let mut model = Model::preset(kind).unwrap();
+    model.set("soil.friction_angle", 0.55).unwrap();
+    model.set("soil.shear_modulus", 0.018).unwrap();
+    let (x, z) = hill();
+    model.rover.terrain.profile = Profile::Samples(Samples::new(&x, &z).unwrap().into());
+    model.start.x0 = 0.2;
+    model
+}
+
+/// Drives the planted rover with a command that changes from row to row, and writes the folder.
+fn recorded(name: &str, kind: &str, commands: &str, command: impl Fn(usize) -> f64, settings: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("compare_traverse").join(name);
+    std::fs::create_dir_all(&folder).unwrap();
+    let mut run = planted(kind).start().unwrap();
+    let names = MEASURED.map(str::to_owned);
+    let mut record = Record::new(&mut run.signals().clone(), Some(&names)).unwrap();
+    let steps = (PERIOD / run.step_size()).round() as u64;
+    let mut lines = Vec::new();
+    for row in 0..ROWS {
+        record.push(row as f64 * PERIOD, run.signals()).unwrap();
+        let values = [command(row), 0.9 * command(row)];
+        lines.push(values);
+        run.inputs_mut().set_all(&values).unwrap();
+        run.advance(steps).unwrap();
+    }
+    let mut bytes = Vec::new();
+    record.table().write_csv(&mut bytes).unwrap();
+    let text = String::from_utf8(bytes).unwrap();
+    let mut rows = text.lines();
+    let mut csv = format!("{},wheel[2].{commands},wheel[1].{commands}\n", rows.next().unwrap());
+    for (row, [rear, front]) in rows.zip(&lines) {
+        csv += &format!("{row},{front:?},{rear:?}\n");
+    }
+    std::fs::write(folder.join("drive.csv"), csv).unwrap();
+    let (x, z) = hill();
+    let hill: String = x.iter().zip(&z).map(|(x, z)| format!("{x:?},{z:?}\n")).collect();
+    std::fs::write(folder.join("hill.csv"), format!("x,z\n{hill}")).unwrap();
+    let run = "[[run]]\nfile = \"drive.csv\"\nterrain = \"hill.csv\"\nx0 = 0.2\n";
+    std::fs::write(folder.join("experiment.toml"), format!("name = \"hill\"\nkind = \"traverse\"\n{settings}{run}"))
+        .unwrap();
+    folder
+}
+
+const TRUTH: &str = "[parameters]\n\"soil.friction_angle\" = 0.55\n\"soil.shear_modulus\" = 0.018\n";
+
+#[test]
+fn agreement_a_replay_is_the_simulation_bit_for_bit() {
+    let speed = |row: usize| 2.0 + (row as f64 * 0.3).sin();
+    // Driven for 0.8 s, then coasting to a stop: a constant torque would run off the hill.
+    let torque = |row: usize| if row < 16 { 3.0 } else { 0.0 };
+    for (name, kind, commands, folder) in [
+        (
+            "speed",
+            "two_wheeled_speed",
+            "speed_command",
+            recorded("s", "two_wheeled_speed", "speed_command", speed, TRUTH),
+        ),
+        ("torque", "two_wheeled", "torque_command", recorded("t", "two_wheeled", "torque_command", torque, TRUTH)),
+    ] {
+        let experiment = Experiment::read(&folder).unwrap();
+        let comparison = compare(&Model::preset(kind).unwrap(), &experiment, &CompareOptions::default()).unwrap();
+        for (signal, rmse) in &comparison.fit().rmse {
+            assert_eq!(*rmse, 0.0, "{name} {commands}: {signal}");
+        }
+        let x = comparison.fit().runs[0].signal("x").unwrap().measured.clone();
+        assert!(x[ROWS - 1] - x[0] > 0.3, "{name}: the rover moved, {x:?}");
+    }
+}
+
+#[test]
+fn property_calibration_recovers_a_planted_soil_from_a_drive() {
+    let soil = Model::preset("two_wheeled").unwrap().rover.soil;
+    // Everything else of the soil is stated, so that the drive has two values to tell.
+    let settings = format!(
+        "[parameters]\n\"soil.cohesion\" = {}\n\"soil.k_phi\" = {}\n\"soil.exponent\" = 1\n\"soil.c1\" = 0.4\n\"soil.c2\" = 0.2\n",
+        soil.cohesion, soil.k_phi
+    );
+    let folder = recorded("r", "two_wheeled_speed", "speed_command", |row| 2.0 + (row as f64 * 0.3).sin(), &settings);
+    let experiment = Experiment::read(&folder).unwrap();
+    let model = Model::preset("two_wheeled_speed").unwrap();
+    let comparison = compare(&model, &experiment, &CompareOptions { calibrate: true }).unwrap();
+    let (calibration, fit) = comparison.calibrated.as_ref().unwrap();
+    let mut truth = planted("two_wheeled_speed");
+    assert_eq!(calibration.parameters.len(), 2, "{calibration:?}");
+    for parameter in &calibration.parameters {
+        let planted = truth.get(&parameter.variable.name).unwrap();
+        assert!((parameter.value / planted - 1.0).abs() < RECOVERY, "{parameter:?}");
+    }
+    let given = comparison.given.as_ref().unwrap();
+    assert!(fit.rmse["x"] < 1e-3 * given.rmse["x"], "{:?} {:?}", fit.rmse, given.rmse);
+}
+
+#[cfg(feature = "report")]
+#[test]
+fn property_the_page_shows_a_drive_over_time() {
+    let folder = recorded("page", "two_wheeled_speed", "speed_command", |row| 2.0 + (row as f64 * 0.3).sin(), "");
+    let model = Model::preset("two_wheeled_speed").unwrap();
+    let comparison = compare(&model, &Experiment::read(&folder).unwrap(), &CompareOptions::default()).unwrap();
+    let page = bekker::report::comparison_page(&comparison);
+    std::fs::write(folder.join("page.html"), &page).unwrap();
+    assert!(page.contains("velocity against time") && page.contains("wheel[1].torque against pitch"));
+    assert_eq!(page.matches("data-plot=\"").count(), 6 + 6 * 3 - 2, "x and pitch are not drawn against themselves");
+    assert!(page.contains("Floor unknown"));
+}
+
+#[test]
+fn property_a_run_that_does_not_fit_the_model_is_refused() {
+    let folder = recorded("w", "two_wheeled_speed", "speed_command", |_| 2.0, "");
+    let experiment = Experiment::read(&folder).unwrap();
+    let six = Model::preset("rocker_bogie_speed").unwrap();
+    let wheels = compare(&six, &experiment, &CompareOptions::default()).unwrap_err().to_string();
+    assert!(wheels.contains("commands for 2 wheels") && wheels.contains("drive"), "{wheels}");
+    let mut heavy = Model::preset("two_wheeled_speed").unwrap();
+    heavy.set("rover.mass", 150.0).unwrap();
+    let ended = compare(&heavy, &experiment, &CompareOptions::default()).unwrap_err().to_string();
+    assert!(ended.contains("run drive"), "{ended}");
+}

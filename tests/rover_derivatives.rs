@@ -1,0 +1,79 @@
+//! The right-hand side differentiated exactly, against differences.
+
+use bekker::modeldescription::{Lookup, Parameters};
+use bekker::rover::{Rover, State};
+use bekker::scalar::{Dual, Scalar};
+use bekker::signals::Command;
+use bekker::terrain::{Profile, Terrain, Waves};
+
+/// Central differences of smooth functions in double precision are good to about the square of the step's
+/// cube root; relative to the largest derivative of the same parameter.
+const DIFFERENCES: f64 = 2e-5;
+
+fn moving(rover: &Rover) -> State {
+    let mut state = rover.settled_at(0.9).expect("settles");
+    state.rate[0] = 0.18;
+    state.rate[2] = 0.05;
+    for (k, wheel) in state.wheels.iter_mut().enumerate() {
+        wheel.spin = 2.4 + 0.1 * k as f64;
+        wheel.hold.travel = 0.6;
+        wheel.hold.turn = 0.75;
+    }
+    state
+}
+
+fn accelerations<S: Scalar>(rover: &Rover<S>, state: &State<S>, command: &Command) -> Vec<S> {
+    let rate = rover.rate_of_change(state, command).expect("finite");
+    let spins = rate.wheels.iter().map(|(spin, _)| *spin);
+    rate.rate.iter().copied().chain(spins).collect()
+}
+
+#[test]
+fn property_derivatives_in_every_parameter_agree_with_differences() {
+    let mut rover = Rover::rocker_bogie();
+    rover.terrain = Terrain::new(Profile::Waves(Waves { amplitude: 0.02, wavelength: 1.3, start: -3.0 }));
+    rover.effects.slip_sinkage.n1 = 0.3;
+    rover.effects.exit_angle.lambda = 0.2;
+    rover.effects.coulomb_friction.torque = 0.05;
+    rover.effects.viscous_friction.coefficient = 0.02;
+    rover.effects.drag.force = 1.0;
+    // Limits that do not bind here; at 0 (no limit) a difference would ask for a negative one.
+    rover.motor.inverse_torque_limit = 0.05;
+    rover.motor.inverse_current_limit = 0.05;
+    rover.effects.voltage_limit.inverse_voltage = 0.02;
+    let state = moving(&rover);
+    let command = Command::torque(vec![0.3, 0.2, 0.25]);
+    let names: Vec<(String, f64)> = rover.list().into_iter().map(|(variable, value)| (variable.name, value)).collect();
+    let dual_state = state.map(&Dual::<1>::from);
+    let mut felt = 0;
+    for (name, value) in names {
+        let mut dual: Rover<Dual<1>> = rover.map(&Dual::<1>::from);
+        dual.visit("", &mut |variable, place| {
+            if variable.name == name {
+                *place = place.derivative(0);
+            }
+        });
+        let exact: Vec<f64> =
+            accelerations(&dual, &dual_state, &command).iter().map(|a| a.eps.0.map_or(0.0, |eps| eps[0])).collect();
+        let step = 1e-6 * value.abs().max(1e-3);
+        let at = |value: f64| {
+            let mut changed = rover.clone();
+            changed.visit("", &mut |variable, place| {
+                if variable.name == name {
+                    *place = value;
+                }
+            });
+            accelerations(&changed, &state, &command)
+        };
+        let (above, below) = (at(value + step), at(value - step));
+        let scale = exact.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
+        for ((exact, above), below) in exact.iter().zip(&above).zip(&below) {
+            let difference = (above - below) / (2.0 * step);
+            // Rounding of the accelerations (to 1e-13 of 10 m/s^2) over the step.
+            let rounding = 1e-12 / step;
+            assert!((exact - difference).abs() < DIFFERENCES * scale + rounding, "{name}: {exact} and {difference}");
+        }
+        felt += usize::from(scale > 0.0);
+    }
+    assert!(felt > 25, "{felt} parameters act on the accelerations here");
+}

@@ -1,0 +1,9 @@
+#!/usr/bin/env bash
+# All tests: Rust, then Python in a virtual environment of its own (.venv).
+set -euo pipefail
+cd "$(dirname "$0")/.."
+cargo test --workspace --exclude bekker-python
+python3 -m venv .venv
+.venv/bin/python -m pip install --quiet --disable-pip-version-check --upgrade "./env[test]"
+.venv/bin/python -m mypy --strict env/python/bekker
+.venv/bin/python -m pytest --quiet env/tests
