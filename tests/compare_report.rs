@@ -1,4 +1,6 @@
 //! The HTML page of a comparison.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 #![cfg(feature = "report")]
 
 use bekker::diagnosis::{CompareOptions, compare};
