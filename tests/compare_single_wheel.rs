@@ -1,4 +1,5 @@
 //! A wheel on a carriage against measurements: steady points, derivatives, calibration, the shipped experiment.
+#![allow(clippy::unwrap_used)]
 
 use bekker::contact::rolling;
 use bekker::diagnosis::{CompareOptions, Comparison, Rig, compare, levels, steady_point};

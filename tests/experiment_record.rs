@@ -1,4 +1,5 @@
 //! Tables and records.
+#![allow(clippy::unwrap_used)]
 
 use bekker::measurement::{Record, Table, TableError};
 use bekker::signals::{Signals, WheelSignals};
