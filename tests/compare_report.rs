@@ -1,6 +1,5 @@
 //! The HTML page of a comparison.
-
-#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+#![allow(clippy::unwrap_used)]
 #![cfg(feature = "report")]
 
 use bekker::diagnosis::{CompareOptions, compare};

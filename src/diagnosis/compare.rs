@@ -61,16 +61,14 @@ pub struct Comparison {
     pub noise_floor: BTreeMap<String, NoiseFloor>,
     /// Where the model fails most, by signal and condition, the worst first.
     pub failures: Vec<Failure>,
+    best: Fit,
 }
 
 impl Comparison {
     /// The best fit: after calibration where there was one.
     #[must_use]
     pub fn fit(&self) -> &Fit {
-        match (&self.calibrated, &self.given) {
-            (Some((_, fit)), _) | (None, Ok(fit)) => fit,
-            (None, Err(_)) => unreachable!("without a calibration the given parameters must work"),
-        }
+        &self.best
     }
 }
 
@@ -140,7 +138,7 @@ fn evaluate(
     let given = given.map(|values| Fit::new(experiment, layout, &values));
     let best = Fit::new(experiment, layout, &modelled);
     let failures = failures(experiment, &best, &floors);
-    Ok(Comparison { experiment: experiment.clone(), given, calibrated, noise_floor: floors, failures })
+    Ok(Comparison { experiment: experiment.clone(), given, calibrated, noise_floor: floors, failures, best })
 }
 
 fn no_measurements(layout: &Layout, free: &[Free]) -> impl FnOnce() -> CompareError {
