@@ -1,0 +1,80 @@
+"""Rough-terrain rovers on deformable soil, from physics to insight.
+
+A *model* is a rover on its ground, its sensors and its control. Start from a built-in one (:func:`presets`) or a TOML
+file; every number in it has a name, a unit, bounds and a source::
+
+    >>> import bekker
+    >>> model = bekker.Model.from_preset("gentle_velocity")
+    >>> model.set("soil.cohesion", 800.0)                       # Pa
+    >>> model.parameters()[0]["name"], model.parameters()[0]["unit"]
+    ('gravity', 'm/s2')
+
+*Drive it* and look at any signal as a numpy array, in SI units::
+
+    >>> drive = bekker.simulate(model, duration=5.0, inputs={"velocity_command": 0.2}, period=0.02)
+    >>> drive.status, drive.units["wheel[1].torque"], drive["velocity"].shape
+    ('running', 'N.m', (251,))
+
+*Add missing physics*: every model carries the library of :func:`effects`, each neutral until a parameter says
+otherwise::
+
+    >>> sinking = bekker.simulate(model, duration=5.0, parameters={"slip_sinkage.n1": 0.4})
+    >>> bool(sinking["wheel[1].sinkage"].max() > drive["wheel[1].sinkage"].max())
+    True
+
+*Learn in it*: importing the package registers the environment of :class:`RoverEnv`, the same physics to the last bit::
+
+    >>> import gymnasium
+    >>> env = gymnasium.make("bekker/Rover-v0", model="two_wheeled")
+    >>> observation, info = env.reset(seed=0)
+    >>> observation, reward, terminated, truncated, info = env.step([0.4, 0.4])
+    >>> env.close()
+
+*Compare it* with measurements, an experiment folder with CSV files in the model's own names::
+
+    comparison = bekker.compare("examples/sand_wheel", calibrate=True)
+    print(comparison)                          # what is left of each signal, and where the model fails
+
+*Take it elsewhere*: ``bekker.export_fmu(model, "rover.fmu")`` writes it for any tool that knows FMI 3.0.
+
+*Step it yourself*: ``model.start()`` gives a :class:`Run`, whose copies go on to the same bits. What is refused is a
+:class:`~bekker.errors.BekkerError` that names the thing and what was expected.
+"""
+
+import gymnasium
+
+from ._bekker import Model, Run, __version__
+from .comparison import Comparison, compare
+from .env import RoverEnv
+from .errors import BekkerError, InputError, ModelError, SimulationError, UnknownNameError
+from .models import effects, export_fmu, presets
+from .simulation import Result, simulate
+
+__all__ = [
+    "BekkerError",
+    "Comparison",
+    "InputError",
+    "Model",
+    "ModelError",
+    "Result",
+    "RoverEnv",
+    "Run",
+    "SimulationError",
+    "UnknownNameError",
+    "__version__",
+    "compare",
+    "effects",
+    "export_fmu",
+    "presets",
+    "simulate",
+]
+
+
+def _register() -> None:
+    """Registers the environment, once: importing again, or reloading, changes nothing."""
+    if "bekker/Rover-v0" not in gymnasium.registry:
+        # 1000 steps of 20 ms, the default length of a run.
+        gymnasium.register("bekker/Rover-v0", entry_point="bekker.env:RoverEnv", max_episode_steps=1000)
+
+
+_register()

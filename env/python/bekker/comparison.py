@@ -1,0 +1,187 @@
+"""The model beside measurements: :func:`compare` and its :class:`Comparison`."""
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _bekker
+from .models import ModelLike, as_model
+from .vocabulary import unknown
+
+__all__ = ["CalibratedParameter", "Calibration", "Comparison", "Failure", "Fit", "NoiseFloor", "SignalFit", "compare"]
+
+
+@dataclass(frozen=True)
+class SignalFit:
+    """One signal of one run, one entry a row, SI units; NaN where nothing was measured."""
+
+    measured: NDArray[np.float64]
+    modelled: NDArray[np.float64]
+    residual: NDArray[np.float64]
+    """Measured minus modelled."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """The model beside the measurements, for one set of parameters."""
+
+    runs: list[tuple[str, dict[str, SignalFit]]]
+    """Name of each run and its signals, in the experiment's order."""
+    rmse: dict[str, float]
+    """Root mean square of the residual by signal."""
+
+    def signal(self, name: str) -> SignalFit:
+        """One signal of all runs that measure it, end to end."""
+        parts = [signals[name] for _, signals in self.runs if name in signals]
+        if not parts:
+            raise unknown("measured signal", name, self.rmse)
+        measured, modelled, residual = (
+            np.concatenate([getattr(part, column) for part in parts])
+            for column in ("measured", "modelled", "residual")
+        )
+        return SignalFit(measured, modelled, residual)
+
+
+@dataclass(frozen=True)
+class CalibratedParameter:
+    """A free parameter after the calibration, SI units."""
+
+    name: str
+    unit: str
+    min: float
+    max: float
+    start: float
+    value: float
+    deviation: float | None
+    """Standard error; None on a bound, or where the experiment does not determine it."""
+    at_bound: bool
+    """The fit wanted to go further than is believable."""
+    prior_shift: float | None
+    """How far it moved from its prior, in the prior's standard deviations."""
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """What a calibration found, and how well it is determined."""
+
+    parameters: list[CalibratedParameter]
+    weights: dict[str, float]
+    """Standard deviation by which each signal's residuals were divided."""
+    chi_square: float
+    degrees_of_freedom: int
+    steps: int
+    converged: bool
+    searches: int
+    agreeing: int
+    """Searches from different starts that ended at the best cost."""
+
+
+@dataclass(frozen=True)
+class NoiseFloor:
+    """Standard deviation of one sample: how well any model could do."""
+
+    value: float | None
+    source: Literal["stated", "replicates", "unknown"]
+
+
+@dataclass(frozen=True)
+class Failure:
+    """The level of a condition at which a signal's mean residual is largest."""
+
+    signal: str
+    condition: str
+    low: float
+    high: float
+    mean: float
+    """Mean residual where the condition lies within low .. high."""
+    samples: int
+    spread: float
+    """How much the mean residual changes over all levels."""
+    noise: float | None
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A model beside an experiment."""
+
+    experiment: str
+    given: Fit | None
+    """With the given parameters; None where they cannot compute the experiment, see ``given_error``."""
+    given_error: str | None
+    calibration: Calibration | None
+    calibrated: Fit | None
+    noise_floor: dict[str, NoiseFloor]
+    failures: list[Failure]
+    """Where the model fails, the worst first."""
+
+    @property
+    def fit(self) -> Fit:
+        """The best fit: after the calibration where there was one."""
+        best = self.calibrated or self.given
+        assert best is not None, "the core gives one of them"
+        return best
+
+    def __str__(self) -> str:
+        lines = [self.experiment]
+        for signal, rmse in self.fit.rmse.items():
+            floor = self.noise_floor[signal]
+            noise = "unknown" if floor.value is None else f"{floor.value:.3g} ({floor.source})"
+            lines.append(f"  {signal}: error {rmse:.3g} rms, noise {noise}")
+        for parameter in self.calibration.parameters if self.calibration else []:
+            bound = ", on its bound" if parameter.at_bound else ""
+            unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+            lines.append(f"  {parameter.name} = {parameter.value:.4g}{unit}{bound}")
+        for worst in self.failures[:1]:
+            place = f"{worst.condition} {worst.low:.3g} .. {worst.high:.3g}"
+            lines.append(f"  fails most in {worst.signal} at {place}: mean residual {worst.mean:.3g}")
+        return "\n".join(lines)
+
+
+def compare(
+    experiment: str | os.PathLike[str],
+    model: ModelLike = "two_wheeled",
+    *,
+    calibrate: bool = False,
+    parameters: Mapping[str, float] | None = None,
+) -> Comparison:
+    """Runs a model on the inputs of an experiment and compares it with what was measured.
+
+    Args:
+        experiment: the folder with ``experiment.toml``; a wheel on a carriage takes wheel, soil and effects of the
+            model, a traverse the whole rover.
+        model: a Model, the name of a preset, TOML text, or the path of a TOML file.
+        calibrate: whether to calibrate the soil first.
+        parameters: values by name that replace the model's, before those that the experiment states.
+
+    Raises:
+        UnknownNameError, ModelError: as :func:`bekker.models.as_model`; a ModelError too where the folder is refused
+            (the message gives file, line and column) or does not suit the model.
+        SimulationError: the model cannot compute a measured row, for example where the wheel sinks to its axle.
+    """
+    found = _bekker.compare(experiment, as_model(model, parameters), calibrate)
+    return Comparison(
+        experiment=found["experiment"],
+        given=_fit(found["given"]),
+        given_error=found["given_error"],
+        calibration=_calibration(found["calibration"]),
+        calibrated=_fit(found["calibrated"]),
+        noise_floor={signal: NoiseFloor(**floor) for signal, floor in found["noise_floor"].items()},
+        failures=[Failure(**failure) for failure in found["failures"]],
+    )
+
+
+def _fit(found: dict[str, Any] | None) -> Fit | None:
+    if found is None:
+        return None
+    runs = [(run["name"], {name: SignalFit(**s) for name, s in run["signals"].items()}) for run in found["runs"]]
+    return Fit(runs, found["rmse"])
+
+
+def _calibration(found: dict[str, Any] | None) -> Calibration | None:
+    if found is None:
+        return None
+    return Calibration(**found | {"parameters": [CalibratedParameter(**p) for p in found["parameters"]]})

@@ -1,0 +1,65 @@
+"""What is taken for a model, and the catalogues of built-in models and effects."""
+
+import os
+from collections.abc import Mapping
+
+from . import _bekker
+from ._bekker import Model
+from .errors import InputError
+from .vocabulary import unknown
+
+__all__ = ["ModelLike", "as_model", "effects", "export_fmu", "presets"]
+
+ModelLike = Model | str | os.PathLike[str]
+"""A :class:`Model`, the name of a preset, TOML text, or the path of a TOML file."""
+
+
+def presets() -> dict[str, str]:
+    """Names and meanings of the built-in models."""
+    return dict(_bekker.presets())
+
+
+def effects() -> dict[str, str]:
+    """Ids and meanings of the effects. Every model has them all; their parameters are neutral by default."""
+    return dict(_bekker.effects())
+
+
+def as_model(model: ModelLike, parameters: Mapping[str, float] | None = None) -> Model:
+    """A model of one's own (never the caller's object) with ``parameters`` set by name.
+
+    Raises:
+        UnknownNameError: no preset or parameter of that name.
+        ModelError: the TOML or a value is refused.
+        OSError: the file cannot be read.
+    """
+    own = _read(model)
+    for name, value in (parameters or {}).items():
+        own.set(name, value)
+    return own
+
+
+def export_fmu(model: ModelLike, path: str | os.PathLike[str], parameters: Mapping[str, float] | None = None) -> None:
+    """Writes a model as an FMU (FMI 3.0, co-simulation); its parameters can be changed in the FMU.
+
+    Raises:
+        UnknownNameError, ModelError: as :func:`as_model`, or the model does not start.
+        OSError: the file cannot be written.
+    """
+    _bekker.export_fmu(as_model(model, parameters), path)
+
+
+def _read(model: ModelLike) -> Model:
+    if isinstance(model, Model):
+        return model.copy()
+    if isinstance(model, os.PathLike):
+        return Model.read(model)
+    if not isinstance(model, str):
+        raise InputError(f"model: expected a Model, a preset's name, TOML text or a path, found {type(model).__name__}")
+    if model in presets():
+        return Model.from_preset(model)
+    # A path has no line breaks and no `=`; TOML text that says anything has one of them.
+    if "\n" in model or "=" in model:
+        return Model.from_toml(model)
+    if model.endswith(".toml"):
+        return Model.read(model)
+    raise unknown("preset", model, presets())

@@ -1,0 +1,115 @@
+"""Scales by which the environment normalises signals and actions, taken from the model's own size and weight.
+
+With mass m, gravity g, wheel radius r, n wheels and distance L between the outer wheels, a value of one means:
+
+| signal | scale | two-wheeled rover |
+|---|---|---|
+| ``pitch``, ``wheel.contact_angle`` | pi/2 | 1.57 rad |
+| ``pitch_rate`` | sqrt(g/L) | 3.7 rad/s |
+| ``velocity`` | sqrt(g r), a Froude number of one | 0.99 m/s |
+| ``wheel.speed`` | sqrt(g/r) | 9.9 rad/s |
+| ``wheel.slip`` | 1 | 1 |
+| ``wheel.sinkage`` | r | 0.1 m |
+| ``wheel.normal_force``, ``wheel.drawbar_pull`` | m g/n, a wheel's share of the weight | 49 N |
+| ``wheel.torque`` | m g r/n | 4.9 N m |
+| ``wheel.current`` | m g r/n over gear ratio and torque constant | 2.1 A |
+| ``power``, ``electrical_power`` | m g sqrt(g r), the weight lifted at the velocity of one | 97 W |
+
+An action of one means half of the scale of torque, wheel speed or velocity: half a wheel's weight at its rim is
+about what sand can carry (tan 29 degrees = 0.55).
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from math import pi, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._bekker import Model
+from .errors import InputError
+from .vocabulary import unknown
+
+OBSERVED = ("pitch", "pitch_rate", "velocity", "wheel.speed", "wheel.torque", "wheel.contact_angle")
+"""What the environment observes by default: what a rover's own sensors can tell."""
+
+ACTION_SHARE = 0.5
+"""Share of the scale that an action of one commands."""
+
+_COMMANDED = {"torque": "wheel.torque", "speed": "wheel.speed", "velocity": "velocity", "rtc": "velocity"}
+
+
+def natural_scales(model: Model) -> dict[str, float]:
+    """The table above for ``model``; a name without a number stands for that signal of every wheel."""
+    gravity, radius = model.get("gravity"), model.get("wheel.radius")
+    share = model.total_mass * gravity / model.wheels
+    length = model.get(f"wheel[{model.wheels}].x") - model.get("wheel[1].x")
+    if length <= 0.0:
+        raise InputError(f"wheel[{model.wheels}].x - wheel[1].x = {length} m: expected the front wheel before the rear")
+    power = model.total_mass * gravity * sqrt(gravity * radius)
+    return {
+        "pitch": pi / 2,
+        "pitch_rate": sqrt(gravity / length),
+        "velocity": sqrt(gravity * radius),
+        "power": power,
+        "electrical_power": power,
+        "wheel.speed": sqrt(gravity / radius),
+        "wheel.slip": 1.0,
+        "wheel.sinkage": radius,
+        "wheel.normal_force": share,
+        "wheel.drawbar_pull": share,
+        "wheel.torque": share * radius,
+        "wheel.current": share * radius / (model.get("motor.gear_ratio") * model.get("motor.torque_constant")),
+        "wheel.contact_angle": pi / 2,
+    }
+
+
+def action_scale(model: Model) -> float:
+    """What an action of one commands: N m, rad/s or m/s by the model's control."""
+    return ACTION_SHARE * natural_scales(model)[_COMMANDED[model.control]]
+
+
+class Observer:
+    """Picks signals and normalises them to -1..1; what exceeds its scale is clipped.
+
+    Attributes:
+        names: full names of the entries of an observation, in order.
+        scales: SI value of one, entry by entry.
+    """
+
+    def __init__(self, model: Model, observed: Sequence[str], changed: Mapping[str, float]) -> None:
+        scales = natural_scales(model)
+        for name, scale in changed.items():
+            if name not in scales:
+                raise unknown("observable signal", name, scales)
+            if not (np.isfinite(scale) and scale > 0.0):
+                raise InputError(f"scale of `{name}` = {scale}: expected a finite number above 0")
+        scales |= changed
+        if not observed:
+            raise InputError("observe: expected at least one signal")
+        self.names: list[str] = []
+        values: list[float] = []
+        for kind in observed:
+            if kind not in scales:
+                raise unknown("observable signal", kind, scales)
+            self.names += _entries(kind, model.wheels)
+            values += [scales[kind]] * (len(self.names) - len(values))
+        self.scales = np.array(values)
+        self._index = indices(model, self.names)
+
+    def __call__(self, signals: NDArray[np.float64]) -> NDArray[np.float32]:
+        """The observation that belongs to ``signals``, given in the vocabulary's order."""
+        values = signals[self._index]
+        values /= self.scales
+        return np.clip(values, -1.0, 1.0, out=values).astype(np.float32)
+
+
+def _entries(kind: str, wheels: int) -> list[str]:
+    if not kind.startswith("wheel."):
+        return [kind]
+    return [f"wheel[{k}]{kind.removeprefix('wheel')}" for k in range(1, wheels + 1)]
+
+
+def indices(model: Model, names: Iterable[str]) -> NDArray[np.intp]:
+    """Positions of signals in the vocabulary's order."""
+    order = [variable["name"] for variable in model.signals()]
+    return np.array([order.index(name) for name in names], dtype=np.intp)

@@ -1,0 +1,123 @@
+//! Comparing the model with measurements; the results leave as dictionaries, from which Python builds its classes.
+
+use crate::error::{self, ModelError, SimulationError};
+use crate::model::Model;
+use bekker::diagnosis::{
+    CalibratedParameter, Calibration, CompareError, CompareOptions, Comparison, Failure, Fit, NoiseFloor, RunFit,
+    compare as core_compare,
+};
+use bekker::measurement::Experiment;
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+
+/// Runs `model` on the inputs of the experiment in `folder`, calibrated on request, and compares.
+#[pyfunction]
+pub fn compare<'py>(py: Python<'py>, folder: PathBuf, model: &Model, calibrate: bool) -> PyResult<Bound<'py, PyDict>> {
+    let experiment = py
+        .detach(|| error::fenced(|| Experiment::read(&folder)))?
+        .map_err(|refused| ModelError::new_err(refused.to_string()))?;
+    let options = CompareOptions { calibrate };
+    let comparison = py
+        .detach(|| error::fenced(|| core_compare(&model.core, &experiment, &options)))?
+        .map_err(|refused| failed(&refused))?;
+    described(py, &comparison)
+}
+
+fn failed(refused: &CompareError) -> PyErr {
+    match refused {
+        CompareError::Prediction(_) | CompareError::NoStart(_) => SimulationError::new_err(refused.to_string()),
+        CompareError::Parameter { .. } | CompareError::TooFewMeasurements { .. } => {
+            ModelError::new_err(refused.to_string())
+        }
+    }
+}
+
+fn described<'py>(py: Python<'py>, comparison: &Comparison) -> PyResult<Bound<'py, PyDict>> {
+    let all = PyDict::new(py);
+    all.set_item("experiment", &comparison.experiment.name)?;
+    all.set_item("given", comparison.given.as_ref().ok().map(|fit| fit_of(py, fit)).transpose()?)?;
+    all.set_item("given_error", comparison.given.as_ref().err().map(ToString::to_string))?;
+    let calibrated = comparison.calibrated.as_ref();
+    all.set_item("calibration", calibrated.map(|(found, _)| calibration(py, found)).transpose()?)?;
+    all.set_item("calibrated", calibrated.map(|(_, fit)| fit_of(py, fit)).transpose()?)?;
+    let noise = PyDict::new(py);
+    for (signal, floor) in &comparison.noise_floor {
+        noise.set_item(signal, noise_floor(py, floor)?)?;
+    }
+    all.set_item("noise_floor", noise)?;
+    let failures = comparison.failures.iter().map(|failure| failure_of(py, failure)).collect::<PyResult<Vec<_>>>()?;
+    all.set_item("failures", failures)?;
+    Ok(all)
+}
+
+fn fit_of<'py>(py: Python<'py>, fit: &Fit) -> PyResult<Bound<'py, PyDict>> {
+    let described = PyDict::new(py);
+    described.set_item("runs", fit.runs.iter().map(|run| run_of(py, run)).collect::<PyResult<Vec<_>>>()?)?;
+    described.set_item("rmse", fit.rmse.clone())?;
+    Ok(described)
+}
+
+fn run_of<'py>(py: Python<'py>, run: &RunFit) -> PyResult<Bound<'py, PyDict>> {
+    let described = PyDict::new(py);
+    described.set_item("name", &run.run)?;
+    let signals = PyDict::new(py);
+    for signal in &run.signals {
+        let columns = PyDict::new(py);
+        columns.set_item("measured", PyArray1::from_slice(py, &signal.measured))?;
+        columns.set_item("modelled", PyArray1::from_slice(py, &signal.modelled))?;
+        columns.set_item("residual", PyArray1::from_slice(py, &signal.residual))?;
+        signals.set_item(&signal.signal, columns)?;
+    }
+    described.set_item("signals", signals)?;
+    Ok(described)
+}
+
+fn calibration<'py>(py: Python<'py>, found: &Calibration) -> PyResult<Bound<'py, PyDict>> {
+    let described = PyDict::new(py);
+    let parameters = found.parameters.iter().map(|p| parameter(py, p)).collect::<PyResult<Vec<_>>>()?;
+    described.set_item("parameters", parameters)?;
+    described.set_item("weights", found.weights.clone())?;
+    described.set_item("chi_square", found.chi_square)?;
+    described.set_item("degrees_of_freedom", found.degrees_of_freedom)?;
+    described.set_item("steps", found.steps)?;
+    described.set_item("converged", found.converged)?;
+    described.set_item("searches", found.searches)?;
+    described.set_item("agreeing", found.agreeing)?;
+    Ok(described)
+}
+
+fn parameter<'py>(py: Python<'py>, found: &CalibratedParameter) -> PyResult<Bound<'py, PyDict>> {
+    let described = PyDict::new(py);
+    described.set_item("name", &found.variable.name)?;
+    described.set_item("unit", found.variable.unit.symbol)?;
+    described.set_item("min", found.variable.min)?;
+    described.set_item("max", found.variable.max)?;
+    described.set_item("start", found.start)?;
+    described.set_item("value", found.value)?;
+    described.set_item("deviation", found.deviation)?;
+    described.set_item("at_bound", found.at_bound)?;
+    described.set_item("prior_shift", found.prior_shift())?;
+    Ok(described)
+}
+
+fn noise_floor<'py>(py: Python<'py>, floor: &NoiseFloor) -> PyResult<Bound<'py, PyDict>> {
+    let described = PyDict::new(py);
+    described.set_item("value", floor.value())?;
+    described.set_item("source", floor.source().name())?;
+    Ok(described)
+}
+
+fn failure_of<'py>(py: Python<'py>, failure: &Failure) -> PyResult<Bound<'py, PyDict>> {
+    let described = PyDict::new(py);
+    described.set_item("signal", &failure.signal)?;
+    described.set_item("condition", &failure.condition)?;
+    described.set_item("low", failure.level.low)?;
+    described.set_item("high", failure.level.high)?;
+    described.set_item("mean", failure.level.mean)?;
+    described.set_item("samples", failure.level.samples)?;
+    described.set_item("spread", failure.spread)?;
+    described.set_item("noise", failure.noise)?;
+    Ok(described)
+}

@@ -1,0 +1,45 @@
+//! The Python door: a thin layer over [`bekker::model`]. All physics stays in the core; what is
+//! convenient in Python (arguments of many kinds, the environment) is written in Python.
+
+mod compare;
+mod error;
+mod export;
+mod model;
+mod record;
+mod run;
+mod vocabulary;
+
+use pyo3::pymodule;
+
+/// Native part of the package `bekker`.
+#[pymodule]
+mod _bekker {
+    #[pymodule_export]
+    use super::compare::compare;
+    #[pymodule_export]
+    use super::export::export_fmu;
+    #[pymodule_export]
+    use super::model::Model;
+    #[pymodule_export]
+    use super::record::record;
+    #[pymodule_export]
+    use super::run::Run;
+    use pyo3::prelude::*;
+
+    /// Names and meanings of the built-in models.
+    #[pyfunction]
+    fn presets() -> Vec<(&'static str, &'static str)> {
+        bekker::model::PRESETS.to_vec()
+    }
+
+    /// Ids and meanings of the effects that every model has, neutral by default.
+    #[pyfunction]
+    fn effects() -> Vec<(&'static str, &'static str)> {
+        bekker::effects::EFFECTS.iter().map(|(id, doc)| (*id, doc.trim())).collect()
+    }
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

@@ -1,0 +1,159 @@
+//! Class `Model`.
+
+use crate::run::Run;
+use crate::{error, vocabulary};
+use bekker::model::{ControlKind, Model as CoreModel, ModelError};
+use bekker::modeldescription::Lookup;
+use bekker::signals::{Signals, WheelSignals};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyType};
+use std::path::PathBuf;
+
+/// A rover on its ground, its sensors and control, and how to run them.
+#[pyclass(module = "bekker")]
+pub struct Model {
+    pub core: CoreModel,
+}
+
+impl Model {
+    fn read_by(py: Python<'_>, reader: impl FnOnce() -> Result<CoreModel, ModelError> + Send) -> PyResult<Self> {
+        match py.detach(|| error::fenced(reader))? {
+            Ok(core) => Ok(Self { core }),
+            Err(refused) => Err(error::model(&refused)),
+        }
+    }
+}
+
+#[pymethods]
+impl Model {
+    /// A built-in model; `bekker.presets()` lists the names.
+    #[classmethod]
+    fn from_preset(_class: &Bound<'_, PyType>, py: Python<'_>, name: &str) -> PyResult<Self> {
+        Self::read_by(py, || CoreModel::preset(name))
+    }
+
+    /// A model from TOML text; files that it names are looked for in `folder`.
+    #[classmethod]
+    #[pyo3(signature = (text, folder = None))]
+    fn from_toml(_class: &Bound<'_, PyType>, py: Python<'_>, text: &str, folder: Option<PathBuf>) -> PyResult<Self> {
+        Self::read_by(py, || CoreModel::from_toml(text, folder.as_deref()))
+    }
+
+    /// A model from a TOML file.
+    #[classmethod]
+    fn read(_class: &Bound<'_, PyType>, py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        Self::read_by(py, || CoreModel::read(&path))
+    }
+
+    /// The model as TOML, complete in itself; reading it back gives the same model to the last bit.
+    fn to_toml(&self) -> PyResult<String> {
+        self.core.to_toml().map_err(|refused| error::model(&refused))
+    }
+
+    /// Every parameter of this model, in the vocabulary's order.
+    fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        vocabulary::list(py, &mut self.core.clone())
+    }
+
+    /// The inputs that a run takes, in order, with their starting values.
+    fn inputs<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        vocabulary::list(py, &mut self.core.inputs())
+    }
+
+    /// The signals that a run computes, in order.
+    fn signals<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        let wheels = vec![WheelSignals::default(); self.core.rover.wheels.len()];
+        vocabulary::list(py, &mut Signals { wheels, ..Signals::default() })
+    }
+
+    /// Value of a parameter.
+    fn get(&self, name: &str) -> PyResult<f64> {
+        self.core.clone().get(name).map_err(|refused| error::parameter(&refused))
+    }
+
+    /// Sets a parameter; nothing is changed where the value is refused.
+    fn set(&mut self, name: &str, value: f64) -> PyResult<()> {
+        self.core.set(name, value).map_err(|refused| error::parameter(&refused))
+    }
+
+    /// A run of this model at its start: settled on the ground, controllers at rest.
+    fn start(&self, py: Python<'_>) -> PyResult<Run> {
+        match py.detach(|| error::fenced(|| self.core.start()))? {
+            Ok(run) => Ok(Run::new(run)),
+            Err(refused) => Err(error::run(&refused)),
+        }
+    }
+
+    /// Name for people.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.core.name
+    }
+
+    /// What drives the wheels: "torque", "speed", "velocity" or "rtc".
+    #[getter]
+    fn control(&self) -> &'static str {
+        match self.core.control.kind {
+            ControlKind::Torque => "torque",
+            ControlKind::Speed => "speed",
+            ControlKind::Velocity => "velocity",
+            ControlKind::Rtc => "rtc",
+        }
+    }
+
+    /// Number of wheels.
+    #[getter]
+    fn wheels(&self) -> usize {
+        self.core.rover.wheels.len()
+    }
+
+    /// Mass of chassis and links, kg.
+    #[getter]
+    fn total_mass(&self) -> f64 {
+        self.core.rover.total_mass()
+    }
+
+    /// Inner step, s.
+    #[getter]
+    fn step_size(&self) -> f64 {
+        self.core.stepping.step_size
+    }
+
+    /// Default length of a run, s.
+    #[getter]
+    fn duration(&self) -> f64 {
+        self.core.stepping.duration
+    }
+
+    /// Seed of the sensors' noise, below 2^32.
+    #[getter]
+    fn seed(&self) -> u32 {
+        self.core.stepping.seed
+    }
+
+    #[setter]
+    fn set_seed(&mut self, seed: u32) {
+        self.core.stepping.seed = seed;
+    }
+
+    /// An independent copy.
+    fn copy(&self) -> Self {
+        Self { core: self.core.clone() }
+    }
+
+    fn __copy__(&self) -> Self {
+        self.copy()
+    }
+
+    fn __deepcopy__(&self, _memo: &Bound<'_, PyAny>) -> Self {
+        self.copy()
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        Ok((slf.get_type().getattr("from_toml")?, (slf.borrow().to_toml()?,)))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<bekker.Model {:?}: {} wheels, control {:?}>", self.core.name, self.wheels(), self.control())
+    }
+}

@@ -1,0 +1,189 @@
+//! Class `Run`.
+
+use crate::error::{self, InputError, SimulationError};
+use bekker::model::{Run as CoreRun, RunError};
+use bekker::modeldescription::{Lookup, Parameters};
+use bekker::signals::Signals;
+use bekker::simulation::{Event, Status};
+use numpy::{AllowTypeChange, PyArray1, PyArrayLike1, PyArrayMethods};
+use pyo3::prelude::*;
+
+/// A model in motion. A copy goes on to the same bits.
+#[pyclass(module = "bekker")]
+pub struct Run {
+    core: CoreRun,
+    /// Input values of the present step, kept to save the allocation.
+    values: Vec<f64>,
+    /// A panic left the core in an unknown state.
+    broken: bool,
+}
+
+impl Run {
+    pub fn new(core: CoreRun) -> Self {
+        Self { core, values: Vec::new(), broken: false }
+    }
+
+    fn advance(&mut self, py: Python<'_>, steps: u64) -> PyResult<Status> {
+        if self.broken {
+            return Err(SimulationError::new_err("this run broke in an earlier step, start a new one"));
+        }
+        let (core, values) = (&mut self.core, &self.values);
+        let outcome = py.detach(|| {
+            error::fenced(|| {
+                core.inputs_mut().set_all(values).map_err(Refused::Input)?;
+                core.advance(steps).map_err(Refused::Step)
+            })
+        });
+        self.broken = outcome.is_err();
+        Ok(outcome??)
+    }
+}
+
+/// Which part of a step failed: bad inputs are the caller's, the rest is the simulation's.
+pub enum Refused {
+    Input(RunError),
+    Step(RunError),
+}
+
+impl From<Refused> for PyErr {
+    fn from(refused: Refused) -> Self {
+        match refused {
+            Refused::Input(refused) => InputError::new_err(refused.to_string().replace("parameter", "input")),
+            Refused::Step(failed) => error::run(&failed),
+        }
+    }
+}
+
+#[pymethods]
+impl Run {
+    /// Makes `steps` inner steps with `inputs` held, writes the signals into `out`, returns the status.
+    #[pyo3(signature = (inputs, steps = 1, out = None))]
+    fn step(
+        &mut self,
+        py: Python<'_>,
+        inputs: PyArrayLike1<'_, f64, AllowTypeChange>,
+        steps: u64,
+        out: Option<&Bound<'_, PyArray1<f64>>>,
+    ) -> PyResult<&'static str> {
+        self.values.clear();
+        self.values.extend(inputs.as_array());
+        let status = self.advance(py, steps)?;
+        if let Some(out) = out {
+            self.read(out)?;
+        }
+        Ok(id(status))
+    }
+
+    /// Writes the true signals into `out`, in the order of `signal_names`.
+    fn read(&self, out: &Bound<'_, PyArray1<f64>>) -> PyResult<()> {
+        let refuse = |message: String| InputError::new_err(message);
+        let mut out = out.try_readwrite().map_err(|e| refuse(format!("out: {e}")))?;
+        let out = out.as_slice_mut().map_err(|_| refuse("out: expected a contiguous array".to_owned()))?;
+        let (got, expected) = (out.len(), count(self.core.signals()));
+        if got != expected {
+            return Err(refuse(format!("out has {got} places, this run has {expected} signals")));
+        }
+        let mut places = out.iter_mut();
+        self.core.signals().values(&mut |value| {
+            if let Some(place) = places.next() {
+                *place = value;
+            }
+        });
+        Ok(())
+    }
+
+    /// The true signals at the present time, in the order of `signal_names`.
+    fn signals<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_vec(py, row(self.core.signals()))
+    }
+
+    /// Names of the signals, in order.
+    #[getter]
+    fn signal_names(&self) -> Vec<String> {
+        names(&mut self.core.signals().clone())
+    }
+
+    /// Names of the inputs, in order.
+    #[getter]
+    fn input_names(&self) -> Vec<String> {
+        names(&mut self.core.inputs().clone())
+    }
+
+    /// Time since the start, s.
+    #[getter]
+    fn time(&self) -> f64 {
+        self.core.time()
+    }
+
+    /// Inner step, s.
+    #[getter]
+    fn step_size(&self) -> f64 {
+        self.core.step_size()
+    }
+
+    /// "running", or the id of the event that ended the run.
+    #[getter]
+    fn status(&self) -> &'static str {
+        id(self.core.status())
+    }
+
+    /// What ended the run, in words; None while it goes on.
+    #[getter]
+    fn event(&self) -> Option<String> {
+        event(self.core.status())
+    }
+
+    /// A snapshot; it goes on to the same bits.
+    fn copy(&self) -> Self {
+        Self { core: self.core.clone(), values: Vec::new(), broken: self.broken }
+    }
+
+    fn __copy__(&self) -> Self {
+        self.copy()
+    }
+
+    fn __deepcopy__(&self, _memo: &Bound<'_, PyAny>) -> Self {
+        self.copy()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<bekker.Run t = {} s, {}>", self.time(), self.status())
+    }
+}
+
+/// One word for a status.
+pub fn id(status: Status) -> &'static str {
+    match status {
+        Status::Running => "running",
+        Status::Ended(Event::Stuck) => "stuck",
+        Status::Ended(Event::TippedOver) => "tipped_over",
+        Status::Ended(Event::BellyContact) => "belly_contact",
+        Status::Ended(Event::LeftTerrain) => "left_terrain",
+        Status::Ended(Event::SunkToAxle) => "sunk_to_axle",
+    }
+}
+
+/// What ended a run, in words.
+pub fn event(status: Status) -> Option<String> {
+    match status {
+        Status::Running => None,
+        Status::Ended(event) => Some(event.to_string()),
+    }
+}
+
+/// Signals in the vocabulary's order.
+pub fn row(signals: &Signals) -> Vec<f64> {
+    let mut row = Vec::new();
+    signals.values(&mut |value| row.push(value));
+    row
+}
+
+fn count(signals: &Signals) -> usize {
+    let mut count = 0;
+    signals.values(&mut |_| count += 1);
+    count
+}
+
+fn names(group: &mut impl Parameters<f64>) -> Vec<String> {
+    group.list().into_iter().map(|(variable, _)| variable.name).collect()
+}

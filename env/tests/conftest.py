@@ -1,0 +1,55 @@
+"""What the tests share: rovers, terrains and commands drawn at random."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import bekker
+
+# Soil, vehicle and effects that a drawn model changes, with ranges that leave a rover able to drive.
+RANGES = {
+    "gravity": (1.6, 12.0),
+    "rover.centre_of_mass_x": (-0.05, 0.05),
+    "soil.cohesion": (300.0, 2000.0),
+    "soil.friction_angle": (0.45, 0.65),
+    "soil.exponent": (0.8, 1.1),
+    "soil.shear_modulus": (0.008, 0.03),
+    "slip_sinkage.n1": (0.0, 0.3),
+    "drag.force": (0.0, 1.0),
+}
+TERRAINS = (
+    "preset = 'waves'\namplitude = {a}\nwavelength = 1.7\nstart = 0.2",
+    "preset = 'slope'\nslope = {a}",
+    "preset = 'random'\nseed = {seed}",
+)
+
+
+@dataclass
+class Drive:
+    """A model and commands for it: one row a period, of `steps` inner steps."""
+
+    model: bekker.Model
+    commands: NDArray[np.float64]
+    steps: int
+
+
+def drawn(seed: int) -> Drive:
+    """A random rover on random ground under random commands."""
+    random = np.random.default_rng(seed)
+    preset = list(bekker.presets())[seed % len(bekker.presets())]
+    terrain = TERRAINS[random.integers(len(TERRAINS))].format(a=random.uniform(0.01, 0.05), seed=random.integers(1000))
+    model = bekker.Model.from_toml(f"preset = '{preset}'\n[terrain]\n{terrain}")
+    names = {variable["name"] for variable in model.parameters()}
+    for name, (low, high) in RANGES.items():
+        assert name in names, name
+        model.set(name, random.uniform(low, high))
+    largest = {"torque": 0.2 * model.total_mass, "speed": 5.0, "velocity": 0.4, "rtc": 0.4}[model.control]
+    commands = np.repeat(random.uniform(-0.2, 1.0, (20, len(model.inputs()))), 5, axis=0) * largest
+    return Drive(model, commands, steps=10)
+
+
+@pytest.fixture
+def drive(request: pytest.FixtureRequest) -> Drive:
+    return drawn(request.param)

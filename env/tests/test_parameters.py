@@ -1,0 +1,83 @@
+"""Every listed parameter is read: another allowed value changes the signals or the way a drive ends."""
+
+from functools import cache
+
+import pytest
+
+import bekker
+
+DURATION = 3.0
+INPUTS = {"torque": 0.13, "speed": 2.5}  # torque: N m a kilogram of rover; rad/s
+
+# Where a change by a tenth cannot be seen: values at which a limit bites or another effect needs it.
+BITING = {
+    "rover.belly_z": -0.12,
+    "motor.inverse_torque_limit": 10.0,
+    "motor.inverse_current_limit": 50.0,
+    "voltage_limit.inverse_voltage": 5.0,
+    "rtc.switch_angle": 0.02,
+    # Whole numbers of inner steps.
+    "velocity_control.period": 0.02,
+    "rtc.period": 0.02,
+}
+# A parameter that acts through another needs that one to be on.
+TOGETHER = {"velocity_control.derivative_filter": ("velocity_control.kd", 0.001)}
+
+# Imposed speeds are followed exactly by the core, which then does not look at the drive's limits.
+UNREAD_WITH_SPEEDS = ("motor.inverse_torque_limit", "motor.inverse_current_limit", "voltage_limit.inverse_voltage")
+
+PRESETS = ("two_wheeled", "two_wheeled_speed", "gentle_velocity", "gentle_rtc", "rocker_bogie_velocity")
+
+
+def on_waves(preset: str) -> bekker.Model:
+    terrain = "preset = 'waves'\namplitude = 0.03\nwavelength = 1.5\nstart = 0.0"
+    return bekker.Model.from_toml(f"preset = '{preset}'\n[terrain]\n{terrain}")
+
+
+def driven(model: bekker.Model) -> list[object]:
+    command = INPUTS.get(model.control)
+    if command is not None and model.control == "torque":
+        command *= model.total_mass
+    inputs = None if command is None else {variable["name"]: command for variable in model.inputs()}
+    result = bekker.simulate(model, DURATION, inputs, period=0.02)
+    return [result.status, *(column.tobytes() for column in result.values())]
+
+
+@cache
+def undisturbed(preset: str, companion: tuple[str, float] | None) -> list[object]:
+    model = on_waves(preset)
+    if companion is not None:
+        model.set(*companion)
+    return driven(model)
+
+
+def other(variable: dict[str, float]) -> float:
+    """Another allowed value, a tenth (or a hundredth of a unit) away."""
+    value, low, high = variable["value"], variable["min"], variable["max"]
+    candidates = (value * 1.1 if value else 0.01, value * 0.9)
+    return next(candidate for candidate in candidates if low <= candidate <= high)
+
+
+def cases() -> list[object]:
+    cases = []
+    for preset in PRESETS:
+        for variable in on_waves(preset).parameters():
+            name = variable["name"]
+            unread = preset == "two_wheeled_speed" and name in UNREAD_WITH_SPEEDS
+            reason = "the core lists the drive's limits with imposed speeds, but does not read them"
+            marks = [pytest.mark.xfail(strict=True, reason=reason)] if unread else []
+            cases.append(pytest.param(preset, name, id=f"{preset}-{name}", marks=marks))
+    return cases
+
+
+@pytest.mark.parametrize(("preset", "name"), cases())
+def test_property_a_parameter_changes_the_result(preset: str, name: str) -> None:
+    model = on_waves(preset)
+    companion = TOGETHER.get(name)
+    if companion is not None:
+        model.set(*companion)
+    variable = next(variable for variable in model.parameters() if variable["name"] == name)
+    value = BITING.get(name, None)
+    model.set(name, other(variable) if value is None else value)
+    assert model.get(name) != variable["value"]
+    assert driven(model) != undisturbed(preset, companion)
