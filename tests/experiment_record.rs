@@ -1,5 +1,4 @@
 //! Tables and records.
-#![allow(clippy::unwrap_used)]
 
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
