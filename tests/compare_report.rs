@@ -1,4 +1,5 @@
 //! The HTML page of a comparison.
+#![allow(clippy::unwrap_used)]
 #![cfg(feature = "report")]
 
 use bekker::diagnosis::{CompareOptions, compare};

@@ -1,5 +1,7 @@
 //! A wheel on a carriage against measurements: steady points, derivatives, calibration, the shipped experiment.
 
+#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+
 use bekker::contact::rolling;
 use bekker::diagnosis::{CompareOptions, Comparison, Rig, compare, levels, steady_point};
 use bekker::effects::Effects;

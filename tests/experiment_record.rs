@@ -1,5 +1,7 @@
 //! Tables and records.
 
+#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+
 use bekker::measurement::{Record, Table, TableError};
 use bekker::signals::{Signals, WheelSignals};
 

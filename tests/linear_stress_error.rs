@@ -1,5 +1,7 @@
 //! How far the closed forms for linear stresses are from the full stress integrals, over the thesis's own ranges.
 
+#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+
 #[path = "support/quadrature.rs"]
 mod quadrature;
 #[path = "support/wheel_reference.rs"]

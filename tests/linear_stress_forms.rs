@@ -1,5 +1,7 @@
 //! The corrected closed forms are the integrals of the linear stresses.
 
+#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+
 #[path = "support/quadrature.rs"]
 mod quadrature;
 

@@ -1,5 +1,7 @@
 //! The contact foot is the nearest point of the profile, its frame is orthonormal, and it depends on its arguments alone.
 
+#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+
 use bekker::scalar::{Dual, Scalar};
 use bekker::terrain::{Ditch, Profile, Random, Samples, Slope, Spectrum, Step, Terrain, TerrainError, Waves};
 use rand::{Rng, RngExt, SeedableRng};

@@ -1,5 +1,7 @@
 //! Shapes of the ground: C1 everywhere, derivatives that are derivatives, samples without overshoot, random ground with its spectrum.
 
+#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+
 use bekker::scalar::Dual;
 use bekker::soil::Soil;
 use bekker::terrain::{Ditch, Profile, Random, Samples, Slope, SoilColumn, SoilTable, Spectrum, Step, Terrain, Waves};

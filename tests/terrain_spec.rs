@@ -1,5 +1,7 @@
 //! Terrains in model files: what is written is read back, and what is wrong is named.
 
+#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+
 use bekker::modeldescription::{Lookup, Parameters};
 use bekker::soil::Soil;
 use bekker::terrain::{Preset, Profile, Terrain, TerrainSpec};

@@ -1,6 +1,6 @@
 //! The comparison of a model with an experiment.
 
-use super::bounds::published;
+use super::bounds::believable;
 use super::calibrate::{Calibration, Free, Prior, calibrate};
 use super::failure::{Failure, failures};
 use super::fit::Fit;
@@ -61,16 +61,14 @@ pub struct Comparison {
     pub noise_floor: BTreeMap<String, NoiseFloor>,
     /// Where the model fails most, by signal and condition, the worst first.
     pub failures: Vec<Failure>,
+    best: Fit,
 }
 
 impl Comparison {
     /// The best fit: after calibration where there was one.
     #[must_use]
     pub fn fit(&self) -> &Fit {
-        match (&self.calibrated, &self.given) {
-            (Some((_, fit)), _) | (None, Ok(fit)) => fit,
-            (None, Err(_)) => unreachable!("without a calibration the given parameters must work"),
-        }
+        &self.best
     }
 }
 
@@ -140,7 +138,7 @@ fn evaluate(
     let given = given.map(|values| Fit::new(experiment, layout, &values));
     let best = Fit::new(experiment, layout, &modelled);
     let failures = failures(experiment, &best, &floors);
-    Ok(Comparison { experiment: experiment.clone(), given, calibrated, noise_floor: floors, failures })
+    Ok(Comparison { experiment: experiment.clone(), given, calibrated, noise_floor: floors, failures, best })
 }
 
 fn no_measurements(layout: &Layout, free: &[Free]) -> impl FnOnce() -> CompareError {
@@ -183,7 +181,7 @@ fn free_parameters(model: &mut dyn Parameters<f64>, experiment: &Experiment) -> 
     Ok(chosen
         .map(|(mut variable, start)| {
             let deviation = experiment.priors.get(&variable.name).copied();
-            if let Some((low, high)) = published(&variable.name) {
+            if let Some((low, high)) = believable(&variable.name) {
                 // A value that the experiment states stays reachable.
                 variable.min = variable.min.max(low.min(start));
                 variable.max = variable.max.min(high.max(start));

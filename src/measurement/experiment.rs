@@ -87,7 +87,7 @@ impl Experiment {
     /// Reads `experiment.toml` in `folder` and the CSV files that it names.
     ///
     /// # Errors
-    /// [`ExperimentError`] with file, line and column: the format is described in the README's page on experiments.
+    /// [`ExperimentError`] with file, line and column: the format is described in the [module](super).
     /// The names of parameters are not checked here but by the model that they are given to.
     pub fn read(folder: impl AsRef<Path>) -> Result<Self, ExperimentError> {
         let folder = folder.as_ref();

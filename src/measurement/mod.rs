@@ -3,6 +3,29 @@
 //! An [`Experiment`] is a folder with `experiment.toml` and CSV files whose columns carry the model's own
 //! names in SI units. Reading is strict: whatever cannot be right is an [`ExperimentError`] that names the
 //! file, the line and the column and says what was expected; nothing is repaired silently.
+//!
+//! ```toml
+//! name = "sand box, wheel 2"
+//! kind = "single_wheel"            # or "traverse"
+//! ignore = ["note"]                # columns that are not for the model
+//! [parameters]                     # what is known of the rig; the rest keeps the model's value or is calibrated
+//! "wheel.radius" = 0.10
+//! [priors]                         # standard deviation of a parameter known from a separate test; frees it
+//! "soil.cohesion" = 200.0
+//! [noise]                          # standard deviation of one sample, where repeats do not tell it
+//! drawbar_pull = 0.3
+//! [[run]]
+//! file = "run1.csv"
+//! group = "a"                      # runs of a group repeat the same inputs; rows pair by index
+//! parameters = { "wheel.width" = 0.05 }   # what was changed for this run
+//! terrain = "hill.csv"             # traverse only: columns x, z, m; flat where missing
+//! x0 = 0.6                         # traverse only: where the rover starts, m
+//! ```
+//! A single wheel has the inputs `load` (N), `slip`, `wheel_speed` (rad/s) and any of `drawbar_pull` (N), `torque` (N m),
+//! `sinkage` (m), one steady point a row; a `condition` column of labels may replace `group`. A traverse has `time` (s),
+//! `wheel[k].speed_command` (rad/s) or `wheel[k].torque_command` (N m) and any of the rover's [signals](crate::signals).
+//! A missing measurement is an empty cell.
+//!
 //! A [`Table`] holds the columns; [`Record`] fills one from a running simulation.
 
 mod columns;
