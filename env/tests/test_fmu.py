@@ -1,6 +1,7 @@
 """FMUs through FMPy, an importer that shares no code with them."""
 
 import shutil
+from pathlib import Path
 
 import bekker
 import fmpy
@@ -205,7 +206,7 @@ def test_a_model_file_becomes_the_defaults(fmus):
 def test_the_same_model_gives_the_same_bytes(fmus, tmp_path):
     again = tmp_path / "again.fmu"
     bekker.export_fmu("two_wheeled", str(again))
-    assert again.read_bytes() == open(fmus("two_wheeled"), "rb").read()
+    assert again.read_bytes() == Path(fmus("two_wheeled")).read_bytes()
 
 
 def test_without_a_resource_path_the_library_finds_its_files(slave):
