@@ -105,7 +105,7 @@ impl Parameters<f64> for Model {
         self.start.visit(prefix, f);
         match self.control.kind {
             ControlKind::Torque | ControlKind::Speed => {}
-            ControlKind::Velocity => {
+            ControlKind::SpeedLoop | ControlKind::Velocity => {
                 self.sensors.encoder.visit(&join(prefix, "sensor"), f);
                 self.control.velocity.visit(&join(prefix, "velocity_control"), f);
             }
