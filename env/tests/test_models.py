@@ -47,7 +47,9 @@ def test_property_the_vocabulary_is_complete(preset: str) -> None:
     assert run.signal_names == [variable["name"] for variable in model.signals()]
     assert run.input_names == [variable["name"] for variable in model.inputs()]
     effects = {variable["name"].split(".")[0] for variable in model.parameters()}
-    assert set(bekker.effects()) <= effects
+    # A wheel whose speed is imposed does not feel its supply voltage, so the limit is not listed there.
+    unfelt = {"voltage_limit"} if model.control == "speed" else set()
+    assert set(bekker.effects()) - unfelt <= effects
 
 
 def test_property_a_copied_run_goes_on_to_the_same_bits() -> None:
