@@ -19,7 +19,9 @@ RANGES = {
     "slip_sinkage.n1": (0.0, 0.3),
     "drag.force": (0.0, 1.0),
 }
-SEEDS = range(21)  # three of every preset
+# Every preset, and drives that hold their wheel speeds themselves, which no preset has.
+KINDS = [*((preset, "") for preset in bekker.presets()), ("two_wheeled", "[control]\nkind = 'speed_loop'\n")]
+SEEDS = range(3 * len(KINDS))
 TERRAINS = (
     "preset = 'waves'\namplitude = {a}\nwavelength = 1.7\nstart = 0.2",
     "preset = 'slope'\nslope = {a}",
@@ -39,14 +41,14 @@ class Drive:
 def drawn(seed: int) -> Drive:
     """A random rover on random ground under random commands."""
     random = np.random.default_rng(seed)
-    preset = list(bekker.presets())[seed % len(bekker.presets())]
+    preset, control = KINDS[seed % len(KINDS)]
     terrain = TERRAINS[random.integers(len(TERRAINS))].format(a=random.uniform(0.01, 0.05), seed=random.integers(1000))
-    model = bekker.Model.from_toml(f"preset = '{preset}'\n[terrain]\n{terrain}")
+    model = bekker.Model.from_toml(f"preset = '{preset}'\n{control}[terrain]\n{terrain}")
     names = {variable["name"] for variable in model.parameters()}
     for name, (low, high) in RANGES.items():
         assert name in names, name
         model.set(name, random.uniform(low, high))
-    largest = {"torque": 0.2 * model.total_mass, "speed": 5.0, "velocity": 0.4, "rtc": 0.4}[model.control]
+    largest = {"torque": 0.2 * model.total_mass, "speed": 5.0, "speed_loop": 5.0, "velocity": 0.4, "rtc": 0.4}[model.control]
     commands = np.repeat(random.uniform(-0.2, 1.0, (20, len(model.inputs()))), 5, axis=0) * largest
     return Drive(model, commands, steps=10)
 

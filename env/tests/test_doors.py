@@ -10,9 +10,6 @@ from test_fmu import Slave
 
 import bekker
 
-# FMPy leaves the archive open when it reads a description.
-pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
-
 SIGNALS = ("x", "z", "pitch", "electrical_energy", "wheel[1].slip", "wheel[2].normal_force", "wheel[2].torque")
 
 

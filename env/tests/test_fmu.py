@@ -12,9 +12,6 @@ from fmpy.fmi3 import FMU3Slave, fmi3False
 from fmpy.model_description import read_model_description
 from fmpy.validation import validate_fmu
 
-# FMPy leaves the archive open when it reads a description.
-pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
-
 TORQUE = ["two_wheeled", "rocker_bogie"]
 CONTROLLED = ["gentle_velocity", "gentle_rtc"]
 

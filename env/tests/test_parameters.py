@@ -7,7 +7,7 @@ import pytest
 import bekker
 
 DURATION = 3.0
-INPUTS = {"torque": 0.13, "speed": 2.5}  # torque: N m a kilogram of rover; rad/s
+INPUTS = {"torque": 0.13, "speed": 2.5, "speed_loop": 2.5}  # torque: N m a kilogram of rover; rad/s
 
 # Where a change by a tenth cannot be seen: values at which a limit bites or another effect needs it.
 BITING = {
@@ -23,12 +23,15 @@ BITING = {
 # A parameter that acts through another needs that one to be on.
 TOGETHER = {"velocity_control.derivative_filter": ("velocity_control.kd", 0.001)}
 
-PRESETS = ("two_wheeled", "two_wheeled_speed", "gentle_velocity", "gentle_rtc", "rocker_bogie_velocity")
+PRESETS = ("two_wheeled", "two_wheeled_speed", "gentle_velocity", "gentle_rtc", "rocker_bogie_velocity", "two_wheeled speed_loop")
 
 
 def on_waves(preset: str) -> bekker.Model:
+    """A preset, where a second word follows with that kind of control, on waves."""
+    preset, *kind = preset.split()
+    control = f"[control]\nkind = '{kind[0]}'\n" if kind else ""
     terrain = "preset = 'waves'\namplitude = 0.03\nwavelength = 1.5\nstart = 0.0"
-    return bekker.Model.from_toml(f"preset = '{preset}'\n[terrain]\n{terrain}")
+    return bekker.Model.from_toml(f"preset = '{preset}'\n{control}[terrain]\n{terrain}")
 
 
 def driven(model: bekker.Model) -> list[object]:

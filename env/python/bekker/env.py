@@ -39,6 +39,7 @@ class RoverEnv(gymnasium.Env[Observation, Action]):
     |---|---|---|---|---|
     | `torque` | wheel, rear to front | torque of the motor, wheel side | m g r/(2 n) | N m |
     | `speed` | wheel, rear to front | wheel speed, followed exactly | sqrt(g/r)/2 | rad/s |
+    | `speed_loop` | wheel, rear to front | wheel speed for the loop of each drive | sqrt(g/r)/2 | rad/s |
     | `velocity`, `rtc` | 0 | velocity for the controller inside | sqrt(g r)/2 | m/s |
 
     with mass m, gravity g, wheel radius r and n wheels; `action_scale` gives the number, the argument changes it.
