@@ -71,6 +71,8 @@ def test_property_a_seed_decides_everything(preset: str) -> None:
     first = rollout(env, seed=3)
     assert_same(first, rollout(env, seed=3))
     assert_same(first, rollout(gymnasium.make(ID, **arguments), seed=3))
+    # What was drawn is what is driven.
+    assert first[0][1]["x"] == first[0][1]["drawn"]["x0"]
     other = rollout(env, seed=4)
     assert other[0][1]["drawn"] != first[0][1]["drawn"]
     second_episode = next(k for k, said in enumerate(first) if k > 0 and len(said) == 2)
