@@ -2,7 +2,7 @@
 # All tests: Rust, then Python in a virtual environment of its own (.venv).
 set -euo pipefail
 cd "$(dirname "$0")/.."
-cargo test --workspace --exclude bekker-python
+cargo test --workspace
 python3 -m venv .venv
 .venv/bin/python -m pip install --quiet --disable-pip-version-check --upgrade "./env[test]"
 .venv/bin/python -m mypy --strict env/python/bekker

@@ -103,12 +103,12 @@ def commands(wheels, torques):
 
 
 @pytest.mark.parametrize("model", TORQUE + CONTROLLED)
-def test_fmpy_has_no_complaint(fmus, model):
+def test_property_fmpy_has_no_complaint(fmus, model):
     assert validate_fmu(fmus(model)) == []
 
 
 @pytest.mark.parametrize("model", TORQUE + CONTROLLED)
-def test_variables_have_units_bounds_and_starts(fmus, model):
+def test_property_variables_have_units_bounds_and_starts(fmus, model):
     description = read_model_description(fmus(model))
     units = {unit.name: unit for unit in description.unitDefinitions}
     variables = {v.name: v for v in description.modelVariables}
@@ -126,7 +126,7 @@ def test_variables_have_units_bounds_and_starts(fmus, model):
             assert float(variable.min or -np.inf) <= start <= float(variable.max or np.inf), variable.name
 
 
-def test_a_rover_drives_with_torques(fmus):
+def test_property_a_rover_drives_with_torques(fmus):
     """Without torque it stands; with torque it drives forward, and backward with the opposite torque."""
     velocity = {}
     for sign in (-1, 0, 1):
@@ -147,7 +147,7 @@ def test_a_rover_drives_with_torques(fmus):
 
 
 @pytest.mark.parametrize("model", CONTROLLED)
-def test_a_built_in_controller_follows_its_command(fmus, model):
+def test_property_a_built_in_controller_follows_its_command(fmus, model):
     """More speed asked for is more speed; velocity control turns the wheels as fast as rolling would need."""
     velocity, speed = [], []
     for command in (0.1, 0.2):
@@ -163,7 +163,7 @@ def test_a_built_in_controller_follows_its_command(fmus, model):
         assert speed == pytest.approx([1.0, 2.0], rel=0.01)
 
 
-def test_the_fmu_gives_the_bits_of_the_python_door(fmus, slave):
+def test_agreement_the_fmu_gives_the_bits_of_the_python_door(fmus, slave):
     """Two doors to one core: `bekker.simulate` and the FMU."""
     simulate = getattr(bekker, "simulate", None)
     if simulate is None:
@@ -177,7 +177,7 @@ def test_the_fmu_gives_the_bits_of_the_python_door(fmus, slave):
         assert instance.get("velocity", "x") == [result["velocity"][k + 1], result["x"][k + 1]], k
 
 
-def test_start_values_set_by_the_importer_matter(fmus):
+def test_property_start_values_set_by_the_importer_matter(fmus):
     def sinkage(cohesion, k_phi):
         return fmpy.simulate_fmu(
             fmus("two_wheeled"),
@@ -190,7 +190,7 @@ def test_start_values_set_by_the_importer_matter(fmus):
     assert sinkage(1000.0, 4e5) > sinkage(1000.0, 8e5) > 0.0
 
 
-def test_a_model_file_becomes_the_defaults(fmus):
+def test_property_a_model_file_becomes_the_defaults(fmus):
     text = 'name = "my rover"\npreset = "two_wheeled"\n[parameters]\nsoil.cohesion = 1234.5\n'
     description = read_model_description(fmus(text))
     assert description.modelName == "my rover"
@@ -200,20 +200,20 @@ def test_a_model_file_becomes_the_defaults(fmus):
     assert validate_fmu(fmus(text)) == []
 
 
-def test_the_same_model_gives_the_same_bytes(fmus, tmp_path):
+def test_property_the_same_model_gives_the_same_bytes(fmus, tmp_path):
     again = tmp_path / "again.fmu"
     bekker.export_fmu("two_wheeled", str(again))
     assert again.read_bytes() == Path(fmus("two_wheeled")).read_bytes()
 
 
-def test_without_a_resource_path_the_library_finds_its_files(slave):
+def test_property_without_a_resource_path_the_library_finds_its_files(slave):
     """FMI 3.0.2 passes NULL where there is no path."""
     instance = slave("two_wheeled", give_resources=False)
     instance.start()
     assert instance.get("wheel[1].sinkage")[0] > 0.0
 
 
-def test_state_is_saved_and_restored_to_the_bit(slave):
+def test_property_state_is_saved_and_restored_to_the_bit(slave):
     instance = slave("two_wheeled")
     instance.start()
     names = ["x", "velocity", "wheel[1].slip", "dissipated_energy"]
@@ -234,7 +234,7 @@ def test_state_is_saved_and_restored_to_the_bit(slave):
     instance.fmu.freeFMUState(state)
 
 
-def test_two_instances_do_not_meet(slave):
+def test_property_two_instances_do_not_meet(slave):
     one, two = slave("two_wheeled"), slave("two_wheeled")
     for instance in (one, two):
         instance.start()
@@ -245,7 +245,7 @@ def test_two_instances_do_not_meet(slave):
     assert one.get("x")[0] > 1e-3 and abs(two.get("x")[0]) < 1e-6
 
 
-def test_an_end_event_asks_to_terminate(slave):
+def test_property_an_end_event_asks_to_terminate(slave):
     text = (
         'preset = "two_wheeled"\n[parameters]\n'
         "soil.cohesion = 0.0\nsoil.friction_angle = 0.2\n"
@@ -275,7 +275,7 @@ def test_an_end_event_asks_to_terminate(slave):
         (lambda s: s.fmu.exitInitializationMode(), "expected `initialization mode`"),
     ],
 )
-def test_misuse_is_answered_with_a_message(slave, refused, words):
+def test_property_misuse_is_answered_with_a_message(slave, refused, words):
     instance = slave("two_wheeled")
     instance.start()
     with pytest.raises(FMICallException):
@@ -284,7 +284,7 @@ def test_misuse_is_answered_with_a_message(slave, refused, words):
     instance.fmu.doStep(0.0, 0.01)
 
 
-def test_files_of_two_exports_do_not_mix(fmus, tmp_path):
+def test_property_files_of_two_exports_do_not_mix(fmus, tmp_path):
     folder = str(fmpy.extract(fmus("two_wheeled"), unzipdir=str(tmp_path / "one")))
     other = fmpy.extract(fmus("rocker_bogie"), unzipdir=str(tmp_path / "two"))
     shutil.copy(f"{other}/resources/model.toml", f"{folder}/resources/model.toml")
@@ -293,7 +293,7 @@ def test_files_of_two_exports_do_not_mix(fmus, tmp_path):
         fmpy.simulate_fmu(folder, stop_time=0.1, step_size=0.01, logger=lambda *a: log.append(a[-1]))
 
 
-def test_export_says_what_is_wrong(tmp_path):
+def test_property_export_says_what_is_wrong(tmp_path):
     with pytest.raises(Exception, match="no_such_preset"):
         bekker.export_fmu("no_such_preset", str(tmp_path / "a.fmu"))
     with pytest.raises(Exception, match="soil.cohesion"):
