@@ -1,7 +1,6 @@
 //! The baseline on real measurements: 189 single-wheel trials on a smooth wheel (robomechanics 3D terramechanics data,
 //! Pavlov and Johnson). The files are not part of the project; without them the tests say so and pass.
 #![allow(clippy::unwrap_used)]
-
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
 use bekker::diagnosis::{CompareOptions, Comparison, compare};
