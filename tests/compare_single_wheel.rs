@@ -1,5 +1,5 @@
 //! A wheel on a carriage against measurements: steady points, derivatives, calibration, the shipped experiment.
-#![allow(clippy::unwrap_used)]
+
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
 use bekker::contact::rolling;

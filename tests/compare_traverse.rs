@@ -1,5 +1,5 @@
 //! A rover on a profile against measurements: the replay is the simulation, and planted parameters come back.
-#![allow(clippy::unwrap_used)]
+
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
 use bekker::diagnosis::{CompareOptions, compare};

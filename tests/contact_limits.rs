@@ -1,5 +1,7 @@
 //! The wheel's forces against limits solved by hand, mirrored, at the ends of all ranges, and across all changes of case.
 
+#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+
 #[path = "support/quadrature.rs"]
 mod quadrature;
 #[path = "support/wheel_model.rs"]

@@ -1,5 +1,7 @@
 //! The wheel's forces against an independent adaptive quadrature, over all cases of motion.
 
+#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+
 #[path = "support/quadrature.rs"]
 mod quadrature;
 #[path = "support/wheel_model.rs"]

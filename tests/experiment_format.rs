@@ -1,5 +1,5 @@
 //! Reading experiment folders: what is right is read to the digit, what is wrong is refused with its place.
-#![allow(clippy::unwrap_used)]
+
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
 use bekker::measurement::{Experiment, Kind, Problem};

@@ -90,12 +90,13 @@ impl Model {
         &self.core.name
     }
 
-    /// What drives the wheels: "torque", "speed", "velocity" or "rtc".
+    /// What drives the wheels: "torque", "speed", "speed_loop", "velocity" or "rtc".
     #[getter]
     fn control(&self) -> &'static str {
         match self.core.control.kind {
             ControlKind::Torque => "torque",
             ControlKind::Speed => "speed",
+            ControlKind::SpeedLoop => "speed_loop",
             ControlKind::Velocity => "velocity",
             ControlKind::Rtc => "rtc",
         }

@@ -19,6 +19,7 @@ RANGES = {
     "slip_sinkage.n1": (0.0, 0.3),
     "drag.force": (0.0, 1.0),
 }
+SEEDS = range(21)  # three of every preset
 TERRAINS = (
     "preset = 'waves'\namplitude = {a}\nwavelength = 1.7\nstart = 0.2",
     "preset = 'slope'\nslope = {a}",

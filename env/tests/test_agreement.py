@@ -8,12 +8,12 @@ from pathlib import Path
 import gymnasium
 import numpy as np
 import pytest
-from conftest import Drive
+from conftest import SEEDS, Drive
 
 import bekker
 
 ROOT = Path(__file__).parents[2]
-SEEDS = range(21)  # three of every preset
+
 
 all_drives = pytest.mark.parametrize("drive", SEEDS, indirect=True)
 

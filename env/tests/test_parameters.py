@@ -23,9 +23,6 @@ BITING = {
 # A parameter that acts through another needs that one to be on.
 TOGETHER = {"velocity_control.derivative_filter": ("velocity_control.kd", 0.001)}
 
-# Imposed speeds are followed exactly by the core, which then does not look at the drive's limits.
-UNREAD_WITH_SPEEDS = ("motor.inverse_torque_limit", "motor.inverse_current_limit", "voltage_limit.inverse_voltage")
-
 PRESETS = ("two_wheeled", "two_wheeled_speed", "gentle_velocity", "gentle_rtc", "rocker_bogie_velocity")
 
 
@@ -58,16 +55,8 @@ def other(variable: dict[str, float]) -> float:
     return next(candidate for candidate in candidates if low <= candidate <= high)
 
 
-def cases() -> list[object]:
-    cases = []
-    for preset in PRESETS:
-        for variable in on_waves(preset).parameters():
-            name = variable["name"]
-            unread = preset == "two_wheeled_speed" and name in UNREAD_WITH_SPEEDS
-            reason = "the core lists the drive's limits with imposed speeds, but does not read them"
-            marks = [pytest.mark.xfail(strict=True, reason=reason)] if unread else []
-            cases.append(pytest.param(preset, name, id=f"{preset}-{name}", marks=marks))
-    return cases
+def cases() -> list[tuple[str, str]]:
+    return [(preset, variable["name"]) for preset in PRESETS for variable in on_waves(preset).parameters()]
 
 
 @pytest.mark.parametrize(("preset", "name"), cases())

@@ -87,21 +87,39 @@ impl VelocityController {
     }
 }
 
-impl Controller for VelocityController {
-    fn command(&mut self, measured: &Measurement, goal: &Reference, command: &mut Command) -> Result<(), ControlError> {
+impl VelocityController {
+    /// Torques that hold each wheel at the speed `goal` gives for it, rad/s; `goal` counts wheels from 0.
+    ///
+    /// # Errors
+    /// As [`Controller::command`]; nothing has changed then.
+    pub fn hold(
+        &mut self,
+        measured: &Measurement,
+        goal: impl Fn(usize) -> f64,
+        command: &mut Command,
+    ) -> Result<(), ControlError> {
         same_count(self.loops.len(), measured.wheels.len())?;
-        let goal = finite("the goal's velocity", None, goal.velocity)? / self.radius;
         for (index, (wheel, seen)) in self.loops.iter().zip(&measured.wheels).enumerate() {
             finite("measured speed", Some(index), seen.speed)?;
+            let goal = finite("commanded speed", Some(index), goal(index))?;
             // On a copy: a reading so large that the law overflows must not spoil the history.
             let torque = wheel.clone().torque(&self.gains, self.limit, goal, seen.speed);
             finite("commanded torque", Some(index), torque)?;
         }
         command.drive = Drive::Torque;
         command.values.clear();
-        let wheels = self.loops.iter_mut().zip(&measured.wheels);
-        command.values.extend(wheels.map(|(wheel, seen)| wheel.torque(&self.gains, self.limit, goal, seen.speed)));
+        let wheels = self.loops.iter_mut().zip(&measured.wheels).enumerate();
+        command.values.extend(
+            wheels.map(|(index, (wheel, seen))| wheel.torque(&self.gains, self.limit, goal(index), seen.speed)),
+        );
         Ok(())
+    }
+}
+
+impl Controller for VelocityController {
+    fn command(&mut self, measured: &Measurement, goal: &Reference, command: &mut Command) -> Result<(), ControlError> {
+        let speed = finite("the goal's velocity", None, goal.velocity)? / self.radius;
+        self.hold(measured, |_| speed, command)
     }
 
     fn reset(&mut self) {

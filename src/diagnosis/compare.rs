@@ -1,6 +1,6 @@
 //! The comparison of a model with an experiment.
 
-use super::bounds::published;
+use super::bounds::believable;
 use super::calibrate::{Calibration, Free, Prior, calibrate};
 use super::failure::{Failure, failures};
 use super::fit::Fit;
@@ -181,7 +181,7 @@ fn free_parameters(model: &mut dyn Parameters<f64>, experiment: &Experiment) -> 
     Ok(chosen
         .map(|(mut variable, start)| {
             let deviation = experiment.priors.get(&variable.name).copied();
-            if let Some((low, high)) = published(&variable.name) {
+            if let Some((low, high)) = believable(&variable.name) {
                 // A value that the experiment states stays reachable.
                 variable.min = variable.min.max(low.min(start));
                 variable.max = variable.max.min(high.max(start));

@@ -3,7 +3,7 @@
 //! The work is done by `basin`'s trust-region reflective method (Branch, Coleman and Li 1999), the algorithm of
 //! scipy's `least_squares`: bounds are handled without a transform that flattens the slope near them, a failed
 //! evaluation (infinite residual) is a rejected step, and robust losses can be added. `levenberg-marquardt` 0.15 has
-//! no bounds, `argmin` no bounded least-squares solver.
+//! no bounds.
 
 use basin::{
     BoxBounds, ConstraintSet, Constraints, CostFunction, DenseMatrix, Executor, Jacobian, Residual, TerminationCode,

@@ -71,7 +71,8 @@ impl<'a> TraversePrediction<'a> {
 
     /// Names of the command columns, wheel 1 first, whatever their order in the file.
     fn command_names(&self, k: usize) -> Vec<String> {
-        let suffix = if self.models[k].control.kind == ControlKind::Speed { "speed_command" } else { "torque_command" };
+        let torque = self.models[k].control.kind == ControlKind::Torque;
+        let suffix = if torque { "torque_command" } else { "speed_command" };
         (1..=self.experiment.runs[k].inputs.len()).map(|wheel| format!("wheel[{wheel}].{suffix}")).collect()
     }
 }
@@ -83,7 +84,12 @@ fn place(mut model: Model, run: &Recorded) -> Result<Model, PredictionError> {
         return Err(PredictionError::Wheels { run: run.name.clone(), commands, wheels });
     }
     let speed = run.inputs.iter().any(|name| name.ends_with(".speed_command"));
-    model.control.kind = if speed { ControlKind::Speed } else { ControlKind::Torque };
+    // Speed commands are followed exactly unless the model describes the drives' loop and limits.
+    model.control.kind = match (speed, model.control.kind) {
+        (true, ControlKind::SpeedLoop) => ControlKind::SpeedLoop,
+        (true, _) => ControlKind::Speed,
+        (false, _) => ControlKind::Torque,
+    };
     model.rover.terrain.profile = match &run.terrain {
         None => Profile::Flat,
         Some(table) => {

@@ -18,6 +18,9 @@ pub enum ControlKind {
     Torque,
     /// Wheel speeds from outside, followed exactly: inputs `wheel[k].speed_command`.
     Speed,
+    /// Wheel speeds from outside, held by each wheel's own loop (the gains of velocity control) within the
+    /// drives' limits: inputs `wheel[k].speed_command`.
+    SpeedLoop,
     /// Individual-wheel velocity control: input `velocity_command`.
     Velocity,
     /// Rough-terrain control: input `velocity_command`.
@@ -67,7 +70,9 @@ impl AtWork {
         let nominal = || nominal(&model.rover);
         Ok(match model.control.kind {
             ControlKind::Torque | ControlKind::Speed => None,
-            ControlKind::Velocity => Some(Self::Velocity(VelocityController::new(&nominal(), model.control.velocity)?)),
+            ControlKind::SpeedLoop | ControlKind::Velocity => {
+                Some(Self::Velocity(VelocityController::new(&nominal(), model.control.velocity)?))
+            }
             ControlKind::Rtc => Some(Self::Rtc(Box::new(Rtc::new(nominal(), model.control.rtc)?))),
         })
     }

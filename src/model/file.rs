@@ -12,7 +12,7 @@
 //! [terrain]
 //! preset = "waves"
 //! [control]
-//! kind = "velocity"                # torque, speed, velocity, rtc
+//! kind = "velocity"                # torque, speed, speed_loop, velocity, rtc
 //! [simulation]
 //! step_size = 0.002
 //! duration = 20.0

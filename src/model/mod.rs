@@ -88,14 +88,24 @@ impl Model {
     }
 }
 
-/// The whole vocabulary of this model; sensors and control are listed where something reads them.
+/// Limits of the drives, which a wheel whose speed is imposed does not feel.
+const LIMITS: [&str; 3] =
+    ["motor.inverse_torque_limit", "motor.inverse_current_limit", "voltage_limit.inverse_voltage"];
+
+/// The whole vocabulary of this model: what something reads. Sensors and control are listed where there is
+/// a controller, the drives' limits where torques are commanded.
 impl Parameters<f64> for Model {
     fn visit(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut f64)) {
-        self.rover.visit(prefix, f);
+        let limited = self.control.kind != ControlKind::Speed;
+        self.rover.visit("", &mut |variable, place| {
+            if limited || !LIMITS.contains(&variable.name.as_str()) {
+                f(Variable { name: join(prefix, &variable.name), ..variable }, place);
+            }
+        });
         self.start.visit(prefix, f);
         match self.control.kind {
             ControlKind::Torque | ControlKind::Speed => {}
-            ControlKind::Velocity => {
+            ControlKind::SpeedLoop | ControlKind::Velocity => {
                 self.sensors.encoder.visit(&join(prefix, "sensor"), f);
                 self.control.velocity.visit(&join(prefix, "velocity_control"), f);
             }

@@ -25,7 +25,7 @@ parameters! {
 parameters! {
     /// Command of one wheel's speed.
     pub struct SpeedCommand {
-        /// Commanded wheel speed relative to the carrying body, followed exactly.
+        /// Commanded wheel speed relative to the carrying body.
         speed_command: [Unit::RADIAN_PER_SECOND] = 0.0, ANY, Signal, "input";
     }
 }
@@ -54,7 +54,7 @@ impl Inputs {
         let wheels = model.rover.wheels.len();
         match model.control.kind {
             ControlKind::Torque => Self::Torque(vec![TorqueCommand::default(); wheels]),
-            ControlKind::Speed => Self::Speed(vec![SpeedCommand::default(); wheels]),
+            ControlKind::Speed | ControlKind::SpeedLoop => Self::Speed(vec![SpeedCommand::default(); wheels]),
             ControlKind::Velocity | ControlKind::Rtc => Self::Velocity(VelocityCommand::default()),
         }
     }
@@ -171,7 +171,7 @@ impl Run {
         };
         let seconds = match model.control.kind {
             ControlKind::Torque | ControlKind::Speed => step_size,
-            ControlKind::Velocity => model.control.velocity.period,
+            ControlKind::SpeedLoop | ControlKind::Velocity => model.control.velocity.period,
             ControlKind::Rtc => model.control.rtc_timing.period,
         };
         let mut run = Self {
@@ -214,6 +214,13 @@ impl Run {
         match (&self.inputs, &mut self.controller) {
             (Inputs::Torque(wheels), _) => {
                 values.iter_mut().zip(wheels).for_each(|(value, wheel)| *value = wheel.torque_command);
+            }
+            (Inputs::Speed(wheels), Some(AtWork::Velocity(controller))) => {
+                let time = self.simulation.time();
+                self.sensors.read(time, self.simulation.signals(), &mut self.measurement);
+                controller
+                    .hold(&self.measurement, |k| wheels[k].speed_command, &mut self.command)
+                    .map_err(|source| RunError::Control { time, source })?;
             }
             (Inputs::Speed(wheels), _) => {
                 values.iter_mut().zip(wheels).for_each(|(value, wheel)| *value = wheel.speed_command);

@@ -35,7 +35,7 @@ OBSERVED = ("pitch", "pitch_rate", "velocity", "wheel.speed", "wheel.torque", "w
 ACTION_SHARE = 0.5
 """Share of the scale that an action of one commands."""
 
-_COMMANDED = {"torque": "wheel.torque", "speed": "wheel.speed", "velocity": "velocity", "rtc": "velocity"}
+_COMMANDED = {"torque": "wheel.torque", "speed": "wheel.speed", "speed_loop": "wheel.speed", "velocity": "velocity", "rtc": "velocity"}
 
 
 def natural_scales(model: Model) -> dict[str, float]:

@@ -1,0 +1,68 @@
+"""`compare` gives the shipped experiment's own numbers, and names what is wrong in a folder."""
+
+import csv
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import bekker
+
+SAND = Path(__file__).parents[2] / "examples" / "sand_wheel"
+SIGNALS = ("drawbar_pull", "sinkage", "torque")
+ROUNDING = 1e-12
+
+
+def measured(run: str, signal: str) -> list[float]:
+    with (SAND / f"{run}.csv").open() as file:
+        return [float(row[signal]) for row in csv.DictReader(file)]
+
+
+def test_property_measured_values_and_errors_are_those_of_the_files() -> None:
+    comparison = bekker.compare(SAND)
+    assert comparison.calibration is None and comparison.fit is comparison.given
+    assert len(comparison.fit.runs) == 18
+    for run, signals in comparison.fit.runs:
+        assert tuple(sorted(signals)) == SIGNALS
+        for name, fit in signals.items():
+            assert fit.measured.tolist() == measured(run, name)
+            assert np.array_equal(fit.residual, fit.measured - fit.modelled)
+    for name in SIGNALS:
+        residual = comparison.fit.signal(name).residual
+        assert comparison.fit.rmse[name] == pytest.approx(np.sqrt(np.mean(residual**2)), rel=ROUNDING)
+        assert comparison.noise_floor[name].source == "replicates"
+
+
+def test_property_calibration_brings_the_model_closer() -> None:
+    comparison = bekker.compare(SAND, calibrate=True)
+    assert comparison.given is not None and comparison.calibration is not None
+    assert comparison.calibration.converged
+    assert comparison.fit.rmse["drawbar_pull"] < 0.5 * comparison.given.rmse["drawbar_pull"]
+    values = {parameter.name: parameter.value for parameter in comparison.calibration.parameters}
+    # The calibrated values, given by hand, are the calibrated model.
+    again = bekker.compare(SAND, parameters=values)
+    assert again.fit.rmse == pytest.approx(comparison.fit.rmse, rel=ROUNDING)
+    assert "soil.friction_angle = " in str(comparison) and "fails most in" in str(comparison)
+
+
+def test_property_a_parameter_changes_the_prediction() -> None:
+    base, softer = bekker.compare(SAND), bekker.compare(SAND, parameters={"soil.k_phi": 4e5})
+    assert np.all(softer.fit.signal("sinkage").modelled > base.fit.signal("sinkage").modelled)
+
+
+def test_property_bad_folders_are_named(tmp_path: Path) -> None:
+    with pytest.raises(bekker.ModelError, match=r"no_such.*experiment\.toml"):
+        bekker.compare(tmp_path / "no_such")
+    folder = tmp_path / "broken"
+    shutil.copytree(SAND, folder)
+    file = folder / "runs" / "load20_speed0.2_a.csv"
+    lines = file.read_text().splitlines()
+    lines[1] = lines[1].rsplit(",", 1)[0] + ",nan"
+    file.write_text("\n".join(lines))
+    with pytest.raises(bekker.ModelError, match=r"load20_speed0\.2_a\.csv, line 2, column `\w+`: `nan` is not a finite"):
+        bekker.compare(folder)
+    with pytest.raises(bekker.UnknownNameError, match="`soil.k_fi`"):
+        bekker.compare(SAND, parameters={"soil.k_fi": 1.0})
+    with pytest.raises(bekker.SimulationError, match="run .*load20.*, row "):
+        bekker.compare(SAND, parameters={"soil.k_phi": 1e3, "soil.k_c": 0.0})
