@@ -4,6 +4,7 @@
 //! [`touch`] is the contact that the rover's dynamics use: the same, with normal damping, and with static
 //! friction at standstill so that a parked rover stays.
 
+mod pieces;
 mod quadrature;
 mod rim;
 mod rolling;

@@ -21,25 +21,19 @@ pub(super) enum Shear<S> {
 
 /// One rim in contact.
 pub(super) struct Rim<S> {
-    shear: Shear<S>,
-    theta_1: S,
-    theta_m: S,
-    theta_2: S,
-    sin_1: S,
-    cos_1: S,
+    pub(super) shear: Shear<S>,
+    pub(super) theta_1: S,
+    pub(super) theta_m: S,
+    pub(super) theta_2: S,
+    pub(super) sin_1: S,
+    pub(super) cos_1: S,
     radius: S,
     modulus: S,
     exponent: S,
     cohesion: S,
     tan_phi: S,
     /// r/K.
-    shear_rate: S,
-}
-
-/// Where the shear changes sign.
-pub(super) struct Kink {
-    pub in_front: bool,
-    pub s: f64,
+    pub(super) shear_rate: S,
 }
 
 /// Integrals over theta of the stresses, and of the shear's slope in V/(r omega).
@@ -94,11 +88,6 @@ impl<S: Scalar> Rim<S> {
         }
     }
 
-    /// Whether r/K is at most `limit`.
-    pub fn needs_few_nodes(&self, limit: f64) -> bool {
-        self.shear_rate.value() <= limit
-    }
-
     /// Adds the points of both zones at `s`, with their quadrature weights in s.
     #[inline]
     pub fn add(&self, sums: &mut Sums<S>, s: f64, front_weight: f64, rear_weight: f64) {
@@ -144,41 +133,5 @@ impl<S: Scalar> Rim<S> {
         sums.slope_cos += slope * cos;
         sums.slope_sin += slope * sin;
         sums.slope += slope;
-    }
-
-    /// Where j = 0 strictly inside the contact: only at a negative slip with V/(r omega) cos theta_1 < 1.
-    /// Its place moves only the quadrature's cut, so its derivatives do not matter.
-    pub fn kink(&self) -> Option<Kink> {
-        let Shear::Ratio(ratio) = self.shear else { return None };
-        let (ratio, theta_1, sin_1) = (ratio.value(), self.theta_1.value(), self.sin_1.value());
-        let (theta_m, theta_2) = (self.theta_m.value(), self.theta_2.value());
-        if ratio <= 1.0 || ratio * self.cos_1.value() >= 1.0 {
-            return None;
-        }
-        let j = |theta: f64| theta_1 - theta - ratio * (sin_1 - theta.sin());
-        let (mut low, mut high) = (theta_2, (1.0 / ratio).acos());
-        if j(low) >= 0.0 || high <= low {
-            return None;
-        }
-        // Newton kept within a shrinking bracket; j rises from low to high.
-        let mut theta = (2.0 * high - theta_1).max(low);
-        for _ in 0..20 {
-            let value = j(theta);
-            if value < 0.0 {
-                low = theta
-            } else {
-                high = theta
-            }
-            let next = theta - value / (ratio * theta.cos() - 1.0);
-            let next = if next > low && next < high { next } else { 0.5 * (low + high) };
-            if (next - theta).abs() < 1e-12 {
-                break;
-            }
-            theta = next;
-        }
-        let in_front = theta > theta_m;
-        let s2 =
-            if in_front { (theta_1 - theta) / (theta_1 - theta_m) } else { (theta - theta_2) / (theta_m - theta_2) };
-        Some(Kink { in_front, s: s2.clamp(0.0, 1.0).sqrt() })
     }
 }
