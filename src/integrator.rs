@@ -28,19 +28,25 @@ struct Increment<S> {
     wheels: Vec<[S; 3]>,
 }
 
-/// What elimination of one wheel's spin and memory leaves: the slopes of its forces.
+/// What elimination of one wheel's spin and memory leaves. The spin's increment is
+/// `spin + spin_by_velocity * tangent.k + spin_by_turn * turn.k`, with `spin` from the right-hand side.
 #[derive(Clone, Copy, Debug)]
 struct Condensed<S> {
-    /// In the spin's increment, with the memory eliminated.
+    /// Slopes of the forces in the spin, with the memory eliminated.
     by_spin: Forces<S>,
-    /// In the tangential velocity's increment and in the body's turn, with the spin eliminated too.
-    total_by_velocity: Forces<S>,
+    /// Slopes of the forces in the tangential velocity and in the body's turn, with the spin eliminated too.
+    by_velocity: Forces<S>,
     by_turn: Forces<S>,
+    /// The same of the drive's reaction on the body, and its slope in `spin`.
+    reaction_by_velocity: S,
+    reaction_by_turn: S,
+    reaction_by_spin: S,
     /// 1/(1 - gamma h slope) of the memory.
     hold_factor: S,
-    /// 1/(I - gamma h slope) of the spin, and the spin's increment for a unit of velocity.
+    /// 1/(I - gamma h slope) of the spin.
     spin_factor: S,
     spin_by_velocity: S,
+    spin_by_turn: S,
 }
 
 /// Memory of the integrator: evaluations and increments, allocated once.
@@ -143,7 +149,7 @@ impl<S: Scalar> Integrator<S> {
         let mut matrix = self.now.system;
         for (wheel, condensed) in self.now.wheels.iter().zip(&mut self.condensed) {
             *condensed = Condensed::new(rover, wheel, drive, gh);
-            add_contact(&mut matrix, wheel, condensed, drive, gh, n);
+            add_contact(&mut matrix, wheel, condensed, gh, n);
         }
         for (j, link) in rover.links.iter().enumerate() {
             matrix[3 + j][3 + j] += link.parameters.damping * gh;
@@ -152,27 +158,24 @@ impl<S: Scalar> Integrator<S> {
     }
 }
 
-/// Adds `- gamma h` times the slopes of one wheel's contact to the condensed matrix.
+/// Adds `- gamma h` times the slopes of one wheel's contact and drive to the condensed matrix.
 fn add_contact<S: Scalar>(
     matrix: &mut Matrix<S>,
     wheel: &WheelEvaluation<S>,
     condensed: &Condensed<S>,
-    drive: Drive,
     gh: f64,
     n: usize,
 ) {
     let slopes = &wheel.touch.slopes;
-    let (by_velocity, by_turn) = (&condensed.total_by_velocity, &condensed.by_turn);
+    let (by_velocity, by_turn) = (&condensed.by_velocity, &condensed.by_turn);
     let along_normal = (slopes.stiffness * gh - slopes.damping) * gh;
     add_outer(matrix, along_normal, &wheel.normal, &wheel.normal, n);
     add_outer(matrix, by_velocity.normal * -gh, &wheel.normal, &wheel.tangent, n);
     add_outer(matrix, by_velocity.drawbar * -gh, &wheel.tangent, &wheel.tangent, n);
-    if drive == Drive::Speed {
-        add_outer(matrix, by_turn.normal * -gh, &wheel.normal, &wheel.turn, n);
-        add_outer(matrix, by_turn.drawbar * -gh, &wheel.tangent, &wheel.turn, n);
-        add_outer(matrix, by_velocity.torque * -gh, &wheel.turn, &wheel.tangent, n);
-        add_outer(matrix, by_turn.torque * -gh, &wheel.turn, &wheel.turn, n);
-    }
+    add_outer(matrix, by_turn.normal * -gh, &wheel.normal, &wheel.turn, n);
+    add_outer(matrix, by_turn.drawbar * -gh, &wheel.tangent, &wheel.turn, n);
+    add_outer(matrix, condensed.reaction_by_velocity * -gh, &wheel.turn, &wheel.tangent, n);
+    add_outer(matrix, condensed.reaction_by_turn * -gh, &wheel.turn, &wheel.turn, n);
 }
 
 impl<S: Scalar> Condensed<S> {
@@ -180,11 +183,15 @@ impl<S: Scalar> Condensed<S> {
         let (zero, none) = (S::from(0.0), Forces::zero());
         Self {
             by_spin: none,
-            total_by_velocity: none,
+            by_velocity: none,
             by_turn: none,
+            reaction_by_velocity: zero,
+            reaction_by_turn: zero,
+            reaction_by_spin: zero,
             hold_factor: zero,
             spin_factor: zero,
             spin_by_velocity: zero,
+            spin_by_turn: zero,
         }
     }
 
@@ -196,14 +203,33 @@ impl<S: Scalar> Condensed<S> {
         };
         let by_velocity = slopes.velocity.plus(through_hold(slopes.rate_by_velocity));
         let by_spin = slopes.spin.plus(through_hold(slopes.rate_by_spin));
-        let spin_factor = (rover.wheel.inertia + (by_spin.torque - wheel.friction_slope) * gh).recip();
-        let spin_by_velocity = -(by_velocity.torque * spin_factor * gh);
-        let (total_by_velocity, by_turn) = match drive {
-            Drive::Torque => (by_velocity.plus(by_spin.scaled(spin_by_velocity)), Forces::zero()),
+        let spin_factor = (rover.wheel.inertia + (by_spin.torque - wheel.drive_slope) * gh).recip();
+        let (spin_by_velocity, spin_by_turn) = match drive {
+            // I dw = ... - gamma h dT + gamma h slope (dw + a.du): the drive's slope is in the relative speed.
+            Drive::Torque => (-(by_velocity.torque * spin_factor * gh), wheel.drive_slope * spin_factor * gh),
             // The spin follows the body: its increment is minus the body's turn.
-            Drive::Speed => (by_velocity, by_spin.scaled(S::from(-1.0))),
+            Drive::Speed => (S::from(0.0), S::from(-1.0)),
         };
-        Self { by_spin, total_by_velocity, by_turn, hold_factor, spin_factor, spin_by_velocity }
+        let total = by_velocity.plus(by_spin.scaled(spin_by_velocity));
+        let by_turn = by_spin.scaled(spin_by_turn);
+        let (reaction_by_velocity, reaction_by_turn, reaction_by_spin) = match drive {
+            Drive::Torque => {
+                (wheel.drive_slope * spin_by_velocity, wheel.drive_slope * (spin_by_turn + 1.0), wheel.drive_slope)
+            }
+            Drive::Speed => (total.torque, by_turn.torque, S::from(0.0)),
+        };
+        Self {
+            by_spin,
+            by_velocity: total,
+            by_turn,
+            reaction_by_velocity,
+            reaction_by_turn,
+            reaction_by_spin,
+            hold_factor,
+            spin_factor,
+            spin_by_velocity,
+            spin_by_turn,
+        }
     }
 }
 
@@ -260,17 +286,19 @@ impl<S: Scalar> Increment<S> {
             let slopes = &wheel.touch.slopes;
             let (travel, turn) = (c.hold_factor * entry[1], c.hold_factor * entry[2]);
             let mut constant = slopes.travel.scaled(travel).plus(slopes.turn.scaled(turn));
+            let mut reaction = constant.torque;
             if drive == Drive::Torque {
                 // The part of the spin's increment that does not depend on the body's motion.
                 entry[0] = (inertia * entry[0] - constant.torque * gh) * c.spin_factor;
                 constant = constant.plus(c.by_spin.scaled(entry[0]));
+                reaction = c.reaction_by_spin * entry[0];
+            } else {
+                entry[0] = S::from(0.0);
             }
             let sunk = dot(&wheel.normal, &self.position, n);
             add_scaled(&mut right, (constant.normal - slopes.stiffness * sunk) * gh, &wheel.normal, n);
             add_scaled(&mut right, constant.drawbar * gh, &wheel.tangent, n);
-            if drive == Drive::Speed {
-                add_scaled(&mut right, constant.torque * gh, &wheel.turn, n);
-            }
+            add_scaled(&mut right, reaction * gh, &wheel.turn, n);
         }
         self.rate = factors.solve(&right);
         for i in 0..n {
@@ -278,10 +306,7 @@ impl<S: Scalar> Increment<S> {
         }
         for ((wheel, c), entry) in now.wheels.iter().zip(condensed).zip(&mut self.wheels) {
             let velocity = dot(&wheel.tangent, &self.rate, n);
-            entry[0] = match drive {
-                Drive::Torque => entry[0] + c.spin_by_velocity * velocity,
-                Drive::Speed => -dot(&wheel.turn, &self.rate, n),
-            };
+            entry[0] += c.spin_by_velocity * velocity + c.spin_by_turn * dot(&wheel.turn, &self.rate, n);
             let slopes = &wheel.touch.slopes;
             for i in 0..2 {
                 let driven = slopes.rate_by_velocity[i] * velocity + slopes.rate_by_spin[i] * entry[0];

@@ -12,7 +12,7 @@ parameters! {
         /// Torque constant K_t, motor side (4.7).
         torque_constant: [Unit::NEWTON_METRE_PER_AMPERE] = 0.0234, 1e-4..=1.0, Fixed, "assumption: a 20 W, 24 V brushed motor of 25 mm";
         /// Winding resistance R (4.6).
-        resistance: [Unit::OHM] = 2.32, 0.0..=1e3, Fixed, "assumption: a 20 W, 24 V brushed motor of 25 mm";
+        resistance: [Unit::OHM] = 2.32, 1e-3..=1e3, Fixed, "assumption: a 20 W, 24 V brushed motor of 25 mm";
         /// One over the largest torque, wheel side; 0 is no limit (4.14).
         inverse_torque_limit: [Unit::PER_NEWTON_METRE] = 0.0, 0.0..=100.0, Fixed, "Iagnemma 2001 (4.14)";
         /// One over the largest current; 0 is no limit.
@@ -21,8 +21,9 @@ parameters! {
 }
 
 /// Torque that the motor gives when `torque` is asked of it at this wheel speed, wheel side, N m: within
-/// the torque limit (4.14), the current limit and what the effects allow (supply voltage).
-pub fn limited_torque<S: Scalar>(motor: &Motor<S>, effects: &Effects<S>, speed: S, torque: S) -> S {
+/// the torque limit (4.14), the current limit and what the effects allow (supply voltage). Also its slope in
+/// the speed, N m s/rad, which is steep where the back-EMF limits it.
+pub fn limited_torque<S: Scalar>(motor: &Motor<S>, effects: &Effects<S>, speed: S, torque: S) -> (S, S) {
     let mut given = torque;
     let mut clamp = |inverse: S, unit: S| {
         if !inverse.is_exactly(0.0) {
@@ -32,8 +33,8 @@ pub fn limited_torque<S: Scalar>(motor: &Motor<S>, effects: &Effects<S>, speed: 
     };
     clamp(motor.inverse_torque_limit, S::from(1.0));
     clamp(motor.inverse_current_limit, motor.gear_ratio * motor.torque_constant);
-    effects.motor_torque(motor, speed, &mut given);
-    given
+    let slope = effects.motor_torque(motor, speed, &mut given);
+    (given, slope)
 }
 
 /// Motor current for a torque on the wheel's side of the gear: I = T / (N K_t) (4.7, 4.9), A.

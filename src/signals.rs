@@ -26,9 +26,11 @@ parameters! {
         /// Electrical energy drawn since the start.
         electrical_energy: [Unit::JOULE] = 0.0, ANY, Signal, "integral of electrical_power";
         /// Mechanical work of the drives on the wheels since the start.
-        drive_work: [Unit::JOULE] = 0.0, ANY, Signal, "integral of torque times wheel speed";
+        drive_work: [Unit::JOULE] = 0.0, ANY, Signal, "integral of rim torque (after drive friction) times wheel speed";
         /// Energy that the rover has lost to the soil since the start.
         soil_loss: [Unit::JOULE] = 0.0, ANY, Signal, "integral of the contact forces' power";
+        /// Energy lost to joint friction and to resistances at the chassis since the start.
+        other_loss: [Unit::JOULE] = 0.0, ANY, Signal, "integral of their power";
         /// Kinetic plus potential energy of the rover.
         mechanical_energy: [Unit::JOULE] = 0.0, ANY, Signal, "physics";
     }

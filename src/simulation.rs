@@ -4,6 +4,7 @@ use crate::integrator::Integrator;
 use crate::rover::dynamics::{DynamicsError, Powers};
 use crate::rover::{Rover, SettleError, State};
 use crate::signals::{Command, Drive, Signals, WheelSignals};
+use crate::terrain::TerrainError;
 use std::fmt;
 
 /// Pitch beyond which the rover counts as tipped over, rad.
@@ -91,6 +92,7 @@ struct Energies {
     electrical: f64,
     drive: f64,
     soil_loss: f64,
+    other_loss: f64,
 }
 
 /// Progress since the present window of rim travel began.
@@ -204,7 +206,7 @@ impl Simulation {
         let stepped = self.integrator.step(&self.rover, &mut self.state, &self.command, self.step_size);
         match stepped {
             Ok(()) => {}
-            Err(DynamicsError::Terrain { .. }) => {
+            Err(DynamicsError::Terrain { source: TerrainError::Left { .. }, .. }) => {
                 self.status = Status::Ended(Event::LeftTerrain);
                 return Ok(());
             }
@@ -273,6 +275,7 @@ impl Simulation {
         body.electrical_energy = self.energies.electrical;
         body.drive_work = self.energies.drive;
         body.soil_loss = self.energies.soil_loss;
+        body.other_loss = self.energies.other_loss;
         body.mechanical_energy = now.mechanical_energy(&self.rover, state);
         for (signals, wheel) in self.signals.wheels.iter_mut().zip(&now.wheels) {
             signals.speed = wheel.speed;
@@ -343,5 +346,6 @@ impl Energies {
         self.electrical += mean(before.electrical, after.electrical);
         self.drive += mean(before.drive, after.drive);
         self.soil_loss += mean(before.soil_loss, after.soil_loss);
+        self.other_loss += mean(before.other_loss, after.other_loss);
     }
 }

@@ -5,7 +5,8 @@ use crate::motor::Motor;
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 
-/// A controller's model of a rover with wheels fixed to one body: estimated, never the true parameters.
+/// A controller's model of a rover with wheels fixed to one body, its data sheet. A model file gives it the rover's own
+/// parameters (without effects); whoever wants it to be wrong, or estimated, fills it in otherwise.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Nominal {
     /// Gravity g, m/s^2.

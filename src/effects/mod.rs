@@ -80,9 +80,10 @@ pub trait Effect<S: Scalar>: Parameters<S> {
         None
     }
 
-    /// Limits the torque of a motor, wheel side, at this wheel speed.
-    fn motor_torque(&self, motor: &Motor<S>, speed: S, torque: &mut S) {
+    /// Limits the torque of a motor, wheel side, at this wheel speed; where it limits, the slope in the speed.
+    fn motor_torque(&self, motor: &Motor<S>, speed: S, torque: &mut S) -> Option<S> {
         let _ = (motor, speed, torque);
+        None
     }
 
     /// Horizontal force on the chassis at its reference point, N.
@@ -148,8 +149,13 @@ macro_rules! effects {
                 sum
             }
 
-            pub(crate) fn motor_torque(&self, motor: &Motor<S>, speed: S, torque: &mut S) {
-                $(self.$id.motor_torque(motor, speed, torque);)*
+            /// Limits `torque`; returns the slope in the wheel speed of the limit that binds, 0 where none does.
+            pub(crate) fn motor_torque(&self, motor: &Motor<S>, speed: S, torque: &mut S) -> S {
+                let mut slope = S::from(0.0);
+                $(if let Some(limited) = self.$id.motor_torque(motor, speed, torque) {
+                    slope = limited;
+                })*
+                slope
             }
 
             pub(crate) fn body_force(&self, motion: &BodyMotion<S>) -> S {

@@ -5,6 +5,9 @@ use crate::motor::Motor;
 use crate::scalar::Scalar;
 use bekker_modeldescription::{Unit, parameters};
 
+/// Share of the reachable torque above which the limit is near.
+const NEAR: f64 = 0.5;
+
 parameters! {
     /// |R I + K_t N omega| stays within the supply voltage, so a loaded motor cannot hold its speed.
     pub struct VoltageLimit {
@@ -14,13 +17,18 @@ parameters! {
 }
 
 impl<S: Scalar> Effect<S> for VoltageLimit<S> {
-    fn motor_torque(&self, motor: &Motor<S>, speed: S, torque: &mut S) {
-        if self.inverse_voltage.is_exactly(0.0) || motor.resistance.value() <= 0.0 {
-            return;
+    fn motor_torque(&self, motor: &Motor<S>, speed: S, torque: &mut S) -> Option<S> {
+        if self.inverse_voltage.is_exactly(0.0) {
+            return None;
         }
         let voltage = self.inverse_voltage.recip();
         let constant = motor.gear_ratio * motor.torque_constant; // wheel side, N m/A = V s/rad
         let reachable = |sign: f64| constant * (voltage * sign - constant * speed) / motor.resistance;
-        *torque = torque.smaller(reachable(1.0)).larger(reachable(-1.0));
+        let (most, least) = (reachable(1.0), reachable(-1.0));
+        *torque = torque.smaller(most).larger(least);
+        // The integrator is told of the slope before the limit binds: a step may run into it, and the slope it
+        // is told changes nothing in the order of its error.
+        let near = *torque > most * NEAR || *torque < least * NEAR || most.value() < 0.0 || least.value() > 0.0;
+        near.then(|| -(constant * constant / motor.resistance))
     }
 }

@@ -136,6 +136,22 @@ pub enum RunError {
         /// Inner step, s.
         step_size: f64,
     },
+    /// The wheels are not in order.
+    #[error("wheel[{wheel}].x = {x} m is not ahead of wheel[{}].x = {before} m; wheels are numbered from rear to front", wheel - 1)]
+    WheelOrder {
+        /// Wheel, from 1 at the rear.
+        wheel: usize,
+        /// Its place, m.
+        x: f64,
+        /// The place of the wheel before it, m.
+        before: f64,
+    },
+    /// Rough-terrain control of a rover with joints.
+    #[error("rough-terrain control is for wheels on one body; this vehicle has {links} links")]
+    RtcWithLinks {
+        /// Links of the vehicle.
+        links: usize,
+    },
     /// The wrong number of input values.
     #[error("{got} input values were given, this model has {expected} inputs")]
     InputLength {
@@ -162,6 +178,7 @@ pub struct Run {
 impl Run {
     pub(super) fn new(model: &Model) -> Result<Self, RunError> {
         model.clone().check()?;
+        check_vehicle(model)?;
         let step_size = model.stepping.step_size;
         let simulation = Simulation::new(model.rover.clone(), model.start.x0, step_size)?;
         let zeros = vec![0.0; model.rover.wheels.len()];
@@ -284,6 +301,20 @@ impl Run {
     pub fn simulation(&self) -> &Simulation {
         &self.simulation
     }
+}
+
+/// Refuses vehicles that the rest of the code does not expect.
+fn check_vehicle(model: &Model) -> Result<(), RunError> {
+    let wheels = &model.rover.wheels;
+    if let Some(k) = wheels.windows(2).position(|pair| pair[1].mount.x <= pair[0].mount.x) {
+        let (before, x) = (wheels[k].mount.x, wheels[k + 1].mount.x);
+        return Err(RunError::WheelOrder { wheel: k + 2, x, before });
+    }
+    let links = model.rover.links.len();
+    if model.control.kind == ControlKind::Rtc && links > 0 {
+        return Err(RunError::RtcWithLinks { links });
+    }
+    Ok(())
 }
 
 /// How many inner steps make `period`.

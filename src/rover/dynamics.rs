@@ -48,8 +48,8 @@ pub(crate) struct WheelEvaluation<S> {
     pub motor_torque: S,
     pub rim_torque: S,
     pub current: S,
-    /// Slope of the rim torque in the wheel speed (drive friction), for the implicit integrator.
-    pub friction_slope: S,
+    /// Slope of the rim torque in the wheel speed (friction, back-EMF), for the implicit integrator.
+    pub drive_slope: S,
 }
 
 /// Powers at one instant, W, whose integrals are the energies among the signals.
@@ -59,6 +59,7 @@ pub(crate) struct Powers<S> {
     pub electrical: S,
     pub drive: S,
     pub soil_loss: S,
+    pub other_loss: S,
 }
 
 /// The right-hand side of the equations of motion at one instant, with everything that led to it.
@@ -72,6 +73,8 @@ pub(crate) struct Evaluation<S> {
     pub wheels: Vec<WheelEvaluation<S>>,
     pub acceleration: Vector<S>,
     pub potential: S,
+    /// Power that joint friction and forces on the chassis take, W.
+    pub other_loss: S,
 }
 
 impl<S: Scalar> Evaluation<S> {
@@ -84,6 +87,7 @@ impl<S: Scalar> Evaluation<S> {
             wheels,
             acceleration: zeros(),
             potential: S::from(0.0),
+            other_loss: S::from(0.0),
         }
     }
 
@@ -125,15 +129,20 @@ impl<S: Scalar> Evaluation<S> {
         let n = rover.coordinates();
         self.mass = [zeros(); super::MAX_COORDINATES];
         self.potential = S::from(0.0);
+        self.other_loss = S::from(0.0);
         let body = &rover.body;
         self.add_mass(rover, 0, [body.centre_of_mass_x, body.centre_of_mass_z], (body.mass, body.pitch_inertia), force);
         for (j, link) in rover.links.iter().enumerate() {
             let p = &link.parameters;
             self.add_mass(rover, j + 1, [p.centre_of_mass_x, p.centre_of_mass_z], (p.mass, p.inertia), force);
-            force[3 + j] -= p.damping * state.rate[3 + j];
+            let friction = p.damping * state.rate[3 + j];
+            force[3 + j] -= friction;
+            self.other_loss += friction * state.rate[3 + j];
         }
         let travelled = state.position[0] - state.start_x;
-        force[0] += rover.effects.body_force(&BodyMotion { travelled, velocity: state.rate[0] });
+        let resistance = rover.effects.body_force(&BodyMotion { travelled, velocity: state.rate[0] });
+        force[0] += resistance;
+        self.other_loss -= resistance * state.rate[0];
         debug_assert!(n <= super::MAX_COORDINATES);
     }
 
@@ -213,11 +222,12 @@ impl<S: Scalar> Evaluation<S> {
         wheel.touch = touch(&local.wheel, &local.soil, local.exit_ratio, &motion);
         rover.effects.forces(&place, &local, &mut wheel.touch.forces);
         if command.drive == Drive::Torque {
-            wheel.motor_torque =
+            let (torque, limit_slope) =
                 motor::limited_torque(&rover.motor, &rover.effects, wheel.speed, S::from(command.values[k]));
             let (friction, slope) = rover.effects.drive_friction(wheel.speed);
-            wheel.rim_torque = wheel.motor_torque - friction;
-            wheel.friction_slope = -slope;
+            wheel.motor_torque = torque;
+            wheel.rim_torque = torque - friction;
+            wheel.drive_slope = limit_slope - slope;
         }
         Ok(())
     }
@@ -229,7 +239,7 @@ impl<S: Scalar> Evaluation<S> {
             if command.drive == Drive::Speed {
                 wheel.rim_torque -= rover.wheel.inertia * dot(&wheel.turn, &self.acceleration, n);
                 wheel.motor_torque = wheel.rim_torque + rover.effects.drive_friction(wheel.speed).0;
-                wheel.friction_slope = S::from(0.0);
+                wheel.drive_slope = S::from(0.0);
             }
             wheel.current = motor::current(&rover.motor, wheel.motor_torque);
         }
@@ -243,7 +253,8 @@ impl<S: Scalar> Evaluation<S> {
     /// Powers of the drives and of the soil.
     pub fn powers(&self, rover: &Rover<S>) -> Powers<S> {
         let zero = S::from(0.0);
-        let mut sum = Powers { dissipated: zero, electrical: zero, drive: zero, soil_loss: zero };
+        let other_loss = self.other_loss;
+        let mut sum = Powers { dissipated: zero, electrical: zero, drive: zero, soil_loss: zero, other_loss };
         for wheel in &self.wheels {
             let winding = rover.motor.resistance * wheel.current * wheel.current; // (4.6)
             let forces = &wheel.touch.forces;
@@ -291,7 +302,7 @@ impl<S: Scalar> WheelEvaluation<S> {
             motor_torque: o,
             rim_torque: o,
             current: o,
-            friction_slope: o,
+            drive_slope: o,
         }
     }
 }

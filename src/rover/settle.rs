@@ -11,6 +11,8 @@ use crate::signals::Command;
 const AT_REST: f64 = 1e-8;
 /// Newton iterations before the fall-back, which settles in a second or two of simulated time.
 const ITERATIONS: usize = 40;
+/// Steepest pitch of a rover that stands on its wheels, rad.
+const MOST_PITCH: f64 = 1.3;
 const SETTLING_STEPS: usize = 2000;
 const SETTLING_STEP: f64 = 0.001;
 
@@ -145,7 +147,9 @@ impl Balance {
         let size = |a: &Vector<f64>| a[..n].iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         for _ in 0..ITERATIONS {
             if size(&left) < AT_REST {
-                return Ok(Ok(state));
+                // An equilibrium on the nose or tail is none of a rover on its wheels.
+                let upright = state.position[2].abs() < MOST_PITCH;
+                return Ok(if upright { Ok(state) } else { Err(f64::INFINITY) });
             }
             let mut jacobian = [zeros(); MAX_COORDINATES];
             for j in 0..n {
