@@ -12,13 +12,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     run.inputs_mut().set("velocity_command", 0.2)?;
 
     let mut summary = SummaryBuilder::default();
-    summary.push(run.signals());
+    summary.push(&run);
     for _ in 0..1000 {
         run.advance(10)?; // 20 ms
-        summary.push(run.signals());
+        summary.push(&run);
     }
 
-    let figures = summary.summary(run.time(), run.signals());
+    let figures = summary.summary(&run);
     println!("{:.2} m in {:.0} s, slip {:.1} %", figures.distance, figures.time, 100.0 * figures.slip);
     println!("{:.2} W in the windings, {:.1} J/m", figures.power, figures.energy_per_metre);
     Ok(())

@@ -212,3 +212,14 @@ fn property_forces_are_continuous_in_the_sinkage_and_the_exit_angle() {
         assert!(fine < 0.25 * coarse, "{coarse} {fine}");
     }
 }
+
+#[test]
+fn analytic_reece_moduli_give_the_same_surface_at_one_width() {
+    // Errata 15: (k_1 + k_2 b)(z/b)^n is Bekker's curve with k_c/b + k_phi = (k_1 + k_2 b) b^-n.
+    let (k_1, k_2, width) = (1.2e3, 4.0e4, 0.12);
+    let soil = bekker::soil::Soil { exponent: 0.9, ..Default::default() }.with_reece_moduli(k_1, k_2, width);
+    for depth in [0.002_f64, 0.01, 0.05] {
+        let reece = (k_1 + k_2 * width) * (depth / width).powf(0.9);
+        assert!((soil.pressure(depth, width) / reece - 1.0).abs() < 1e-14, "at {depth} m");
+    }
+}

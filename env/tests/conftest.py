@@ -48,6 +48,12 @@ def drawn(seed: int) -> Drive:
     for name, (low, high) in RANGES.items():
         assert name in names, name
         model.set(name, random.uniform(low, high))
+    # Everything else a little, but for periods (whole numbers of steps) and neutral values.
+    for variable in model.parameters():
+        name, value = variable["name"], variable["value"]
+        if name not in RANGES and not name.endswith("period") and value != 0.0:
+            varied = value * random.uniform(0.95, 1.05)
+            model.set(name, min(max(varied, variable["min"]), variable["max"]))
     largest = {"torque": 0.2 * model.total_mass, "speed": 5.0, "speed_loop": 5.0, "velocity": 0.4, "rtc": 0.4}[model.control]
     commands = np.repeat(random.uniform(-0.2, 1.0, (20, len(model.inputs()))), 5, axis=0) * largest
     return Drive(model, commands, steps=10)

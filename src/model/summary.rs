@@ -1,6 +1,6 @@
 //! Figures of a drive: averages over its time.
 
-use crate::signals::Signals;
+use super::Run;
 
 /// Averages over a drive so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -17,8 +17,10 @@ pub struct Summary {
     pub electrical_power: f64,
     /// Electrical energy a metre of way, J/m; infinite where there was no way.
     pub energy_per_metre: f64,
-    /// Mean slip over time and wheels.
+    /// Mean slip over time and wheels (a plain mean of the signal).
     pub slip: f64,
+    /// Largest rim speed relative to the carrying body, m/s.
+    pub largest_rim_speed: f64,
     /// Largest pitch up or down, rad.
     pub largest_pitch: f64,
 }
@@ -29,25 +31,29 @@ pub struct SummaryBuilder {
     start_x: Option<f64>,
     samples: usize,
     slip: f64,
+    rim_speed: f64,
     largest_pitch: f64,
 }
 
 impl SummaryBuilder {
-    /// Takes one sample; the first is the start.
-    pub fn push(&mut self, signals: &Signals) {
+    /// Takes one sample of a run; the first is the start.
+    pub fn push(&mut self, run: &Run) {
+        let (signals, radius) = (run.signals(), run.simulation().rover().wheel.radius);
         if self.start_x.is_none() {
             self.start_x = Some(signals.body.x);
             return;
         }
         self.samples += 1;
         self.slip += signals.wheels.iter().map(|wheel| wheel.slip).sum::<f64>() / signals.wheels.len() as f64;
+        let fastest = signals.wheels.iter().map(|wheel| wheel.speed.abs()).fold(0.0, f64::max);
+        self.rim_speed = self.rim_speed.max(radius * fastest);
         self.largest_pitch = self.largest_pitch.max(signals.body.pitch.abs());
     }
 
     /// The averages up to now.
     #[must_use]
-    pub fn summary(&self, time: f64, signals: &Signals) -> Summary {
-        let body = &signals.body;
+    pub fn summary(&self, run: &Run) -> Summary {
+        let (time, body) = (run.time(), &run.signals().body);
         let distance = body.x - self.start_x.unwrap_or(body.x);
         let mean = |sum: f64| if time > 0.0 { sum / time } else { 0.0 };
         Summary {
@@ -58,6 +64,7 @@ impl SummaryBuilder {
             electrical_power: mean(body.electrical_energy),
             energy_per_metre: body.electrical_energy / distance.abs(),
             slip: self.slip / self.samples.max(1) as f64,
+            largest_rim_speed: self.rim_speed,
             largest_pitch: self.largest_pitch,
         }
     }

@@ -17,7 +17,7 @@ parameters! {
     /// Waves behind a level run-in: z = A (1 - cos(2 pi (x - start)/wavelength)) beyond `start`, 0 before it; C1 there.
     pub struct Waves {
         /// Amplitude A: half the height from trough to crest.
-        amplitude: [Unit::METRE] = 0.05, 0.0..=2.0, Fixed, "preset; 9 degrees at the steepest place with the default wavelength";
+        amplitude: [Unit::METRE] = 0.05, 0.0..=2.0, Fixed, "preset";
         /// Distance from crest to crest.
         wavelength: [Unit::METRE] = 2.0, 0.1..=1000.0, Fixed, "preset";
         /// Where the waves begin; far behind the rover it only sets their phase.
