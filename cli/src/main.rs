@@ -4,6 +4,7 @@ mod compare;
 mod demo;
 mod fmu;
 mod model;
+mod output;
 mod parameters;
 mod progress;
 mod simulate;

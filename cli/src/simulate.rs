@@ -77,18 +77,18 @@ impl Drive<'_> {
         let mut summary = SummaryBuilder::default();
         let bar = progress::bar(rows, name);
         record.push(run.time(), run.signals())?;
-        summary.push(run.signals());
+        summary.push(run);
         for _ in 0..rows {
             self.advance(run, stride)?;
             record.push(run.time(), run.signals())?;
-            summary.push(run.signals());
+            summary.push(run);
             bar.inc(1);
             if run.status() != Status::Running {
                 break;
             }
         }
         bar.finish_and_clear();
-        let figures = summary.summary(run.time(), run.signals());
+        let figures = summary.summary(run);
         Ok((record.into_table(), figures))
     }
 

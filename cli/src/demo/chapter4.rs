@@ -36,7 +36,16 @@ struct Trio {
 pub fn run(out: &Path) -> Result<Vec<(PathBuf, &'static str)>> {
     say!("1. Chapter 4's two-wheeled rover over {COURSE} m of gently rolling sand (steepest slope 5 degrees)\n");
     let heads = ["windings", "electric", "energy", "slip", "speed", "fastest rim"];
-    say!("   {:30} {:>9} {:>9} {:>9} {:>7} {:>9} {:>12}", "", heads[0], heads[1], heads[2], heads[3], heads[4], heads[5]);
+    say!(
+        "   {:30} {:>9} {:>9} {:>9} {:>7} {:>9} {:>12}",
+        "",
+        heads[0],
+        heads[1],
+        heads[2],
+        heads[3],
+        heads[4],
+        heads[5]
+    );
     say!("   {:30} {:>9} {:>9} {:>9} {:>7} {:>9} {:>12}", "", "W", "W", "J/m", "%", "cm/s", "cm/s");
     say!("   {:30} {:>9} {:>9} {:>9} {:>7} {:>9} {:>12}", "thesis, velocity control", "4.7", "-", "-", "9.4", "-", "-");
     say!("   {:30} {:>9} {:>9} {:>9} {:>7} {:>9} {:>12}", "thesis, RTC", "2.9", "-", "-", "5.3", "< 25", "-");
@@ -132,8 +141,16 @@ fn at_speed(model: &Model, speed: f64) -> Result<Summary> {
 fn explain(trios: &[Trio]) -> Result<()> {
     let [stated, firm] = trios else { return Ok(()) };
     say!("\n   Why these differ from the thesis:");
-    say!("   - Slip. The stated soil (K = 30 mm) asks for {:.0} % slip on level ground by the full stress", 100.0 * stated.level_slip);
-    say!("     integrals and {:.0} % on these waves, not 9.4 %; K = 10 mm gives {:.1} % and {:.1} %.", 100.0 * stated.velocity.slip, 100.0 * firm.level_slip, 100.0 * firm.velocity.slip);
+    say!(
+        "   - Slip. The stated soil (K = 30 mm) asks for {:.0} % slip on level ground by the full stress",
+        100.0 * stated.level_slip
+    );
+    say!(
+        "     integrals and {:.0} % on these waves, not 9.4 %; K = 10 mm gives {:.1} % and {:.1} %.",
+        100.0 * stated.velocity.slip,
+        100.0 * firm.level_slip,
+        100.0 * firm.velocity.slip
+    );
     say!("   - Power. Motors, gear, gains, gravity and the centre of mass's height are not in the thesis; ours are");
     say!("     assumptions (`bekker parameters gentle_rtc` lists each), so watts compare only with ours.");
     say!("   - RTC against velocity control: the thesis has -38.3 % power, at speeds that it does not state.");
