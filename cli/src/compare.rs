@@ -1,6 +1,7 @@
 //! `bekker compare`.
 
 use crate::model::ModelArguments;
+use crate::output::{check_writable, say};
 use anyhow::{Context, Result};
 use bekker::diagnosis::{Calibration, CompareOptions, Comparison, compare};
 use bekker::measurement::Experiment;
@@ -26,11 +27,14 @@ impl Compare {
     pub fn run(self) -> Result<()> {
         let experiment = Experiment::read(&self.experiment)?;
         let model = self.model.load()?;
+        if let Some(path) = &self.html {
+            check_writable(path)?;
+        }
         let comparison = compare(&model, &experiment, &CompareOptions { calibrate: self.calibrate })?;
-        print(&comparison, "");
+        print(&comparison, "")?;
         if let Some(path) = &self.html {
             write_page(&comparison, path)?;
-            println!("wrote {}", path.display());
+            say!("wrote {}", path.display());
         }
         Ok(())
     }
@@ -42,49 +46,74 @@ pub fn write_page(comparison: &Comparison, path: &Path) -> Result<()> {
 }
 
 /// Prints errors, free parameters, and where the model fails most; every line starts with `indent`.
-pub fn print(comparison: &Comparison, indent: &str) {
-    println!("{indent}{}: {} runs", comparison.experiment.name, comparison.experiment.runs.len());
-    print_errors(comparison, indent);
+pub fn print(comparison: &Comparison, indent: &str) -> Result<()> {
+    say!("{indent}{}: {} runs", comparison.experiment.name, comparison.experiment.runs.len());
+    print_errors(comparison, indent)?;
     if let Some((calibration, _)) = &comparison.calibrated {
-        print_parameters(calibration, indent);
+        print_parameters(calibration, indent)?;
     }
-    println!("{indent}where it fails most (mean residual, measured minus modelled):");
+    say!("{indent}where it fails most (mean residual, measured minus modelled):");
     for failure in comparison.failures.iter().take(4) {
         let (level, noise) = (&failure.level, failure.ratio());
         let noise = noise.map_or_else(|| "noise unknown".to_owned(), |ratio| format!("{ratio:.1} times the noise"));
-        println!(
+        say!(
             "{indent}  {:14} {:+.4} where {} = {:.3} .. {:.3} ({noise})",
-            failure.signal, level.mean, failure.condition, level.low, level.high
+            failure.signal,
+            level.mean,
+            failure.condition,
+            level.low,
+            level.high
         );
     }
+    Ok(())
 }
 
-fn print_errors(comparison: &Comparison, indent: &str) {
-    println!("{indent}{:16} {:>12} {:>12} {:>12}", "error (RMS, SI)", "as given", "calibrated", "noise floor");
+fn print_errors(comparison: &Comparison, indent: &str) -> Result<()> {
+    say!("{indent}{:16} {:>12} {:>12} {:>12}", "error (RMS, SI)", "as given", "calibrated", "noise floor");
     let cell = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.5}"));
     for (signal, best) in &comparison.fit().rmse {
         let given = comparison.given.as_ref().ok().and_then(|fit| fit.rmse.get(signal).copied());
         let calibrated = comparison.calibrated.as_ref().map(|_| *best);
         let floor = comparison.noise_floor.get(signal).and_then(|floor| floor.value());
-        println!("{indent}{signal:16} {:>12} {:>12} {:>12}", cell(given), cell(calibrated), cell(floor));
+        say!("{indent}{signal:16} {:>12} {:>12} {:>12}", cell(given), cell(calibrated), cell(floor));
     }
     if let Err(error) = &comparison.given {
-        println!("{indent}the given parameters cannot compute this experiment: {error}");
+        say!("{indent}the given parameters cannot compute this experiment: {error}");
     }
+    Ok(())
 }
 
-fn print_parameters(calibration: &Calibration, indent: &str) {
-    println!(
+fn print_parameters(calibration: &Calibration, indent: &str) -> Result<()> {
+    say!(
         "{indent}calibrated (chi-square {:.0} for {} degrees of freedom; {} of {} searches agree):",
-        calibration.chi_square, calibration.degrees_of_freedom, calibration.agreeing, calibration.searches
+        calibration.chi_square,
+        calibration.degrees_of_freedom,
+        calibration.agreeing,
+        calibration.searches
     );
     for parameter in &calibration.parameters {
         let deviation = parameter.deviation.map_or_else(String::new, |deviation| format!(" +- {deviation:.3e}"));
-        let flag = if parameter.at_bound { "  ON ITS BOUND" } else { "" };
         let variable = &parameter.variable;
-        println!(
-            "{indent}  {:20} {:.4e}{deviation} {} (from {:.4e}, bounds {:e} .. {:e}){flag}",
-            variable.name, parameter.value, variable.unit.symbol, parameter.start, variable.min, variable.max
+        let bound = if parameter.at_bound { "  ON ITS BOUND" } else { "" };
+        let width = variable.max - variable.min;
+        // A deviation wider than the bounds says no more than the bounds do.
+        let undetermined =
+            parameter.deviation.map_or(!parameter.at_bound, |deviation| deviation.is_nan() || deviation > width);
+        let unknown = if undetermined { "  NOT DETERMINED" } else { "" };
+        say!(
+            "{indent}  {:20} {:.4e}{deviation} {} (from {:.4e}, bounds {:e} .. {:e}){bound}{unknown}",
+            variable.name,
+            parameter.value,
+            variable.unit.symbol,
+            parameter.start,
+            variable.min,
+            variable.max
         );
     }
+    if calibration.agreeing < 2 {
+        say!(
+            "{indent}warning: only one search found this best cost; it may not be the least, and another set of parameters may fit better"
+        );
+    }
+    Ok(())
 }

@@ -1,6 +1,7 @@
 //! `bekker fmu`.
 
 use crate::model::ModelArguments;
+use crate::output::say;
 use anyhow::Result;
 use std::path::PathBuf;
 
@@ -19,7 +20,7 @@ impl Fmu {
         let model = self.model.load()?;
         let path = self.output.unwrap_or_else(|| PathBuf::from(format!("{}.fmu", model.name)));
         bekker_fmu_package::export(&model, &path)?;
-        println!("wrote {}", path.display());
+        say!("wrote {}", path.display());
         Ok(())
     }
 }

@@ -14,7 +14,12 @@ use std::process::ExitCode;
 
 /// Rough-terrain rovers on deformable soil: simulate, compare with measurements, package as FMU.
 #[derive(Parser)]
-#[command(name = "bekker", version, about, after_help = "Exit codes: 0 done, 1 the work failed, 2 the call is wrong.")]
+#[command(
+    name = "bekker",
+    version,
+    about,
+    after_help = "Exit codes: 0 done, 1 the work failed or a value was refused, 2 the call could not be read."
+)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -46,10 +51,24 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("bekker: {error:#}");
+            eprintln!("bekker: {}", message(&error));
             ExitCode::FAILURE
         }
     }
+}
+
+/// The error and its causes; a cause that the text before it already holds is not said again.
+fn message(error: &anyhow::Error) -> String {
+    let mut text = String::new();
+    for cause in error.chain().map(ToString::to_string) {
+        if text.is_empty() {
+            text = cause;
+        } else if !text.contains(&cause) {
+            text.push_str(": ");
+            text.push_str(&cause);
+        }
+    }
+    text
 }
 
 /// A reader that has seen enough (`bekker parameters | head`) is no failure.

@@ -1,12 +1,25 @@
-//! Lines on standard output that may fail.
+//! Lines on stdout and files to be written.
 
-/// Writes a line to standard output and returns early with the error where that fails, for example because
-/// the reader of a pipe has gone (`println!` would panic).
+use anyhow::{Context, Result};
+use std::io::Write;
+use std::path::Path;
+
+/// Writes a line to stdout and returns the error from the calling function where that fails: unlike `println!`, which
+/// panics when the reader has closed the pipe.
 macro_rules! say {
-    ($($text:tt)*) => {{
-        use std::io::Write as _;
-        writeln!(std::io::stdout().lock(), $($text)*)?
-    }};
+    ($($format:tt)*) => {
+        $crate::output::line(format_args!($($format)*))?
+    };
+}
+pub(crate) use say;
+
+/// Writes one line to stdout; used by `say!`.
+pub fn line(text: std::fmt::Arguments) -> std::io::Result<()> {
+    writeln!(std::io::stdout().lock(), "{text}")
 }
 
-pub(crate) use say;
+/// Refuses a path that cannot be written, before long work is done for it; what a file there holds is kept.
+pub fn check_writable(path: &Path) -> Result<()> {
+    let opened = std::fs::OpenOptions::new().write(true).create(true).truncate(false).open(path);
+    opened.map(drop).with_context(|| format!("cannot write `{}`", path.display()))
+}

@@ -1,6 +1,7 @@
 //! `bekker simulate`.
 
 use crate::model::{ModelArguments, assignment};
+use crate::output::{check_writable, say};
 use crate::progress;
 use anyhow::{Context, Result, anyhow, bail};
 use bekker::measurement::{Record, Table};
@@ -37,10 +38,6 @@ pub struct Simulate {
 impl Simulate {
     pub fn run(self) -> Result<()> {
         let model = self.model.load()?;
-        let duration = self.duration.unwrap_or(model.stepping.duration);
-        if !(duration > 0.0 && duration.is_finite()) {
-            bail!("--duration {duration}: expected a finite time of more than 0 s");
-        }
         let inputs = match &self.input_file {
             Some(file) => Some(InputTable::read(file, &model)?),
             None => None,
@@ -48,14 +45,22 @@ impl Simulate {
         let mut run = model.start()?;
         for input in &self.inputs {
             let (name, value) = assignment(input)?;
+            if inputs.as_ref().is_some_and(|table| table.names.iter().any(|column| column == name)) {
+                bail!("input `{name}` is given twice: by --input and as a column of --input-file");
+            }
             run.inputs_mut().set(name, value)?;
         }
-        let drive = Drive { duration, every: self.every, signals: self.signals.as_deref(), inputs: inputs.as_ref() };
+        let stride = steps("--every", self.every, run.step_size())?;
+        let rows = rows(self.duration, model.stepping.duration, self.every)?;
+        if let Some(path) = &self.csv {
+            check_writable(path)?;
+        }
+        let drive = Drive { rows, stride, signals: self.signals.as_deref(), inputs: inputs.as_ref() };
         let (table, summary) = drive.record(&mut run, &model.name)?;
-        print_summary(&model.name, &summary, run.status());
+        print_summary(&model.name, &summary, run.status())?;
         if let Some(path) = &self.csv {
             table.save(path).with_context(|| format!("cannot write `{}`", path.display()))?;
-            println!("wrote {} ({} rows)", path.display(), table.rows());
+            say!("wrote {} ({} rows)", path.display(), table.rows());
         }
         Ok(())
     }
@@ -63,23 +68,21 @@ impl Simulate {
 
 /// How a run is driven and recorded.
 struct Drive<'a> {
-    duration: f64,
-    every: f64,
+    rows: u64,
+    stride: u64,
     signals: Option<&'a [String]>,
     inputs: Option<&'a InputTable>,
 }
 
 impl Drive<'_> {
     fn record(&self, run: &mut Run, name: &str) -> Result<(Table, Summary)> {
-        let stride = steps("--every", self.every, run.step_size())?;
-        let rows = (self.duration / (stride as f64 * run.step_size())).round() as u64;
         let mut record = Record::new(&mut run.signals().clone(), self.signals)?;
         let mut summary = SummaryBuilder::default();
-        let bar = progress::bar(rows, name);
+        let bar = progress::bar(self.rows, name);
         record.push(run.time(), run.signals())?;
-        summary.push(run);
-        for _ in 0..rows {
-            self.advance(run, stride)?;
+        summary.push(run.signals());
+        for _ in 0..self.rows {
+            self.advance(run, self.stride)?;
             record.push(run.time(), run.signals())?;
             summary.push(run);
             bar.inc(1);
@@ -106,6 +109,17 @@ impl Drive<'_> {
     }
 }
 
+/// How many recorded rows follow the start; a model's own duration (`given` is `None`) is rounded to whole rows.
+fn rows(given: Option<f64>, own: f64, every: f64) -> Result<u64> {
+    let Some(duration) = given else { return Ok(((own / every).round() as u64).max(1)) };
+    let ratio = duration / every;
+    if ratio.is_finite() && ratio >= 0.5 && (ratio - ratio.round()).abs() < 1e-6 {
+        Ok(ratio.round() as u64)
+    } else {
+        bail!("--duration {duration}: expected a positive whole multiple of --every {every} s")
+    }
+}
+
 /// How many inner steps make `seconds`.
 fn steps(what: &str, seconds: f64, step_size: f64) -> Result<u64> {
     let ratio = seconds / step_size;
@@ -127,8 +141,18 @@ impl InputTable {
         let table = Table::read(file)?;
         let known: Vec<String> = model.inputs().list().into_iter().map(|(variable, _)| variable.name).collect();
         let names: Vec<String> = table.names().iter().filter(|name| *name != "time").cloned().collect();
-        if table.column("time").is_none() {
-            bail!("`{}`: expected a column `time`", file.display());
+        let Some(times) = table.column("time") else { bail!("`{}`: expected a column `time`", file.display()) };
+        if !times.first().is_some_and(|time| *time <= 0.0) {
+            bail!(
+                "`{}`: expected the first row at time 0 or before, so that inputs are known from the start",
+                file.display()
+            );
+        }
+        if !times.is_sorted() {
+            bail!("`{}`: expected rows in the order of their `time`", file.display());
+        }
+        if names.is_empty() {
+            bail!("`{}`: expected at least one column of an input ({})", file.display(), known.join(", "));
         }
         if let Some(strange) = names.iter().find(|name| !known.contains(name)) {
             bail!("`{}`: column `{strange}` is no input of this model ({})", file.display(), known.join(", "));
@@ -150,17 +174,19 @@ impl InputTable {
     }
 }
 
-fn print_summary(name: &str, summary: &Summary, status: Status) {
-    println!("{name}: {:.2} m in {:.2} s, {:.1} cm/s", summary.distance, summary.time, 100.0 * summary.speed);
-    println!(
-        "  mean slip {:.1} %, power dissipated {:.2} W, electrical {:.2} W, {:.1} J/m, largest pitch {:.1} deg",
+fn print_summary(name: &str, summary: &Summary, status: Status) -> Result<()> {
+    let energy = summary.energy_per_metre;
+    let energy = if energy.is_finite() { format!("{energy:.1}") } else { "-".to_owned() };
+    say!("{name}: {:.2} m in {:.2} s, {:.1} cm/s", summary.distance, summary.time, 100.0 * summary.speed);
+    say!(
+        "  mean slip {:.1} %, power dissipated {:.2} W, electrical {:.2} W, {energy} J/m, largest pitch {:.1} deg",
         100.0 * summary.slip,
         summary.power,
         summary.electrical_power,
-        summary.energy_per_metre,
         summary.largest_pitch.to_degrees()
     );
     if let Status::Ended(event) = status {
-        println!("  ended early: {event}");
+        say!("  ended early: {event}");
     }
+    Ok(())
 }

@@ -1,6 +1,7 @@
 //! The model against a measured experiment that travels with the program.
 
 use crate::compare::{print, write_page};
+use crate::output::say;
 use anyhow::{Context, Result};
 use bekker::diagnosis::{CompareOptions, Comparison, compare};
 use bekker::measurement::Experiment;
@@ -12,7 +13,7 @@ const FILES: &[(&str, &str)] = &include!(concat!(env!("OUT_DIR"), "/sand_wheel.r
 
 /// Unpacks the experiment, compares, and writes the page.
 pub fn run(out: &Path) -> Result<Vec<(PathBuf, &'static str)>> {
-    println!("\n3. The model against measurements: a single wheel at three loads and two speeds");
+    say!("\n3. The model against measurements: a single wheel at three loads and two speeds");
     let folder = out.join("sand_wheel");
     for (name, text) in FILES {
         let path = folder.join(name);
@@ -22,25 +23,26 @@ pub fn run(out: &Path) -> Result<Vec<(PathBuf, &'static str)>> {
     }
     let experiment = Experiment::read(&folder)?;
     let comparison = compare(&Model::preset("two_wheeled")?, &experiment, &CompareOptions { calibrate: true })?;
-    print(&comparison, "   ");
-    judge(&comparison);
+    print(&comparison, "   ")?;
+    judge(&comparison)?;
     let page = out.join("sand_wheel.html");
     write_page(&comparison, &page)?;
     Ok(vec![(folder, "the experiment"), (page, "overlay and residual plots: open it in a browser")])
 }
 
 /// Says what the errors mean beside the noise floor.
-fn judge(comparison: &Comparison) {
+fn judge(comparison: &Comparison) -> Result<()> {
     let ratio = |(signal, error): (&String, &f64)| {
         comparison.noise_floor.get(signal).and_then(|floor| floor.value()).map(|floor| error / floor)
     };
     let worst = comparison.fit().rmse.iter().filter_map(ratio).fold(0.0_f64, f64::max);
     if worst > 1.2 {
-        println!(
+        say!(
             "   After calibration the error is still up to {worst:.1} times the noise: no soil parameters explain these\n   \
              data, so a physical effect is missing from the model."
         );
     } else {
-        println!("   After calibration the error is at the noise floor ({worst:.1} times): nothing is missing.");
+        say!("   After calibration the error is at the noise floor ({worst:.1} times): nothing is missing.");
     }
+    Ok(())
 }

@@ -3,6 +3,7 @@
 mod chapter4;
 mod measurement;
 
+use crate::output::say;
 use anyhow::{Context, Result};
 use bekker::model::Model;
 use std::path::PathBuf;
@@ -19,20 +20,20 @@ impl Demo {
     pub fn run(self) -> Result<()> {
         std::fs::create_dir_all(&self.out).with_context(|| format!("cannot make `{}`", self.out.display()))?;
         let mut written = chapter4::run(&self.out)?;
-        println!("\n2. An FMU of the rover under rough-terrain control");
+        say!("\n2. An FMU of the rover under rough-terrain control");
         let fmu = self.out.join("gentle_rtc.fmu");
         bekker_fmu_package::export(&Model::preset("gentle_rtc")?, &fmu)?;
-        println!("   FMI 3.0, co-simulation; load it with FMPy or any tool that takes FMI 3.0.");
+        say!("   FMI 3.0, co-simulation; load it with FMPy or any tool that takes FMI 3.0.");
         written.push((fmu, "the rover under rough-terrain control as an FMU"));
         written.extend(measurement::run(&self.out)?);
-        println!("\nWritten:");
+        say!("\nWritten:");
         for (path, what) in &written {
-            println!("   {:40} {what}", path.display().to_string());
+            say!("   {:40} {what}", path.display().to_string());
         }
-        println!("\nNext: look at the page's residual plots; then");
-        println!("   bekker parameters gentle_rtc                     every parameter, its unit, range and source");
-        println!("   bekker simulate gentle_rtc --csv drive.csv       your own drive (--set soil.cohesion=500 ..)");
-        println!("   bekker compare YOUR_FOLDER --calibrate --html report.html     your own measurements");
+        say!("\nNext: look at the page's residual plots; then");
+        say!("   bekker parameters gentle_rtc                     every parameter, its unit, range and source");
+        say!("   bekker simulate gentle_rtc --csv drive.csv       your own drive (--set soil.cohesion=500 ..)");
+        say!("   bekker compare YOUR_FOLDER --calibrate --html report.html     your own measurements");
         Ok(())
     }
 }

@@ -1,0 +1,139 @@
+//! The program as its users call it.
+
+use std::path::PathBuf;
+use std::process::{Command, Output, Stdio};
+
+fn bekker() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_bekker"));
+    command.current_dir(env!("CARGO_MANIFEST_DIR"));
+    command
+}
+
+fn call(arguments: &[&str]) -> Output {
+    bekker().args(arguments).output().expect("the program starts")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// Stdout of a call that must succeed.
+fn done(arguments: &[&str]) -> String {
+    let output = call(arguments);
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
+    text(&output.stdout)
+}
+
+fn file(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name)
+}
+
+fn shown(path: &std::path::Path) -> &str {
+    path.to_str().expect("the path is UTF-8")
+}
+
+/// A call that must be refused with exit 1 and one line on stderr that holds every one of `names`.
+fn refused(arguments: &[&str], names: &[&str]) {
+    let output = call(arguments);
+    let error = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{arguments:?}: {error}");
+    assert_eq!(error.trim_end().lines().count(), 1, "{arguments:?}: {error}");
+    assert!(!error.contains("panicked"), "{arguments:?}: {error}");
+    for name in names {
+        assert!(error.contains(name), "{arguments:?} does not name `{name}`: {error}");
+    }
+}
+
+#[test]
+fn property_every_preset_simulates() {
+    let models = done(&["parameters", "--models"]);
+    assert!(models.lines().count() > 1);
+    for name in models.lines().filter_map(|line| line.split_whitespace().next()) {
+        let out = done(&["simulate", name, "--duration", "1"]);
+        assert!(out.contains(name) && !out.contains("NaN") && !out.contains("inf"), "{out}");
+    }
+}
+
+#[test]
+fn property_bad_values_are_refused_in_one_line() {
+    refused(&["simulate", "no_such_rover"], &["no_such_rover", "two_wheeled"]);
+    refused(&["simulate", "--set", "soil.kohesion=1"], &["soil.kohesion"]);
+    refused(&["simulate", "--set", "soil.cohesion=-1"], &["soil.cohesion", "-1"]);
+    refused(&["simulate", "--set", "soil.cohesion=much"], &["soil.cohesion", "much"]);
+    refused(&["simulate", "--duration", "nan"], &["--duration", "NaN"]);
+    refused(&["simulate", "--duration", "0"], &["--duration", "--every"]);
+    refused(&["simulate", "--duration", "0.05"], &["--duration 0.05", "--every 0.02"]);
+    refused(&["simulate", "--every", "0.003"], &["--every 0.003"]);
+    refused(&["simulate", "--input-file", "no_such.csv"], &["no_such.csv"]);
+    refused(&["compare", "no_such_folder"], &["no_such_folder"]);
+    refused(&["simulate", "--duration", "0.1", "--signals", "no_such_signal"], &["no_such_signal"]);
+    refused(&["simulate", "--csv", "no_such_folder/x.csv"], &["no_such_folder/x.csv"]);
+}
+
+#[test]
+fn property_bad_input_files_are_refused() {
+    let path = file("inputs.csv");
+    let refuse = |content: &str, more: &[&str], names: &[&str]| {
+        std::fs::write(&path, content).expect("the file is written");
+        let mut arguments = vec!["simulate", "gentle_velocity", "--duration", "0.1", "--input-file", shown(&path)];
+        arguments.extend(more);
+        refused(&arguments, names);
+    };
+    refuse("time\n0\n", &[], &["inputs.csv", "velocity_command"]);
+    refuse("time,velocity_command\n1,0.2\n", &[], &["inputs.csv", "time"]);
+    refuse("time,no_such_input\n0,0.2\n", &[], &["no_such_input"]);
+    refuse(
+        "time,velocity_command\n0,0.2\n",
+        &["--input", "velocity_command=0.1"],
+        &["velocity_command", "--input-file"],
+    );
+}
+
+#[test]
+fn property_calls_that_cannot_be_read_exit_with_2() {
+    for arguments in [&["no_such_command"][..], &["simulate", "--no-such-option"], &["simulate", "--duration", "long"]]
+    {
+        let output = call(arguments);
+        let error = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{error}");
+        assert!(error.contains(arguments[arguments.len() - 1]) && !error.contains("panicked"), "{error}");
+    }
+}
+
+#[test]
+fn property_a_closed_pipe_is_no_failure() {
+    for arguments in
+        [&["parameters"][..], &["simulate", "--duration", "0.1"], &["compare", "../examples/sand_wheel", "two_wheeled"]]
+    {
+        let mut child = bekker().args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("starts");
+        drop(child.stdout.take());
+        let output = child.wait_with_output().expect("ends");
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
+        assert!(!text(&output.stderr).contains("panicked"));
+    }
+}
+
+#[test]
+fn property_printed_model_is_accepted() {
+    let path = file("printed.toml");
+    std::fs::write(&path, done(&["parameters", "rocker_bogie_velocity", "--toml"])).expect("the file is written");
+    assert_eq!(
+        done(&["simulate", shown(&path), "--duration", "0.2"]).lines().nth(1),
+        done(&["simulate", "rocker_bogie_velocity", "--duration", "0.2"]).lines().nth(1)
+    );
+}
+
+#[test]
+fn property_compare_writes_a_page() {
+    let path = file("sand_wheel.html");
+    let out = done(&["compare", "../examples/sand_wheel", "two_wheeled", "--html", shown(&path)]);
+    assert!(out.contains("where it fails most") && out.contains("drawbar_pull"), "{out}");
+    assert!(std::fs::read_to_string(&path).expect("the page is there").to_lowercase().contains("plotly"));
+}
+
+#[test]
+fn property_fmu_is_a_zip() {
+    let path = file("x.fmu");
+    done(&["fmu", "two_wheeled", "-o", shown(&path)]);
+    assert!(std::fs::read(&path).expect("the FMU is there").starts_with(b"PK"));
+}
