@@ -80,7 +80,7 @@ impl Drive<'_> {
         let mut summary = SummaryBuilder::default();
         let bar = progress::bar(self.rows, name);
         record.push(run.time(), run.signals())?;
-        summary.push(run.signals());
+        summary.push(run);
         for _ in 0..self.rows {
             self.advance(run, self.stride)?;
             record.push(run.time(), run.signals())?;

@@ -137,3 +137,20 @@ fn property_fmu_is_a_zip() {
     done(&["fmu", "two_wheeled", "-o", shown(&path)]);
     assert!(std::fs::read(&path).expect("the FMU is there").starts_with(b"PK"));
 }
+
+#[test]
+fn property_the_demo_names_what_it_wrote_and_wrote_it() {
+    let out = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("demo");
+    let done = std::process::Command::new(env!("CARGO_BIN_EXE_bekker"))
+        .args(["demo", "--out"])
+        .arg(&out)
+        .output()
+        .expect("runs");
+    let text = String::from_utf8_lossy(&done.stdout);
+    assert!(done.status.success(), "{text}{}", String::from_utf8_lossy(&done.stderr));
+    assert!(text.contains("thesis, RTC") && !text.contains("NaN"), "{text}");
+    for name in ["gentle_velocity_K30mm.csv", "gentle_rtc_K10mm.csv", "gentle_rtc.fmu", "sand_wheel.html"] {
+        assert!(text.contains(name), "{name} is not named in: {text}");
+        assert!(std::fs::metadata(out.join(name)).is_ok_and(|file| file.len() > 10_000), "{name} is missing or small");
+    }
+}
