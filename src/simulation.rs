@@ -331,7 +331,7 @@ impl Simulation {
         &self.state
     }
 
-    /// Mean drive of the last command.
+    /// Whether the last command was torques or speeds.
     #[must_use]
     pub fn drive(&self) -> Drive {
         self.command.drive
