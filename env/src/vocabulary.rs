@@ -27,6 +27,7 @@ fn role(role: Role) -> &'static str {
     match role {
         Role::Fixed => "fixed",
         Role::Calibrated => "calibrated",
+        Role::Effect => "effect",
         Role::Signal => "signal",
     }
 }

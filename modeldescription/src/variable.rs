@@ -10,6 +10,8 @@ pub enum Role {
     Fixed,
     /// Free in a default calibration.
     Calibrated,
+    /// Of an effect: neutral unless the effect is switched on, and free where a diagnosis tries the effect.
+    Effect,
     /// Not a parameter: a signal that the model computes.
     Signal,
 }

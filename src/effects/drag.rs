@@ -11,7 +11,7 @@ parameters! {
     /// A constant force against the motion.
     pub struct Drag {
         /// Force F_0.
-        force: [Unit::NEWTON] = 0.0, 0.0..=100.0, Fixed, "cable or sled: 0.5-3 N";
+        force: [Unit::NEWTON] = 0.0, 0.0..=100.0, Effect, "cable or sled: 0.5-3 N";
     }
 }
 
@@ -19,7 +19,7 @@ parameters! {
     /// A force that grows with the distance travelled forward: k (x - x_0).
     pub struct Tether {
         /// Stiffness k.
-        stiffness: [Unit::NEWTON_PER_METRE] = 0.0, 0.0..=100.0, Fixed, "dragged cable: 0.1-1 N/m";
+        stiffness: [Unit::NEWTON_PER_METRE] = 0.0, 0.0..=100.0, Effect, "dragged cable: 0.1-1 N/m";
     }
 }
 

@@ -11,7 +11,7 @@ parameters! {
     /// Dry friction: the motor's torque exceeds the rim's by T_c sgn(omega).
     pub struct CoulombFriction {
         /// Friction torque T_c, wheel side.
-        torque: [Unit::NEWTON_METRE] = 0.0, 0.0..=5.0, Fixed, "usual for geared rover drives: 0.02-0.2 N m";
+        torque: [Unit::NEWTON_METRE] = 0.0, 0.0..=5.0, Effect, "usual for geared rover drives: 0.02-0.2 N m";
     }
 }
 
@@ -19,7 +19,7 @@ parameters! {
     /// Viscous friction: the motor's torque exceeds the rim's by B omega.
     pub struct ViscousFriction {
         /// Friction coefficient B, wheel side.
-        coefficient: [Unit::NEWTON_METRE_SECOND] = 0.0, 0.0..=5.0, Fixed, "usual for geared rover drives: 0.01-0.1 N m s";
+        coefficient: [Unit::NEWTON_METRE_SECOND] = 0.0, 0.0..=5.0, Effect, "usual for geared rover drives: 0.01-0.1 N m s";
     }
 }
 

@@ -8,7 +8,7 @@ parameters! {
     /// The soil rebounds behind the wheel: theta_2 = -acos(1 - lambda z/r).
     pub struct ExitAngle {
         /// Height lambda of the rut's rear edge over the wheel's bottom, as a share of the sinkage.
-        lambda: [Unit::ONE] = 0.0, 0.0..=1.2, Fixed, "Ishigami et al. 2007: 0.05-1.2, over 1 with lugs";
+        lambda: [Unit::ONE] = 0.0, 0.0..=1.2, Effect, "Ishigami et al. 2007: 0.05-1.2, over 1 with lugs";
     }
 }
 

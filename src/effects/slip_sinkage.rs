@@ -8,7 +8,7 @@ parameters! {
     /// A slipping wheel digs itself in: n = n_0 + n_1 min(|i|, 1) (Ding et al. 2011).
     pub struct SlipSinkage {
         /// Growth n_1 of the sinkage exponent with slip.
-        n1: [Unit::ONE] = 0.0, 0.0..=1.5, Fixed, "Ding et al. 2011, J. Terramechanics 48: 0.35-0.5";
+        n1: [Unit::ONE] = 0.0, 0.0..=1.5, Effect, "Ding et al. 2011, J. Terramechanics 48: 0.35-0.5";
     }
 }
 

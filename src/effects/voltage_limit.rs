@@ -12,7 +12,7 @@ parameters! {
     /// |R I + K_t N omega| stays within the supply voltage, so a loaded motor cannot hold its speed.
     pub struct VoltageLimit {
         /// One over the supply voltage; 0 is no limit.
-        inverse_voltage: [Unit::PER_VOLT] = 0.0, 0.0..=10.0, Fixed, "supply data";
+        inverse_voltage: [Unit::PER_VOLT] = 0.0, 0.0..=10.0, Effect, "supply data";
     }
 }
 
