@@ -12,7 +12,8 @@ use std::path::Path;
 fn property_the_page_of_the_shipped_experiment_is_complete_and_alone() {
     let experiment = Experiment::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/sand_wheel")).unwrap();
     let model = Model::preset("two_wheeled").unwrap();
-    let comparison = compare(&model, &experiment, &CompareOptions { calibrate: true }).unwrap();
+    let comparison =
+        compare(&model, &experiment, &CompareOptions { calibrate: true, ..CompareOptions::default() }).unwrap();
     let page = comparison_page(&comparison);
     std::fs::write(Path::new(env!("CARGO_TARGET_TMPDIR")).join("sand_wheel.html"), &page).unwrap();
 

@@ -56,7 +56,7 @@ fn shipped() -> Experiment {
 }
 
 fn run(experiment: &Experiment, calibrate: bool) -> Comparison {
-    compare(&baseline(), experiment, &CompareOptions { calibrate }).unwrap()
+    compare(&baseline(), experiment, &CompareOptions { calibrate, ..CompareOptions::default() }).unwrap()
 }
 
 #[test]

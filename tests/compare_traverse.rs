@@ -105,7 +105,8 @@ fn property_calibration_recovers_a_planted_soil_from_a_drive() {
     let folder = recorded("r", "two_wheeled_speed", "speed_command", |row| 2.0 + (row as f64 * 0.3).sin(), &settings);
     let experiment = Experiment::read(&folder).unwrap();
     let model = Model::preset("two_wheeled_speed").unwrap();
-    let comparison = compare(&model, &experiment, &CompareOptions { calibrate: true }).unwrap();
+    let comparison =
+        compare(&model, &experiment, &CompareOptions { calibrate: true, ..CompareOptions::default() }).unwrap();
     let (calibration, fit) = comparison.calibrated.as_ref().unwrap();
     let mut truth = planted("two_wheeled_speed");
     assert_eq!(calibration.parameters.len(), 2, "{calibration:?}");

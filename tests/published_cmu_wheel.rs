@@ -33,7 +33,8 @@ fn data(name: &str) -> Option<PathBuf> {
 }
 
 fn calibrated(experiment: &Experiment) -> Comparison {
-    let comparison = compare(&baseline(), experiment, &CompareOptions { calibrate: true }).unwrap();
+    let comparison =
+        compare(&baseline(), experiment, &CompareOptions { calibrate: true, ..CompareOptions::default() }).unwrap();
     let (calibration, fit) = comparison.calibrated.as_ref().unwrap();
     println!("{}: weights {:?}", experiment.name, calibration.weights);
     for p in &calibration.parameters {

@@ -18,6 +18,9 @@ pub struct Compare {
     /// Calibrate the free parameters first, within their bounds.
     #[arg(long)]
     calibrate: bool,
+    /// Switch effects on, separated by commas; their parameters are calibrated too.
+    #[arg(long, value_delimiter = ',', value_name = "EFFECTS", requires = "calibrate")]
+    with: Vec<String>,
     /// Write a self-contained page with overlay and residual plots.
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
@@ -30,7 +33,8 @@ impl Compare {
         if let Some(path) = &self.html {
             check_writable(path)?;
         }
-        let comparison = compare(&model, &experiment, &CompareOptions { calibrate: self.calibrate })?;
+        let comparison =
+            compare(&model, &experiment, &CompareOptions { calibrate: self.calibrate, added: self.with.clone() })?;
         print(&comparison, "")?;
         if let Some(path) = &self.html {
             write_page(&comparison, path)?;

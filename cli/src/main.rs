@@ -2,6 +2,7 @@
 
 mod compare;
 mod demo;
+mod diagnose;
 mod fmu;
 mod model;
 mod output;
@@ -31,6 +32,8 @@ enum Command {
     Simulate(simulate::Simulate),
     /// Run a model on the inputs of an experiment and see where it fails.
     Compare(compare::Compare),
+    /// Find out which physical effect is missing from the model.
+    Diagnose(diagnose::Diagnose),
     /// Write a model as an FMU for other simulation tools.
     Fmu(fmu::Fmu),
     /// List the vocabulary: every parameter, input and signal of a model.
@@ -43,6 +46,7 @@ fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Simulate(command) => command.run(),
         Command::Compare(command) => command.run(),
+        Command::Diagnose(command) => command.run(),
         Command::Fmu(command) => command.run(),
         Command::Parameters(command) => command.run(),
         Command::Demo(command) => command.run(),

@@ -18,7 +18,7 @@ pub fn compare<'py>(py: Python<'py>, folder: PathBuf, model: &Model, calibrate: 
     let experiment = py
         .detach(|| error::fenced(|| Experiment::read(&folder)))?
         .map_err(|refused| ModelError::new_err(refused.to_string()))?;
-    let options = CompareOptions { calibrate };
+    let options = CompareOptions { calibrate, ..CompareOptions::default() };
     let comparison = py
         .detach(|| error::fenced(|| core_compare(&model.core, &experiment, &options)))?
         .map_err(|refused| failed(&refused))?;

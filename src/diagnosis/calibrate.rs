@@ -1,25 +1,18 @@
 //! Calibration: the free parameters that bring the model closest to the measurements, within their bounds.
 //!
-//! Each residual is divided by the signal's standard deviation of one sample; a parameter with a prior adds one
-//! residual (p - p_0)/sigma_p. Positive parameters that span decades are searched in logarithms. Several searches start
-//! from the given values and from the best of seeded draws, since the cost has more than one valley where an exponent
-//! and a modulus trade against each other.
+//! Residuals are made white by the noise model; a parameter with a prior adds one residual. Several searches start from
+//! the given values and from the best of seeded draws, since the cost has more than one valley where an exponent and a
+//! modulus trade against each other.
 
-use super::layout::Layout;
+use super::free::{Free, Prior};
 use super::least_squares::{LeastSquares, Minimum};
-use super::prediction::Predict;
+use super::weighted::Weighted;
 use bekker_modeldescription::Variable;
 use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 
-/// Ratio of the bounds from which a positive parameter is searched in logarithms.
-const DECADES: f64 = 100.0;
-
-/// Draws from which the starts are chosen by their cost, and how many of them are searched from besides the first.
-const DRAWS: usize = 64;
-const SEARCHES: usize = 5;
 const SEED: u64 = 1967;
 
 /// A parameter this close to a bound (a share of the range) is put on it unless that raises the cost.
@@ -34,13 +27,20 @@ const AGREEING_COST: f64 = 1e-4;
 /// Singular values below this share of the largest count as zero: the experiment does not determine that direction.
 const RANK_TOLERANCE: f64 = 1e-10;
 
-/// What is known of a parameter from a separate test.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Prior {
-    /// The value that the test gave.
-    pub mean: f64,
-    /// Its standard deviation.
-    pub deviation: f64,
+/// How many starts a calibration tries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Effort {
+    /// Draws from which the starts are chosen by their cost.
+    pub draws: usize,
+    /// How many of them are searched from, besides the given values.
+    pub searches: usize,
+}
+
+impl Effort {
+    /// A wheel on a carriage: an evaluation takes under a millisecond.
+    pub const STEADY: Self = Self { draws: 64, searches: 5 };
+    /// A traverse: an evaluation takes tenths of a second.
+    pub const TRAVERSE: Self = Self { draws: 8, searches: 1 };
 }
 
 /// One free parameter after a calibration, in its SI unit.
@@ -53,7 +53,7 @@ pub struct CalibratedParameter {
     /// Value after.
     pub value: f64,
     /// Standard error, the other free parameters being uncertain too; `None` where the parameter sits on a bound or the
-    /// experiment does not determine it. It takes the residuals as independent and is too small where they are not.
+    /// experiment does not determine it. Where the misfit exceeds the noise it is enlarged accordingly.
     pub deviation: Option<f64>,
     /// Whether the value sits on a bound, so that the fit wanted to go further than is believable.
     pub at_bound: bool,
@@ -76,7 +76,7 @@ pub struct Calibration {
     pub parameters: Vec<CalibratedParameter>,
     /// Standard deviation by which each signal's residuals were divided, in the signal's unit.
     pub weights: BTreeMap<String, f64>,
-    /// Sum of the squared weighted residuals.
+    /// Sum of the squared whitened residuals (Huber's beyond the robust threshold), priors included.
     pub chi_square: f64,
     /// Measured values (and priors) less free parameters.
     pub degrees_of_freedom: usize,
@@ -90,116 +90,80 @@ pub struct Calibration {
     pub agreeing: usize,
 }
 
-/// A parameter to be calibrated.
-#[derive(Clone, Debug)]
-pub(crate) struct Free {
-    pub variable: Variable,
-    pub start: f64,
-    pub prior: Option<Prior>,
-}
-
-impl Free {
-    fn logarithmic(&self) -> bool {
-        self.variable.min > 0.0 && self.variable.max / self.variable.min >= DECADES
-    }
-
-    /// Coordinate of the search: ln p, or p over its range.
-    fn coordinate(&self, value: f64) -> f64 {
-        if self.logarithmic() { value.ln() } else { value / (self.variable.max - self.variable.min) }
-    }
-
-    fn value(&self, coordinate: f64) -> f64 {
-        let value =
-            if self.logarithmic() { coordinate.exp() } else { coordinate * (self.variable.max - self.variable.min) };
-        value.clamp(self.variable.min, self.variable.max)
-    }
-
-    /// dp/du.
-    fn slope(&self, value: f64) -> f64 {
-        if self.logarithmic() { value } else { self.variable.max - self.variable.min }
+impl Calibration {
+    /// The values of the free parameters.
+    pub(crate) fn values(&self) -> Vec<f64> {
+        self.parameters.iter().map(|parameter| parameter.value).collect()
     }
 }
 
-/// The weighted residuals as a function of the search's coordinates.
-struct Weighted<'a> {
-    predict: &'a dyn Predict,
-    layout: &'a Layout,
-    free: &'a [Free],
-    /// One over the standard deviation, for each entry of the layout.
-    weights: Vec<f64>,
+/// Calibrates from the given values and from seeded draws. `None` where no start has a finite cost.
+pub(crate) fn calibrate(weighted: &Weighted, weights: &BTreeMap<String, f64>, effort: Effort) -> Option<Calibration> {
+    let free = weighted.free;
+    let residual = |u: &[f64]| weighted.residual(u);
+    let jacobian = |u: &[f64]| weighted.jacobian(u);
+    let problem = least_squares(free, &residual, &jacobian);
+    let starts = starts(&problem, free, effort);
+    search(weighted, &problem, &starts, weights)
 }
 
-impl Weighted<'_> {
-    fn values(&self, u: &[f64]) -> Vec<f64> {
-        self.free.iter().zip(u).map(|(free, u)| free.value(*u)).collect()
-    }
-
-    fn priors(&self) -> impl Iterator<Item = (usize, Prior)> {
-        self.free.iter().enumerate().filter_map(|(k, free)| Some((k, free.prior?)))
-    }
-
-    fn present(&self) -> impl Iterator<Item = usize> {
-        (0..self.layout.len()).filter(|at| !self.layout.measured[*at].is_nan())
-    }
-
-    /// Infinite where the model has no answer, which rejects a step.
-    fn residual(&self, u: &[f64]) -> Vec<f64> {
-        let values = self.values(u);
-        let priors = self.priors().map(|(k, prior)| (values[k] - prior.mean) / prior.deviation);
-        match self.predict.values(&values) {
-            Ok(modelled) => self
-                .present()
-                .map(|at| (modelled[at] - self.layout.measured[at]) * self.weights[at])
-                .chain(priors)
-                .collect(),
-            Err(_) => vec![f64::INFINITY; self.layout.present() + self.priors().count()],
-        }
-    }
-
-    /// Row by row; NaN where the model has no answer, which the search reports as a breakdown.
-    fn jacobian(&self, u: &[f64]) -> Vec<f64> {
-        let values = self.values(u);
-        let scale: Vec<f64> = self.free.iter().zip(&values).map(|(free, value)| free.slope(*value)).collect();
-        let Ok((_, slopes)) = self.predict.slopes(&values) else {
-            return vec![f64::NAN; (self.layout.present() + self.priors().count()) * u.len()];
-        };
-        let mut rows = Vec::new();
-        for at in self.present() {
-            rows.extend((0..u.len()).map(|k| slopes[k][at] * scale[k] * self.weights[at]));
-        }
-        for (j, prior) in self.priors() {
-            rows.extend((0..u.len()).map(|k| if k == j { scale[k] / prior.deviation } else { 0.0 }));
-        }
-        rows
-    }
+/// Calibrates from the given starts only, values in SI units. `None` where none has a finite cost.
+pub(crate) fn calibrate_from(
+    weighted: &Weighted,
+    weights: &BTreeMap<String, f64>,
+    starts: &[Vec<f64>],
+) -> Option<Calibration> {
+    let residual = |u: &[f64]| weighted.residual(u);
+    let jacobian = |u: &[f64]| weighted.jacobian(u);
+    let problem = least_squares(weighted.free, &residual, &jacobian);
+    let starts: Vec<Vec<f64>> =
+        starts.iter().map(|values| weighted.coordinates(values)).filter(|u| problem.cost_at(u).is_finite()).collect();
+    search(weighted, &problem, &starts, weights)
 }
 
-/// Calibrates `free`; `weights` gives each signal's standard deviation. `None` where no start has a finite cost.
-pub(crate) fn calibrate(
-    predict: &dyn Predict,
-    layout: &Layout,
+fn least_squares<'a>(
     free: &[Free],
+    residual: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
+    jacobian: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
+) -> LeastSquares<'a> {
+    let (lower, upper) = free.iter().map(Free::bounds).unzip();
+    LeastSquares { lower, upper, residual, jacobian }
+}
+
+fn search(
+    weighted: &Weighted,
+    problem: &LeastSquares,
+    starts: &[Vec<f64>],
     weights: &BTreeMap<String, f64>,
 ) -> Option<Calibration> {
-    let mut by_entry = vec![0.0; layout.len()];
-    for block in &layout.blocks {
-        let deviation = weights.get(&block.signal)?;
-        by_entry[block.range.clone()].fill(deviation.recip());
-    }
-    let weighted = Weighted { predict, layout, free, weights: by_entry };
-    let problem = LeastSquares {
-        lower: free.iter().map(|f| f.coordinate(f.variable.min)).collect(),
-        upper: free.iter().map(|f| f.coordinate(f.variable.max)).collect(),
-        residual: &|u| weighted.residual(u),
-        jacobian: &|u| weighted.jacobian(u),
-    };
-    let minima: Vec<Minimum> = starts(&problem, free).iter().filter_map(|start| problem.minimise(start)).collect();
-    let mut best = minima.iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?.clone();
+    let minima: Vec<Minimum> = starts.iter().filter_map(|start| problem.minimise(start)).collect();
+    let best = minima.iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?.clone();
     let agreeing = minima.iter().filter(|m| m.cost <= best.cost * (1.0 + AGREEING_COST)).count();
-    let at_bound = put_on_bounds(&problem, &mut best);
-    let degrees_of_freedom = (layout.present() + weighted.priors().count()).saturating_sub(free.len());
+    Some(Calibration { searches: minima.len(), agreeing, ..finished(weighted, problem, best, weights) })
+}
+
+/// A calibration at given values, without any search. `None` where the model has no answer there.
+pub(crate) fn settled(weighted: &Weighted, weights: &BTreeMap<String, f64>, values: &[f64]) -> Option<Calibration> {
+    let residual = |u: &[f64]| weighted.residual(u);
+    let jacobian = |u: &[f64]| weighted.jacobian(u);
+    let problem = least_squares(weighted.free, &residual, &jacobian);
+    let x = weighted.coordinates(values);
+    let cost = Some(problem.cost_at(&x)).filter(|cost| cost.is_finite())?;
+    Some(finished(weighted, &problem, Minimum { x, cost, steps: 0, converged: true }, weights))
+}
+
+/// Bounds, standard errors and figures of a minimum.
+fn finished(
+    weighted: &Weighted,
+    problem: &LeastSquares,
+    mut best: Minimum,
+    weights: &BTreeMap<String, f64>,
+) -> Calibration {
+    let free = weighted.free;
+    let at_bound = put_on_bounds(problem, &mut best);
+    let degrees_of_freedom = weighted.rows().saturating_sub(free.len());
     let chi_square = 2.0 * best.cost;
-    let deviations = deviations(&weighted, &best.x, &at_bound, chi_square, degrees_of_freedom);
+    let deviations = deviations(weighted, &best.x, &at_bound, chi_square, degrees_of_freedom);
     let values = weighted.values(&best.x);
     let parameters = free.iter().enumerate().map(|(k, free)| CalibratedParameter {
         variable: free.variable.clone(),
@@ -209,23 +173,23 @@ pub(crate) fn calibrate(
         at_bound: at_bound[k],
         prior: free.prior,
     });
-    Some(Calibration {
+    Calibration {
         parameters: parameters.collect(),
         weights: weights.clone(),
         chi_square,
         degrees_of_freedom,
         steps: best.steps,
         converged: best.converged,
-        searches: minima.len(),
-        agreeing,
-    })
+        searches: 1,
+        agreeing: 1,
+    }
 }
 
 /// The given values, and the best of seeded draws around them.
-fn starts(problem: &LeastSquares, free: &[Free]) -> Vec<Vec<f64>> {
+fn starts(problem: &LeastSquares, free: &[Free], effort: Effort) -> Vec<Vec<f64>> {
     let given: Vec<f64> = free.iter().map(|f| f.coordinate(f.start)).collect();
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
-    let mut drawn: Vec<(f64, Vec<f64>)> = (0..DRAWS)
+    let mut drawn: Vec<(f64, Vec<f64>)> = (0..effort.draws)
         .map(|_| {
             // Half of the way from the given value to anywhere between the bounds: wide, but not absurd.
             let u: Vec<f64> = (0..free.len())
@@ -240,7 +204,7 @@ fn starts(problem: &LeastSquares, free: &[Free]) -> Vec<Vec<f64>> {
         .collect();
     drawn.sort_by(|a, b| a.0.total_cmp(&b.0));
     let given = Some(given).filter(|u| problem.cost_at(u).is_finite());
-    given.into_iter().chain(drawn.into_iter().map(|(_, u)| u).take(SEARCHES)).collect()
+    given.into_iter().chain(drawn.into_iter().map(|(_, u)| u).take(effort.searches)).collect()
 }
 
 /// Puts coordinates that have all but reached a bound on it; returns which.

@@ -6,19 +6,33 @@
 mod bounds;
 mod calibrate;
 mod compare;
+mod diagnose;
 mod failure;
 mod fit;
+mod free;
+#[cfg(feature = "report")]
+mod json;
 mod layout;
 mod least_squares;
+mod linear_algebra;
 mod noise;
 mod prediction;
+mod problem;
+mod separate;
 mod single_wheel;
 mod traverse;
+mod weighted;
 
-pub use calibrate::{CalibratedParameter, Calibration, Prior};
+pub use calibrate::{CalibratedParameter, Calibration};
 pub use compare::{CompareError, CompareOptions, Comparison, compare};
+pub use diagnose::{
+    CandidateResult, Control, DiagnoseOptions, Diagnosis, FinalParameter, LackOfFit, Noise, Outcome, PairResult,
+    ParameterResult, Progress, Share, Spread, Step, Task, Threads, Verdict, diagnose,
+};
 pub use failure::{Failure, Level, levels};
 pub use fit::{Fit, RunFit, SignalFit};
-pub use noise::{FloorSource, NoiseFloor, Pooled};
+pub use free::Prior;
+pub use noise::{FloorSource, NoiseFloor, NoiseModel, Pooled};
 pub use prediction::PredictionError;
+pub use separate::Suggestion;
 pub use single_wheel::{Rig, SteadyError, SteadyPoint, steady_point};

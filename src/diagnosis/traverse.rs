@@ -4,7 +4,7 @@
 //! next row's time; signals are compared at their rows, before the row's own command acts. Rows are met to half an inner
 //! step (1 ms by default).
 
-use super::calibrate::Free;
+use super::free::Free;
 use super::layout::Layout;
 use super::prediction::{Predict, PredictionError};
 use crate::measurement::{Experiment, Run as Recorded};

@@ -22,7 +22,11 @@ pub fn run(out: &Path) -> Result<Vec<(PathBuf, &'static str)>> {
         std::fs::write(&path, text).with_context(|| format!("cannot write `{}`", path.display()))?;
     }
     let experiment = Experiment::read(&folder)?;
-    let comparison = compare(&Model::preset("two_wheeled")?, &experiment, &CompareOptions { calibrate: true })?;
+    let comparison = compare(
+        &Model::preset("two_wheeled")?,
+        &experiment,
+        &CompareOptions { calibrate: true, ..CompareOptions::default() },
+    )?;
     print(&comparison, "   ")?;
     judge(&comparison)?;
     let page = out.join("sand_wheel.html");

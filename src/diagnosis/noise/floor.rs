@@ -6,7 +6,7 @@
 //! really differed, and adds scatter where only their recording did; either way what remains is an upper bound, so the
 //! smaller of the two scatters, of the residuals and of the plain measurements, is taken.
 
-use super::layout::Layout;
+use crate::diagnosis::layout::Layout;
 use crate::measurement::{Experiment, Sample};
 use std::collections::BTreeMap;
 

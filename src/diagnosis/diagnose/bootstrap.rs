@@ -1,0 +1,190 @@
+//! How large a gain noise alone gives the best of all candidates: a parametric bootstrap under the noise model.
+//!
+//! Each draw makes noise for every row, re-estimates the noise model from the repeats of that very draw, whitens by it,
+//! and fits base and candidates around the given fit by their sensitivities. So the p-value knows how many candidates
+//! compete, how uncertain the noise model is, and on which side of neutral an effect may lie.
+
+use super::signature::{Column, Signature};
+use crate::diagnosis::layout::Layout;
+use crate::diagnosis::linear_algebra::{Basis, Sign, best_fall, dot};
+use crate::diagnosis::noise::{NoiseModel, Repeats, Whitening, estimate_near};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use std::collections::BTreeMap;
+
+const SEED: u64 = 1979;
+
+/// What is the same for all draws.
+pub(crate) struct Null<'a> {
+    pub layout: &'a Layout,
+    pub noise: &'a BTreeMap<String, NoiseModel>,
+    /// Repeats from which the noise model came; `None` where it did not come from repeats.
+    pub repeats: Option<&'a Repeats>,
+    /// Raw columns that the fit absorbs (layout order), and the priors' rows of each.
+    pub base: &'a [(Vec<f64>, Vec<f64>)],
+    pub signatures: &'a [Signature],
+    /// Directions along the conditions, in whitened values of the given noise, outside the base.
+    pub flexible: &'a Basis,
+    /// Whether to draw pairs as well.
+    pub pairs: bool,
+}
+
+/// Statistics of one draw, or of the data.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Statistics {
+    /// Chi-square after the base.
+    pub chi_square: f64,
+    /// Its part along the flexible columns.
+    pub structure: f64,
+    /// Largest gain of a single candidate.
+    pub single: f64,
+    /// Largest gain of a pair.
+    pub pair: f64,
+}
+
+/// Gains of candidates by their sensitivities.
+#[derive(Clone, Debug)]
+pub(crate) struct Gains {
+    /// For each signature: the largest fall of chi-square, the view that gives it, its coefficients.
+    pub singles: Vec<(f64, usize, Vec<f64>)>,
+    /// For pairs (i < j) of signatures: the largest fall.
+    pub pairs: Vec<(usize, usize, f64)>,
+}
+
+/// Whitened columns outside the base.
+pub(crate) struct Projected {
+    pub base: Basis,
+    /// By signature and view: columns outside the base.
+    pub views: Vec<Vec<Vec<Vec<f64>>>>,
+    signs: Vec<Vec<Vec<Sign>>>,
+}
+
+impl Projected {
+    pub fn new(whitening: &Whitening, base: &[(Vec<f64>, Vec<f64>)], signatures: &[Signature]) -> Self {
+        let extra = base.first().map_or(0, |(_, priors)| priors.len());
+        let whiten = |column: &Vec<f64>, priors: &[f64]| {
+            let mut all = whitening.apply(column);
+            all.extend_from_slice(priors);
+            all
+        };
+        let columns: Vec<Vec<f64>> = base.iter().map(|(column, priors)| whiten(column, priors)).collect();
+        let basis = Basis::of(&columns);
+        let none = vec![0.0; extra];
+        let outside = |column: &Column| basis.outside(&whiten(&column.values, &none));
+        let views = signatures
+            .iter()
+            .map(|s| s.views.iter().map(|view| view.columns.iter().map(outside).collect()).collect())
+            .collect();
+        let sign = |column: &Column| column.sign;
+        let signs = signatures
+            .iter()
+            .map(|s| s.views.iter().map(|view| view.columns.iter().map(sign).collect()).collect())
+            .collect();
+        Self { base: basis, views, signs }
+    }
+
+    /// Gains for a whitened residual (modelled minus measured) that is outside the base.
+    pub fn gains(&self, residual: &[f64], pairs: bool) -> Gains {
+        let n = self.views.len();
+        let mut singles = Vec::with_capacity(n);
+        for (views, signs) in self.views.iter().zip(&self.signs) {
+            let mut best = (0.0, 0, vec![0.0; views.first().map_or(0, Vec::len)]);
+            for (v, (columns, signs)) in views.iter().zip(signs).enumerate() {
+                let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+                let (fall, d) = fall(&columns, signs, residual);
+                if fall > best.0 {
+                    best = (fall, v, d);
+                }
+            }
+            singles.push(best);
+        }
+        let mut both = Vec::new();
+        if pairs {
+            for i in 0..n {
+                for j in i + 1..n {
+                    both.push((i, j, self.pair(i, j, &singles, residual)));
+                }
+            }
+        }
+        Gains { singles, pairs: both }
+    }
+
+    /// The largest fall of two signatures together, each by the view that is its best alone.
+    fn pair(&self, i: usize, j: usize, singles: &[(f64, usize, Vec<f64>)], residual: &[f64]) -> f64 {
+        let (vi, vj) = (singles[i].1, singles[j].1);
+        let (Some(a), Some(b)) = (self.views[i].get(vi), self.views[j].get(vj)) else { return 0.0 };
+        let columns: Vec<&[f64]> = a.iter().chain(b).map(Vec::as_slice).collect();
+        let signs: Vec<Sign> = self.signs[i][vi].iter().chain(&self.signs[j][vj]).copied().collect();
+        fall(&columns, &signs, residual).0
+    }
+}
+
+/// Fall of |r + X d|^2.
+fn fall(columns: &[&[f64]], signs: &[Sign], residual: &[f64]) -> (f64, Vec<f64>) {
+    let n = columns.len();
+    let mut gram = vec![0.0; n * n];
+    for i in 0..n {
+        for j in 0..=i {
+            let g = dot(columns[i], columns[j]);
+            (gram[i * n + j], gram[j * n + i]) = (g, g);
+        }
+    }
+    let along: Vec<f64> = columns.iter().map(|column| -dot(column, residual)).collect();
+    best_fall(&gram, &along, signs)
+}
+
+impl Null<'_> {
+    /// Statistics of draw number `k`, which has its own seed: the same whatever the order of the draws.
+    pub fn draw(&self, k: u64) -> Statistics {
+        let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+        rng.set_stream(k);
+        let mut noise = vec![f64::NAN; self.layout.len()];
+        for block in &self.layout.blocks {
+            let Some(model) = self.noise.get(&block.signal) else { continue };
+            model.draw(&mut rng, &mut noise[block.range.clone()]);
+        }
+        for (value, measured) in noise.iter_mut().zip(&self.layout.measured) {
+            if measured.is_nan() {
+                *value = f64::NAN;
+            }
+        }
+        let models = match self.repeats {
+            None => self.noise.clone(),
+            Some(repeats) => self
+                .noise
+                .iter()
+                .map(|(signal, model)| {
+                    let again = estimate_near(repeats, self.layout, signal, &noise, model).unwrap_or(*model);
+                    (signal.clone(), again)
+                })
+                .collect(),
+        };
+        let Some(whitening) = Whitening::new(self.layout, &models, &|_, _| true) else {
+            return Statistics { chi_square: 0.0, structure: 0.0, single: 0.0, pair: 0.0 };
+        };
+        self.statistics(&whitening, &whitening.apply(&noise)).0
+    }
+
+    /// Statistics for a whitened residual without the priors' rows, and the projected columns.
+    pub fn statistics(&self, whitening: &Whitening, residual: &[f64]) -> (Statistics, Gains, Projected) {
+        let projected = Projected::new(whitening, self.base, self.signatures);
+        let extra = self.base.first().map_or(0, |(_, priors)| priors.len());
+        let mut residual = residual.to_vec();
+        residual.extend(std::iter::repeat_n(0.0, extra));
+        projected.base.remove_from(&mut residual);
+        let gains = projected.gains(&residual, self.pairs);
+        let statistics = Statistics {
+            chi_square: dot(&residual, &residual),
+            structure: self.flexible.squares_within(&residual),
+            single: gains.singles.iter().map(|(fall, ..)| *fall).fold(0.0, f64::max),
+            pair: gains.pairs.iter().map(|(.., fall)| *fall).fold(0.0, f64::max),
+        };
+        (statistics, gains, projected)
+    }
+}
+
+/// Share of draws with at least `observed`, counting the observation itself: never below 1/(draws + 1).
+pub(crate) fn p_value(draws: &[Statistics], pick: impl Fn(&Statistics) -> f64, observed: f64) -> f64 {
+    let beyond = draws.iter().filter(|draw| pick(draw) >= observed).count();
+    (beyond + 1) as f64 / (draws.len() + 1) as f64
+}

@@ -1,0 +1,24 @@
+//! What to beware of in fitted parameters, in words.
+
+use crate::diagnosis::calibrate::Calibration;
+
+/// Prior standard deviations beyond which a parameter contradicts what was known of it.
+const CONTRADICTION: f64 = 2.0;
+
+/// Parameters on a bound, and those that left their priors.
+pub(crate) fn of_parameters(fit: &Calibration) -> Vec<String> {
+    let mut cautions = Vec::new();
+    for parameter in &fit.parameters {
+        let name = &parameter.variable.name;
+        if parameter.at_bound {
+            let (value, unit) = (parameter.value, parameter.variable.unit.symbol);
+            cautions.push(format!(
+                "{name} sits on its bound ({value:.4} {unit}): the fit wanted to go further than is believable"
+            ));
+        }
+        if let Some(shift) = parameter.prior_shift().filter(|shift| shift.abs() > CONTRADICTION) {
+            cautions.push(format!("{name} moved by {shift:+.1} standard deviations of its prior"));
+        }
+    }
+    cautions
+}

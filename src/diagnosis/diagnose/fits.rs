@@ -1,0 +1,108 @@
+//! Fits of effect sets: self-contained tasks, so that they can be spread over threads or machines.
+
+use crate::diagnosis::calibrate::{Calibration, Effort, calibrate, calibrate_from, settled};
+use crate::diagnosis::noise::{NoiseModel, Whitening};
+use crate::diagnosis::prediction::Predict;
+use crate::diagnosis::problem::Problem;
+use crate::diagnosis::weighted::Weighted;
+use crate::measurement::Kind;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Noise as a diagnosis uses it: one model a signal, and the size of a whitened residual from which it counts as bad.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Noise {
+    /// Noise model of each signal.
+    pub models: BTreeMap<String, NoiseModel>,
+    /// Threshold of Huber's loss, in standard deviations; `None` for plain least squares.
+    pub robust: Option<f64>,
+}
+
+impl Noise {
+    pub(crate) fn whitening(&self, problem: &Problem, keep: &dyn Fn(usize, usize) -> bool) -> Option<Whitening> {
+        Whitening::new(&problem.layout, &self.models, keep)
+    }
+
+    pub(crate) fn deviations(&self) -> BTreeMap<String, f64> {
+        self.models.iter().map(|(signal, noise)| (signal.clone(), noise.deviation)).collect()
+    }
+}
+
+/// A fit to be made: the baseline's free parameters and those of `effects`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Task {
+    /// Effects added to the baseline.
+    pub effects: Vec<String>,
+    /// Their parameters that are free; those without influence in this experiment stay neutral.
+    pub parameters: Vec<String>,
+    /// Values of all free parameters to start from; where there are none, seeded draws are used.
+    pub starts: Vec<Vec<f64>>,
+    /// Runs and rows that are left out.
+    pub left_out: Vec<(usize, usize)>,
+    /// Factor on the standard deviations of all priors: 1, or large to see what the data say by themselves.
+    pub prior_factor: f64,
+}
+
+/// What a fit gave.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// Values of the free parameters.
+    pub values: Vec<f64>,
+    /// Sum of squared whitened residuals.
+    pub chi_square: f64,
+}
+
+/// Runs a task; `None` where no start has an answer.
+pub(crate) fn run(problem: &Problem, noise: &Noise, task: &Task) -> Option<Calibration> {
+    with_problem(problem, noise, task, |weighted, weights| {
+        if task.starts.is_empty() {
+            calibrate(weighted, weights, effort(problem))
+        } else {
+            calibrate_from(weighted, weights, &task.starts)
+        }
+    })
+}
+
+/// Calls `f` with the weighted least-squares problem of a task.
+fn with_problem(
+    problem: &Problem,
+    noise: &Noise,
+    task: &Task,
+    f: impl FnOnce(&Weighted, &BTreeMap<String, f64>) -> Option<Calibration>,
+) -> Option<Calibration> {
+    let mut free = problem.free(&task.effects);
+    let of_base = |name: &str| problem.base.iter().any(|free| free.variable.name == name);
+    free.retain(|free| of_base(&free.variable.name) || task.parameters.contains(&free.variable.name));
+    for prior in free.iter_mut().filter_map(|free| free.prior.as_mut()) {
+        prior.deviation *= task.prior_factor;
+    }
+    let mut left_out = task.left_out.clone();
+    left_out.sort_unstable();
+    let whitening = noise.whitening(problem, &|run, row| left_out.binary_search(&(run, row)).is_err())?;
+    let robust = noise.robust.unwrap_or(f64::INFINITY);
+    let fit = |predict: &dyn Predict| {
+        f(
+            &Weighted { predict, layout: &problem.layout, free: &free, whitening: &whitening, robust },
+            &noise.deviations(),
+        )
+    };
+    problem.predict(&free, fit).ok()?
+}
+
+fn effort(problem: &Problem) -> Effort {
+    match problem.experiment.kind {
+        Kind::SingleWheel => Effort::STEADY,
+        Kind::Traverse => Effort::TRAVERSE,
+    }
+}
+
+/// Runs a task for its values and cost alone.
+pub(crate) fn outcome(problem: &Problem, noise: &Noise, task: &Task) -> Option<Outcome> {
+    let fit = run(problem, noise, task)?;
+    Some(Outcome { values: fit.values(), chi_square: fit.chi_square })
+}
+
+/// What is known at given values without a search: cost, standard errors, which parameters sit on bounds.
+pub(crate) fn settle(problem: &Problem, noise: &Noise, task: &Task) -> Option<Calibration> {
+    with_problem(problem, noise, task, |weighted, weights| settled(weighted, weights, task.starts.first()?))
+}

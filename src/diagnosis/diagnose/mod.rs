@@ -1,0 +1,39 @@
+//! The diagnosis: which physical effect is missing from the model, if any.
+//!
+//! The method in steps, with the module that holds each:
+//!
+//! 1. noise from repeats, one noise model for all that follows ([`super::noise`]);
+//! 2. calibration of the soil with priors ([`super::calibrate`]);
+//! 3. lack of fit, in all and along every condition (`discrepancy`);
+//! 4. sensitivities to every effect, and what the calibrated parameters cannot absorb of them (`signature`);
+//! 5. every single effect and pair refitted jointly with the calibration, the long list first screened by its
+//!    sensitivities where a refit is dear (`search`);
+//! 6. p-values by a parametric bootstrap of the best of all candidates (`bootstrap`), gains on left-out conditions
+//!    (`held_out`), probabilities over candidates, "enough" and "something else" (`probability`);
+//! 7. the verdict and its cautions (`verdict`), profile likelihoods (`profile`), the next experiment
+//!    ([`super::separate`]).
+
+mod bootstrap;
+mod cautions;
+mod control;
+mod discrepancy;
+mod engine;
+mod fits;
+mod held_out;
+mod parallel;
+mod prepare;
+mod probability;
+mod profile;
+mod report_parts;
+mod result;
+mod search;
+mod signature;
+mod stage;
+mod verdict;
+
+pub use control::{Control, Progress, Spread, Threads};
+pub use engine::{DiagnoseOptions, diagnose};
+pub use fits::{Noise, Outcome, Task};
+pub use result::{
+    CandidateResult, Diagnosis, FinalParameter, LackOfFit, PairResult, ParameterResult, Share, Step, Verdict,
+};

@@ -1,0 +1,113 @@
+//! Probabilities over the baseline, the candidates and "something else": pseudo-BMA with a Bayesian bootstrap over what
+//! was left out (Yao, Vehtari, Simpson and Gelman 2018).
+
+use super::fits::Noise;
+use super::held_out::Fold;
+use crate::diagnosis::noise::Whitening;
+use crate::diagnosis::problem::Problem;
+use nalgebra::{DMatrix, DVector};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Exp1};
+use std::collections::BTreeSet;
+
+const SEED: u64 = 1998;
+const DRAWS: usize = 2000;
+
+/// Weights of models from their log predictive densities by fold.
+pub(crate) fn weights(densities: &[&[f64]]) -> Vec<f64> {
+    let mut sums = vec![0.0; densities.len()];
+    for_each_reweighting(densities, &mut |totals| {
+        let most = totals.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let shares: Vec<f64> = totals.iter().map(|total| (total - most).exp()).collect();
+        let all: f64 = shares.iter().sum();
+        sums.iter_mut().zip(shares).for_each(|(sum, share)| *sum += share / all);
+    });
+    sums.iter().map(|sum| sum / DRAWS as f64).collect()
+}
+
+/// Probability that `ours` predicts left-out data better than `theirs`.
+pub(crate) fn better(ours: &[f64], theirs: &[f64]) -> f64 {
+    let mut wins = 0;
+    for_each_reweighting(&[ours, theirs], &mut |totals| wins += usize::from(totals[0] > totals[1]));
+    wins as f64 / DRAWS as f64
+}
+
+/// Calls `f` with the sums of each model's densities under Dirichlet weights of the folds.
+fn for_each_reweighting(densities: &[&[f64]], f: &mut dyn FnMut(&[f64])) {
+    let folds = densities.first().map_or(0, |all| all.len());
+    let mut rng = ChaCha8Rng::seed_from_u64(SEED);
+    let mut totals = vec![0.0; densities.len()];
+    for _ in 0..DRAWS {
+        let raw: Vec<f64> = (0..folds).map(|_| Exp1.sample(&mut rng)).collect();
+        let sum: f64 = raw.iter().sum();
+        for (total, densities) in totals.iter_mut().zip(densities) {
+            *total = raw.iter().zip(*densities).map(|(w, d)| w * d).sum::<f64>() * folds as f64 / sum;
+        }
+        f(&totals);
+    }
+}
+
+/// Prior standard deviations tried for the coefficients of the flexible columns, in standard deviations of the noise over
+/// the whole experiment.
+const STRENGTHS: [f64; 7] = [1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0];
+
+/// Log predictive densities, by fold, of the baseline plus a flexible discrepancy: ridge regression of the residual on the
+/// columns along the conditions, its strength by the evidence of the rows that are kept. The base follows linearly.
+pub(crate) fn something_else(
+    problem: &Problem,
+    noise: &Noise,
+    difference: &[f64],
+    base: &[Vec<f64>],
+    flexible: &[Vec<f64>],
+    folds: &[Fold],
+) -> Option<Vec<f64>> {
+    let whole = noise.whitening(problem, &|_, _| true)?;
+    let sizes: Vec<f64> = flexible.iter().map(|column| size(&whole.apply(column))).collect();
+    let base_sizes: Vec<f64> = base.iter().map(|column| size(&whole.apply(column))).collect();
+    let scaled = |whitening: &Whitening| -> DMatrix<f64> {
+        let all = base.iter().zip(&base_sizes).chain(flexible.iter().zip(&sizes));
+        let columns: Vec<DVector<f64>> = all
+            .map(|(column, size)| DVector::from_vec(whitening.apply(column)) / size.max(f64::MIN_POSITIVE))
+            .collect();
+        DMatrix::from_columns(&columns)
+    };
+    folds
+        .iter()
+        .map(|fold| {
+            let inside: BTreeSet<_> = fold.iter().copied().collect();
+            let kept = noise.whitening(problem, &|run, row| !inside.contains(&(run, row)))?;
+            let left = noise.whitening(problem, &|run, row| inside.contains(&(run, row)))?;
+            let (x, y) = (scaled(&kept), DVector::from_vec(kept.apply(difference)));
+            let coefficients = ridge(&x, &y, base.len())?;
+            let rest = DVector::from_vec(left.apply(difference)) - scaled(&left) * coefficients;
+            Some(-0.5 * rest.norm_squared())
+        })
+        .collect()
+}
+
+fn size(column: &[f64]) -> f64 {
+    column.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Coefficients of the strength with the largest evidence; the first `free` columns have a wide prior.
+fn ridge(x: &DMatrix<f64>, y: &DVector<f64>, free: usize) -> Option<DVector<f64>> {
+    let (gram, along) = (x.tr_mul(x), x.tr_mul(y));
+    let n = along.len();
+    let mut best: Option<(f64, DVector<f64>)> = None;
+    for strength in STRENGTHS {
+        let wide = STRENGTHS[STRENGTHS.len() - 1];
+        let variance = |k: usize| if k < free { wide * wide } else { strength * strength };
+        let mut precision = gram.clone();
+        (0..n).for_each(|k| precision[(k, k)] += variance(k).recip());
+        let Some(cholesky) = precision.cholesky() else { continue };
+        let coefficients = cholesky.solve(&along);
+        let determinant: f64 = cholesky.l_dirty().diagonal().iter().map(|d| 2.0 * d.ln()).sum();
+        let prior: f64 = (0..n).map(|k| variance(k).ln()).sum();
+        let evidence = 0.5 * (along.dot(&coefficients) - determinant - prior);
+        if best.as_ref().is_none_or(|(known, _)| evidence > *known) {
+            best = Some((evidence, coefficients));
+        }
+    }
+    best.map(|(_, coefficients)| coefficients)
+}

@@ -1,0 +1,81 @@
+//! Profile likelihood: how far a parameter can go before the fit, all others following, gets worse than noise allows.
+
+use super::result::FinalParameter;
+use super::search::Search;
+use crate::diagnosis::calibrate::calibrate_from;
+use crate::diagnosis::free::Free;
+use crate::diagnosis::weighted::Weighted;
+use crate::measurement::Kind;
+
+/// 95 % point of chi-square with one degree of freedom.
+const RISE: f64 = 3.841;
+
+/// Standard errors at which the profile is taken, to either side.
+const PLACES: [f64; 4] = [0.7, 1.4, 2.1, 3.0];
+
+/// Profiles of the parameters of a fitted set: all on a carriage, those of the effects on a traverse.
+pub(crate) fn profiles(search: &Search, effects: &[String]) -> Vec<FinalParameter> {
+    let problem = search.problem;
+    let Some(fit) = search.fits.get(effects) else { return Vec::new() };
+    let from = if problem.experiment.kind == Kind::Traverse { problem.base.len() } else { 0 };
+    let numbers: Vec<usize> = (from..fit.parameters.len()).collect();
+    super::parallel::map(&numbers, |k| profile(search, effects, *k)).into_iter().flatten().collect()
+}
+
+fn profile(search: &Search, effects: &[String], k: usize) -> Option<FinalParameter> {
+    let fit = search.fits.get(effects)?;
+    let (values, parameter) = (fit.values(), &fit.parameters[k]);
+    let free = search.problem.free(effects);
+    let (low, high) = (free[k].variable.min, free[k].variable.max);
+    let width = parameter.deviation.unwrap_or(0.05 * (high - low)).min(0.3 * (high - low));
+    let mut points = vec![(values[k], 0.0)];
+    for side in [-1.0, 1.0] {
+        let mut start = values.clone();
+        for place in PLACES {
+            let at = (values[k] + side * place * width).clamp(low, high);
+            if (at - points.last().map_or(f64::NAN, |(x, _)| *x)).abs() < 1e-9 * (high - low) {
+                break;
+            }
+            let Some((cost, next)) = refit(search, &free, &start, k, at) else { break };
+            points.push((at, (cost - fit.chi_square).max(0.0)));
+            start = next;
+            if cost - fit.chi_square > RISE {
+                break;
+            }
+        }
+    }
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let interval = (crossing(&points, values[k], -1.0), crossing(&points, values[k], 1.0));
+    Some(FinalParameter { name: parameter.variable.name.clone(), interval, profile: points })
+}
+
+/// The fit with parameter `k` held at a value: its cost, and all values.
+fn refit(search: &Search, free: &[Free], start: &[f64], k: usize, at: f64) -> Option<(f64, Vec<f64>)> {
+    let mut problem = search.problem.clone();
+    problem.fix(&free[k].variable.name, at);
+    let others: Vec<Free> = free.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, free)| free.clone()).collect();
+    let mut start = start.to_vec();
+    start.remove(k);
+    let prior = free[k].prior.map_or(0.0, |prior| ((at - prior.mean) / prior.deviation).powi(2));
+    let robust = search.noise.robust.unwrap_or(f64::INFINITY);
+    let fit = problem
+        .predict(&others, |predict| {
+            let whitening = search.ground.whitening;
+            let weighted = Weighted { predict, layout: &problem.layout, free: &others, whitening, robust };
+            calibrate_from(&weighted, &search.noise.deviations(), &[start])
+        })
+        .ok()??;
+    let mut values = fit.values();
+    values.insert(k, at);
+    Some((fit.chi_square + prior, values))
+}
+
+/// Where the rise crosses the limit on one side of the minimum, between two points; `None` where it does not.
+fn crossing(points: &[(f64, f64)], minimum: f64, side: f64) -> Option<f64> {
+    let mut outward: Vec<(f64, f64)> = points.iter().copied().filter(|(x, _)| side * (x - minimum) >= 0.0).collect();
+    outward.sort_by(|a, b| (side * a.0).total_cmp(&(side * b.0)));
+    let pair = outward.windows(2).find(|pair| pair[1].1 > RISE)?;
+    // The root of the rise is nearly straight.
+    let (a, b) = (pair[0].1.max(0.0).sqrt(), pair[1].1.sqrt());
+    Some(pair[0].0 + (pair[1].0 - pair[0].0) * (RISE.sqrt() - a) / (b - a))
+}

@@ -1,0 +1,276 @@
+//! The pieces of a [`Diagnosis`], from a finished search.
+
+use super::bootstrap::p_value;
+use super::engine::DiagnoseOptions;
+use super::fits::Noise;
+use super::held_out::{Fold, HeldOut, held_out};
+use super::prepare::Prepared;
+use super::probability::{better, something_else, weights};
+use super::profile::profiles;
+use super::result::{CandidateResult, Diagnosis, LackOfFit, PairResult, ParameterResult, Share, Step};
+use super::search::Search;
+use super::stage::Stage;
+use super::verdict::{ALIKE, Finding, left, misfit};
+use crate::diagnosis::calibrate::Calibration;
+use crate::diagnosis::compare::CompareError;
+use crate::diagnosis::failure::failures;
+use crate::diagnosis::fit::Fit;
+use crate::diagnosis::linear_algebra::norm;
+use crate::diagnosis::prediction::PredictionError;
+use crate::diagnosis::weighted::Weighted;
+use std::collections::BTreeMap;
+
+/// Whitened size, in standard deviations, from which an effect would be found: 80 % power at p = 0.01 corrected for the
+/// number of candidates.
+pub(crate) const DETECTABLE: f64 = 5.0;
+
+/// A finished search.
+pub(crate) struct Inputs<'a> {
+    pub search: &'a Search<'a>,
+    pub stage: &'a Stage,
+    pub prepared: &'a Prepared,
+    pub folds: &'a [Fold],
+    pub held: &'a BTreeMap<Vec<String>, HeldOut>,
+}
+
+/// Whitened residual of a fitted set, priors' rows last.
+pub(crate) fn whitened_residual(
+    search: &Search,
+    effects: &[String],
+    values: &[f64],
+) -> Result<Vec<f64>, PredictionError> {
+    let free = search.problem.free(effects);
+    search.problem.predict(&free, |predict| {
+        let weighted = Weighted {
+            predict,
+            layout: &search.problem.layout,
+            free: &free,
+            whitening: search.ground.whitening,
+            robust: f64::INFINITY,
+        };
+        Ok(weighted.whitened(&predict.values(values)?, values))
+    })?
+}
+
+/// Share of the visible effects that could be there at the full range of their parameters without being found.
+pub(crate) fn blind_share(stage: &Stage) -> f64 {
+    let all = stage.sensitivities.signatures.len();
+    let blind = (0..all).filter(|k| largest_size(stage, *k) < DETECTABLE).count();
+    if all == 0 { 1.0 } else { blind as f64 / all as f64 }
+}
+
+/// Whitened size of what effect number `k` changes beyond the calibration over the range of its parameters.
+pub(crate) fn largest_size(stage: &Stage, k: usize) -> f64 {
+    stage.projected.views[k].iter().flatten().map(|column| norm(column)).fold(0.0, f64::max)
+}
+
+/// Puts the result together.
+pub(crate) fn assemble(
+    inputs: &Inputs,
+    finding: Finding,
+    chosen: &[String],
+    options: &DiagnoseOptions,
+) -> Result<Diagnosis, CompareError> {
+    let Inputs { search, stage, prepared, .. } = inputs;
+    let problem = search.problem;
+    let steps = steps(inputs, chosen)?;
+    let (share, inclusion) = probabilities(inputs);
+    let mut candidates = candidates(inputs, &finding, &inclusion)?;
+    candidates.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(b.gain.total_cmp(&a.gain)));
+    let (all, structure) = misfit(stage);
+    let last = &steps[steps.len() - 1];
+    let fitted = search.fits.get(chosen).unwrap_or(&prepared.baseline);
+    let floors = &prepared.floors;
+    let given = problem.predict(&problem.base, |predict| {
+        predict.values(&problem.base.iter().map(|free| free.start).collect::<Vec<_>>())
+    })?;
+    let interrupted = (search.control.stop)();
+    let profiles = if interrupted { Vec::new() } else { profiles(search, chosen) };
+    let mut cautions = prepared.cautions.clone();
+    cautions.extend(finding.cautions.clone());
+    cautions.extend(super::cautions::of_parameters(fitted));
+    Ok(Diagnosis {
+        experiment: (*problem.experiment).clone(),
+        verdict: finding.verdict,
+        noise_floor: floors.clone(),
+        noise_floor_source: prepared.source,
+        noise: prepared.noise.models.clone(),
+        given: given.ok().map(|values| Fit::new(&problem.experiment, &problem.layout, &values)),
+        pairs: pairs(inputs),
+        invisible: prepared.invisible.clone(),
+        share,
+        lack_of_fit: LackOfFit {
+            chi_square: stage.observed.chi_square,
+            degrees_of_freedom: prepared.baseline.degrees_of_freedom,
+            p_value: all,
+            explainable: stage.structure(&stage.residual, &[]),
+            p_structure: structure,
+        },
+        smallest_p: 1.0 / (options.draws as f64 + 1.0),
+        explained_share: 1.0 - last.left,
+        confused_with: confused(stage, &finding),
+        failures: failures(&problem.experiment, &steps[0].fit, floors),
+        failures_left: failures(&problem.experiment, &last.fit, floors),
+        suggestions: Vec::new(),
+        cautions,
+        improved: problem.improved(&problem.free(chosen), &fitted.values()),
+        effects: named(&finding),
+        candidates,
+        profiles,
+        steps,
+        interrupted,
+    })
+}
+
+/// What the verdict lists: the effects, and those that tie with them.
+fn named(finding: &Finding) -> Vec<String> {
+    let mut effects = finding.effects.clone();
+    for rival in &finding.tied {
+        if !effects.contains(rival) {
+            effects.push(rival.clone());
+        }
+    }
+    effects
+}
+
+fn steps(inputs: &Inputs, chosen: &[String]) -> Result<Vec<Step>, CompareError> {
+    let Inputs { search, stage, prepared, .. } = inputs;
+    let problem = search.problem;
+    let mut steps = Vec::new();
+    for count in 0..=chosen.len() {
+        let effects = &chosen[..count];
+        let Some(fit) = search.fits.get(effects) else { continue };
+        let values = fit.values();
+        let modelled = problem.predict(&problem.free(effects), |predict| predict.values(&values))??;
+        let shown = Fit::new(&problem.experiment, &problem.layout, &modelled);
+        let residual = whitened_residual(search, effects, &values)?;
+        let left = if count == 0 { 1.0 } else { left(search, stage, effects, &residual).0 };
+        let mut key = effects.to_vec();
+        key.sort();
+        let held = match inputs.held.get(&key) {
+            Some(held) => Some(held.clone()),
+            None => held_out(problem, &prepared.noise, effects, &values, inputs.folds),
+        };
+        steps.push(Step {
+            added: effects.last().cloned(),
+            rmse: shown.rmse.clone(),
+            heldout_rmse: held.map(|held| held.rmse).unwrap_or_default(),
+            parameters: parameters(problem.base.len(), fit),
+            chi_square: fit.chi_square,
+            degrees_of_freedom: fit.degrees_of_freedom,
+            left,
+            fit: shown,
+        });
+    }
+    Ok(steps)
+}
+
+fn parameters(base: usize, fit: &Calibration) -> Vec<ParameterResult> {
+    let result = |(k, fitted): (usize, &crate::diagnosis::CalibratedParameter)| ParameterResult {
+        fitted: fitted.clone(),
+        effect: k >= base,
+    };
+    fit.parameters.iter().enumerate().map(result).collect()
+}
+
+fn candidates(
+    inputs: &Inputs,
+    finding: &Finding,
+    inclusion: &BTreeMap<String, f64>,
+) -> Result<Vec<CandidateResult>, CompareError> {
+    let Inputs { search, stage, .. } = inputs;
+    let baseline = inputs.held.get(&Vec::new());
+    let mut all = Vec::new();
+    for (k, signature) in stage.sensitivities.signatures.iter().enumerate() {
+        let set = vec![signature.id.clone()];
+        let fit = search.fits.get(&set);
+        let held = inputs.held.get(&set).zip(baseline);
+        let gain = if fit.is_some() { search.gain(&set) } else { stage.gains.singles[k].0 };
+        let left = match fit {
+            Some(fit) => left(search, stage, &set, &whitened_residual(search, &set, &fit.values())?).0,
+            None => (1.0 - gain / stage.structure(&stage.residual, &[]).max(gain).max(1.0)).clamp(0.0, 1.0),
+        };
+        let of_effect =
+            |fit: &Calibration| parameters(search.problem.base.len(), fit).split_off(search.problem.base.len());
+        all.push(CandidateResult {
+            probability: inclusion.get(&signature.id).copied().unwrap_or(0.0),
+            tied: finding.tied.contains(&signature.id)
+                || (!finding.tied.is_empty() && finding.effects.contains(&signature.id)),
+            heldout_gain: held.map(|(own, base)| own.density.iter().sum::<f64>() - base.density.iter().sum::<f64>()),
+            better: held.map(|(own, base)| better(&own.density, &base.density)),
+            p_value: p_value(&stage.draws, |draw| draw.single, gain),
+            gain,
+            left,
+            refitted: fit.is_some(),
+            visible_share: visible_share(inputs, k),
+            parameters: fit.map(of_effect).unwrap_or_default(),
+            effect: signature.id.clone(),
+        });
+    }
+    Ok(all)
+}
+
+/// The part of a signature that the calibrated parameters cannot absorb.
+fn visible_share(inputs: &Inputs, k: usize) -> f64 {
+    let Inputs { search, stage, .. } = inputs;
+    let view = stage.gains.singles[k].1;
+    let Some(view) = stage.sensitivities.signatures[k].views.get(view) else { return 0.0 };
+    let outside = &stage.projected.views[k][stage.gains.singles[k].1];
+    let whole: f64 = view.columns.iter().map(|c| norm(&search.ground.whitening.apply(&c.values)).powi(2)).sum();
+    let kept: f64 = outside.iter().map(|column| norm(column).powi(2)).sum();
+    if whole > 0.0 { (kept / whole).sqrt().min(1.0) } else { 0.0 }
+}
+
+fn pairs(inputs: &Inputs) -> Vec<PairResult> {
+    let Inputs { search, stage, .. } = inputs;
+    let id = |k: usize| stage.sensitivities.signatures[k].id.clone();
+    let mut pairs: Vec<PairResult> = stage
+        .gains
+        .pairs
+        .iter()
+        .map(|(i, j, screened)| {
+            let effects = [id(*i), id(*j)];
+            let refitted = search.fits.get(&effects).is_some();
+            PairResult { gain: if refitted { search.gain(&effects) } else { *screened }, effects, refitted }
+        })
+        .collect();
+    pairs.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    pairs
+}
+
+/// Probabilities of "enough" and "something else", and of each effect being part of the explanation.
+fn probabilities(inputs: &Inputs) -> (Share, BTreeMap<String, f64>) {
+    let Inputs { search, stage, prepared, .. } = inputs;
+    let difference: Vec<f64> = search.problem.layout.measured.iter().zip(&stage.modelled).map(|(y, m)| y - m).collect();
+    let noise: &Noise = &prepared.noise;
+    let base = &stage.sensitivities.base;
+    let other = something_else(search.problem, noise, &difference, base, &prepared.flexible, inputs.folds);
+    let mut densities: Vec<&[f64]> = inputs.held.values().map(|held| held.density.as_slice()).collect();
+    densities.extend(other.as_deref());
+    let weights = weights(&densities);
+    let mut inclusion = BTreeMap::new();
+    let mut share = Share { enough: 0.0, other: if other.is_some() { weights[weights.len() - 1] } else { 0.0 } };
+    for (set, weight) in inputs.held.keys().zip(&weights) {
+        if set.is_empty() {
+            share.enough = *weight;
+        }
+        for id in set {
+            *inclusion.entry(id.clone()).or_insert(0.0) += weight;
+        }
+    }
+    (share, inclusion)
+}
+
+/// Pairs that look alike here and of which one is named or tied.
+fn confused(stage: &Stage, finding: &Finding) -> Vec<[String; 2]> {
+    let mut pairs: Vec<[String; 2]> = Vec::new();
+    for own in finding.effects.iter().chain(&finding.tied) {
+        for signature in &stage.sensitivities.signatures {
+            let known = |pair: &[String; 2]| pair.contains(own) && pair.contains(&signature.id);
+            if signature.id != *own && stage.cosine(own, &signature.id) > ALIKE && !pairs.iter().any(known) {
+                pairs.push([own.clone(), signature.id.clone()]);
+            }
+        }
+    }
+    pairs
+}

@@ -1,0 +1,213 @@
+//! What a diagnosis finds. All figures are in SI units; arrays are by run and signal as in [`Fit`].
+
+use crate::diagnosis::calibrate::CalibratedParameter;
+use crate::diagnosis::fit::Fit;
+use crate::diagnosis::noise::{FloorSource, NoiseModel};
+use crate::diagnosis::separate::Suggestion;
+use crate::diagnosis::{Failure, NoiseFloor};
+use crate::measurement::Experiment;
+use crate::model::Model;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// The answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The calibrated model without any added effect already leaves only noise.
+    Explained,
+    /// The listed effects account for the structure.
+    EffectMissing,
+    /// There is structure that no candidate accounts for; the listed effects are none or partial.
+    Unexplained,
+    /// Two or more candidates tie, or the experiment cannot see the difference, or something known contradicts it.
+    Undetermined,
+}
+
+impl Verdict {
+    /// The word for reports and JSON.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Explained => "explained",
+            Self::EffectMissing => "effect_missing",
+            Self::Unexplained => "unexplained",
+            Self::Undetermined => "undetermined",
+        }
+    }
+}
+
+/// A parameter of a fit; bounds, unit and prior are in `fitted`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParameterResult {
+    /// Value, standard error, bounds, whether on a bound, prior.
+    pub fitted: CalibratedParameter,
+    /// Whether it belongs to an added effect rather than to the calibration.
+    pub effect: bool,
+}
+
+/// A parameter of the final model with its profile likelihood.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FinalParameter {
+    /// Name of the parameter.
+    pub name: String,
+    /// 95 % interval of the profile likelihood; `None` where a side is open within the bounds.
+    pub interval: (Option<f64>, Option<f64>),
+    /// Values at which the profile was taken, and the rise of chi-square over the minimum, all others refitted.
+    pub profile: Vec<(f64, f64)>,
+}
+
+/// One step from the calibrated baseline to the final model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Step {
+    /// The effect added at this step; `None` for the baseline.
+    pub added: Option<String>,
+    /// RMS of measured minus modelled by signal, in the signal's unit.
+    pub rmse: BTreeMap<String, f64>,
+    /// The same on conditions or runs that were left out of the fit.
+    pub heldout_rmse: BTreeMap<String, f64>,
+    /// Free parameters and their values.
+    pub parameters: Vec<ParameterResult>,
+    /// Sum of the squared whitened residuals, and its degrees of freedom.
+    pub chi_square: f64,
+    /// Measured values and priors less free parameters.
+    pub degrees_of_freedom: usize,
+    /// Share of the baseline's explainable chi-square that is left, 1 at the baseline.
+    pub left: f64,
+    /// Measured, modelled, residual.
+    pub fit: Fit,
+}
+
+/// One candidate effect, added to the baseline alone (or beside the effects named before it).
+#[derive(Clone, Debug, PartialEq)]
+pub struct CandidateResult {
+    /// Effect id.
+    pub effect: String,
+    /// Probability that the effect is part of the explanation.
+    pub probability: f64,
+    /// Whether it ties with the effects named, or with another candidate where none is.
+    pub tied: bool,
+    /// Gain in log predictive density on left-out data over the baseline, nats; `None` where only screened.
+    pub heldout_gain: Option<f64>,
+    /// Probability, by a bootstrap over left-out conditions, that it predicts better than the baseline; `None` where only
+    /// screened.
+    pub better: Option<f64>,
+    /// Probability that noise alone gives the best of all candidates as large a gain.
+    pub p_value: f64,
+    /// Fall of chi-square after refitting everything; from the sensitivities where only screened.
+    pub gain: f64,
+    /// Share of the baseline's explainable chi-square that is left with it.
+    pub left: f64,
+    /// Whether it was refitted, or only screened by its sensitivities.
+    pub refitted: bool,
+    /// The part of its signature that the calibrated parameters cannot absorb, 0 to 1.
+    pub visible_share: f64,
+    /// The parameters of the effect after the fit; empty where only screened.
+    pub parameters: Vec<ParameterResult>,
+}
+
+/// Two effects added to the baseline at once.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PairResult {
+    /// The two ids.
+    pub effects: [String; 2],
+    /// Fall of chi-square against the baseline.
+    pub gain: f64,
+    /// Whether it was refitted, or only screened.
+    pub refitted: bool,
+}
+
+/// Whether what the baseline leaves is more than noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LackOfFit {
+    /// Sum of squared whitened residuals of the calibrated baseline.
+    pub chi_square: f64,
+    /// Its degrees of freedom.
+    pub degrees_of_freedom: usize,
+    /// Probability of as large a chi-square by noise alone, the noise model being uncertain too.
+    pub p_value: f64,
+    /// The part along the conditions (slip, load, speed, position, time ...), less what noise puts there.
+    pub explainable: f64,
+    /// Probability of as large a part along the conditions by noise alone.
+    pub p_structure: f64,
+}
+
+/// Probabilities of the two answers that are no effect.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Share {
+    /// The baseline is enough.
+    pub enough: f64,
+    /// Something else than any candidate.
+    pub other: f64,
+}
+
+/// All that a diagnosis finds.
+#[derive(Clone, Debug)]
+pub struct Diagnosis {
+    /// The experiment.
+    pub experiment: Experiment,
+    /// The answer.
+    pub verdict: Verdict,
+    /// Effects that account for the structure (partial ones where unexplained, the tied ones where undetermined).
+    pub effects: Vec<String>,
+    /// Noise floor of each signal: standard deviation of one sample.
+    pub noise_floor: BTreeMap<String, NoiseFloor>,
+    /// Where the noise floor comes from.
+    pub noise_floor_source: FloorSource,
+    /// The noise models used for whitening.
+    pub noise: BTreeMap<String, NoiseModel>,
+    /// The model before calibration, where it can compute the experiment.
+    pub given: Option<Fit>,
+    /// The baseline and each effect added.
+    pub steps: Vec<Step>,
+    /// Single candidates, the most probable first.
+    pub candidates: Vec<CandidateResult>,
+    /// Pairs of candidates, the best first.
+    pub pairs: Vec<PairResult>,
+    /// Candidates without any signature in this experiment.
+    pub invisible: Vec<String>,
+    /// "Enough" and "something else".
+    pub share: Share,
+    /// Lack of fit of the calibrated baseline.
+    pub lack_of_fit: LackOfFit,
+    /// Smallest p-value that the bootstrap can give.
+    pub smallest_p: f64,
+    /// Share of the explainable chi-square that the final model accounts for.
+    pub explained_share: f64,
+    /// Pairs of effects that this experiment hardly tells apart: one of them named or tied, cosine of signatures over 0.8.
+    pub confused_with: Vec<[String; 2]>,
+    /// Profile likelihood of the final model's parameters; empty if interrupted before.
+    pub profiles: Vec<FinalParameter>,
+    /// Where the baseline fails most, by signal and condition, the worst first.
+    pub failures: Vec<Failure>,
+    /// The same of the final model.
+    pub failures_left: Vec<Failure>,
+    /// What to measure next, the most useful first.
+    pub suggestions: Vec<Suggestion>,
+    /// What the reader should beware of, in words.
+    pub cautions: Vec<String>,
+    /// The final model: calibrated, effects switched on; what the experiment says of single runs is not part of it.
+    pub improved: Model,
+    /// Whether the work was cut short; what was not done is missing from the lists.
+    pub interrupted: bool,
+}
+
+impl Diagnosis {
+    /// What to measure next, in one line.
+    #[must_use]
+    pub fn next_experiment(&self) -> String {
+        self.suggestions.first().map_or_else(String::new, |suggestion| suggestion.text.clone())
+    }
+
+    /// The calibrated baseline.
+    #[must_use]
+    pub fn baseline(&self) -> &Step {
+        &self.steps[0]
+    }
+
+    /// The last step.
+    #[must_use]
+    pub fn last(&self) -> &Step {
+        &self.steps[self.steps.len() - 1]
+    }
+}

@@ -1,0 +1,176 @@
+//! One stage of the search: a fit, its sensitivities, and what noise alone would give there.
+
+use super::bootstrap::{Gains, Null, Projected, Statistics};
+use super::control::Control;
+use super::fits::Noise;
+use super::parallel;
+use super::signature::{Sensitivities, sensitivities};
+use crate::diagnosis::calibrate::Calibration;
+use crate::diagnosis::linear_algebra::{Basis, dot};
+use crate::diagnosis::noise::{Repeats, Whitening};
+use crate::diagnosis::prediction::PredictionError;
+use crate::diagnosis::problem::Problem;
+
+/// A fit of the baseline with some effects, seen from where it stands.
+pub(crate) struct Stage {
+    /// Effects in the fit.
+    pub effects: Vec<String>,
+    pub fit: Calibration,
+    pub modelled: Vec<f64>,
+    /// Whitened residual, priors' rows last.
+    pub residual: Vec<f64>,
+    pub sensitivities: Sensitivities,
+    /// Gains by sensitivities, and the columns outside the base.
+    pub gains: Gains,
+    pub projected: Projected,
+    /// Directions along the conditions outside the base.
+    pub flexible: Basis,
+    /// Statistics of the data.
+    pub observed: Statistics,
+    /// Statistics of noise alone.
+    pub draws: Vec<Statistics>,
+}
+
+/// What a stage is seen through.
+pub(crate) struct Ground<'a> {
+    pub problem: &'a Problem<'a>,
+    pub noise: &'a Noise,
+    pub whitening: &'a Whitening,
+    /// Repeats behind the noise model, where it came from them.
+    pub repeats: Option<&'a Repeats>,
+    /// Raw flexible columns.
+    pub flexible: &'a [Vec<f64>],
+    /// Smooth functions by which the strength of an effect in the fit may vary.
+    pub modulations: &'a [Vec<Vec<f64>>],
+    pub draws: usize,
+}
+
+impl Stage {
+    /// Looks from a fit. With effects in it, their strength may vary smoothly with the conditions before anything else
+    /// is tried: the right effect in another form is not a second effect.
+    ///
+    /// # Errors
+    /// [`PredictionError`] where the model has no answer at the fit.
+    pub fn new(
+        ground: &Ground,
+        effects: &[String],
+        fit: Calibration,
+        control: &Control,
+    ) -> Result<Self, PredictionError> {
+        let problem = ground.problem;
+        let values = fit.values();
+        let sensitivities = sensitivities(problem, effects, &values)?;
+        let modelled = sensitivities.modelled.clone();
+        let free = problem.free(effects);
+        let priors: Vec<_> = free.iter().enumerate().filter_map(|(k, free)| Some((k, free.prior?))).collect();
+        let difference: Vec<f64> = modelled.iter().zip(&problem.layout.measured).map(|(m, y)| m - y).collect();
+        let whitened = ground.whitening.apply(&difference);
+        let mut residual = whitened.clone();
+        residual.extend(priors.iter().map(|(k, prior)| (values[*k] - prior.mean) / prior.deviation));
+        let mut base = Vec::new();
+        for (k, column) in sensitivities.base.iter().enumerate() {
+            // What sits on a bound cannot follow the noise to either side.
+            if !fit.parameters[k].at_bound {
+                let row = |(j, prior): &(usize, crate::diagnosis::Prior)| {
+                    if *j == k { free[k].slope(values[k]) / prior.deviation } else { 0.0 }
+                };
+                base.push((column.clone(), priors.iter().map(row).collect()));
+            }
+        }
+        let none = vec![0.0; priors.len()];
+        for column in &sensitivities.base[problem.base.len()..] {
+            for modulation in ground.modulations {
+                base.push((modulated(problem, column, modulation), none.clone()));
+            }
+        }
+        let whiten = |column: &Vec<f64>| {
+            let mut all = ground.whitening.apply(column);
+            all.extend_from_slice(&none);
+            all
+        };
+        let absorbed = Projected::new(ground.whitening, &base, &[]).base;
+        let outside: Vec<Vec<f64>> = ground.flexible.iter().map(|column| absorbed.outside(&whiten(column))).collect();
+        let flexible = Basis::of(&outside);
+        let null = Null {
+            layout: &problem.layout,
+            noise: &ground.noise.models,
+            repeats: ground.repeats,
+            base: &base,
+            signatures: &sensitivities.signatures,
+            flexible: &flexible,
+            pairs: effects.is_empty(),
+        };
+        let (observed, gains, projected) = null.statistics(ground.whitening, &whitened);
+        let numbers: Vec<u64> = (0..ground.draws as u64).collect();
+        let draw = |k: &u64| (!(control.stop)()).then(|| null.draw(*k));
+        let draws = parallel::map(&numbers, draw).into_iter().flatten().collect();
+        Ok(Self {
+            effects: effects.to_vec(),
+            fit,
+            modelled,
+            residual,
+            sensitivities,
+            gains,
+            projected,
+            flexible,
+            observed,
+            draws,
+        })
+    }
+
+    /// Part of a whitened residual along the conditions, less what noise is expected to put there after the columns
+    /// `fitted` (outside the base) took their share.
+    pub fn structure(&self, residual: &[f64], fitted: &[&Vec<f64>]) -> f64 {
+        let own = Basis::of(fitted.iter().copied());
+        let taken: f64 = own.iter().map(|q| self.flexible.squares_within(q)).sum();
+        self.flexible.squares_within(residual) - (self.flexible.rank() as f64 - taken)
+    }
+
+    /// Standard deviation of the part along the conditions under noise alone, the noise model being uncertain.
+    pub fn structure_scatter(&self) -> f64 {
+        let count = self.draws.len().max(1) as f64;
+        let mean = self.draws.iter().map(|draw| draw.structure).sum::<f64>() / count;
+        (self.draws.iter().map(|draw| (draw.structure - mean).powi(2)).sum::<f64>() / count)
+            .sqrt()
+            .max((2.0 * self.flexible.rank() as f64).sqrt())
+    }
+
+    /// Index of an effect among the signatures.
+    pub fn index(&self, id: &str) -> Option<usize> {
+        self.sensitivities.signatures.iter().position(|signature| signature.id == id)
+    }
+
+    /// Columns of an effect outside the base, by the view that fits the data best.
+    pub fn columns(&self, id: &str) -> Vec<&Vec<f64>> {
+        let Some(k) = self.index(id) else { return Vec::new() };
+        self.projected.views[k].get(self.gains.singles[k].1).map_or_else(Vec::new, |columns| columns.iter().collect())
+    }
+
+    /// Cosine between what two effects change outside the base, along their best directions.
+    pub fn cosine(&self, a: &str, b: &str) -> f64 {
+        largest_cosine(&self.columns(a), &self.columns(b))
+    }
+}
+
+/// Largest cosine between directions of two spans.
+pub(crate) fn largest_cosine(a: &[&Vec<f64>], b: &[&Vec<f64>]) -> f64 {
+    let (a, b) = (Basis::of(a.iter().copied()), Basis::of(b.iter().copied()));
+    let (rows, columns) = (a.rank(), b.rank());
+    if rows == 0 || columns == 0 {
+        return 0.0;
+    }
+    let (a, b): (Vec<_>, Vec<_>) = (a.iter().collect(), b.iter().collect());
+    let products = nalgebra::DMatrix::from_fn(rows, columns, |i, k| dot(a[i], b[k]));
+    products.singular_values().max().min(1.0)
+}
+
+/// A raw column times a function of the conditions.
+fn modulated(problem: &Problem, column: &[f64], modulation: &[Vec<f64>]) -> Vec<f64> {
+    let mut out = column.to_vec();
+    for block in &problem.layout.blocks {
+        for (row, at) in block.range.clone().enumerate() {
+            out[at] *= modulation[block.run][row];
+        }
+    }
+    out
+}

@@ -1,0 +1,132 @@
+//! From fits and p-values to the verdict.
+
+use super::bootstrap::p_value;
+use super::held_out::HeldOut;
+use super::probability::better;
+use super::result::Verdict;
+use super::search::Search;
+use super::stage::Stage;
+
+/// An effect is named below this p-value, corrected for the number of candidates.
+pub(crate) const NAMED: f64 = 0.01;
+/// The baseline misses something below this p-value; two tests share the risk of a false alarm.
+const MISFIT: f64 = 0.005;
+/// Probability from which an effect predicts better than the baseline.
+const BETTER: f64 = 0.95;
+/// Share of the explainable chi-square that may stay, and from which nothing is named.
+const MAY_STAY: f64 = 0.2;
+const TOO_MUCH: f64 = 0.5;
+/// What stays counts as structure from this many standard deviations of noise.
+const MORE_THAN_NOISE: f64 = 3.0;
+/// A rival ties within this fall of chi-square (a likelihood ratio of 20), or within this share of the gain, which form
+/// errors of the effects' laws reach.
+pub(crate) const REACH: f64 = 6.0;
+const REACH_SHARE: f64 = 0.05;
+/// Cosine of signatures from which two effects can stand for each other.
+pub(crate) const ALIKE: f64 = 0.8;
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub(crate) struct Finding {
+    pub verdict: Verdict,
+    pub effects: Vec<String>,
+    pub tied: Vec<String>,
+    pub cautions: Vec<String>,
+}
+
+/// P-values of the baseline's misfit: in all, and along the conditions.
+pub(crate) fn misfit(stage: &Stage) -> (f64, f64) {
+    let all = p_value(&stage.draws, |draw| draw.chi_square, stage.observed.chi_square);
+    (all, p_value(&stage.draws, |draw| draw.structure, stage.observed.structure))
+}
+
+/// Share of the baseline's explainable chi-square that a fitted set leaves, and whether what stays is more than noise.
+pub(crate) fn left(search: &Search, stage: &Stage, effects: &[String], residual: &[f64]) -> (f64, bool) {
+    let before = stage.structure(&stage.residual, &[]);
+    let columns: Vec<&Vec<f64>> = effects.iter().flat_map(|id| stage.columns(id)).collect();
+    let after = stage.structure(&stage.projected.base.outside(residual), &columns);
+    // What an effect explains is explainable, even where the flexible curves are blind to it.
+    let explainable = before.max(search.gain(effects)).max(f64::MIN_POSITIVE);
+    let more_than_noise = after > MORE_THAN_NOISE * stage.structure_scatter();
+    ((after / explainable).clamp(0.0, 1.0), more_than_noise)
+}
+
+/// Rivals within reach of a fitted set: candidates that could stand in the place of one of its effects.
+pub(crate) fn rivals(search: &Search, effects: &[String], all: &[String]) -> Vec<(String, String)> {
+    let gain = search.net_gain(effects);
+    let mut found = Vec::new();
+    for own in effects {
+        let without: Vec<String> = effects.iter().filter(|id| *id != own).cloned().collect();
+        let part = gain - search.net_gain(&without);
+        let reach = REACH.max(REACH_SHARE * part);
+        for id in all.iter().filter(|id| !effects.contains(id)) {
+            let mut swapped = without.clone();
+            swapped.push(id.clone());
+            if search.fits.get(&swapped).is_some() && search.net_gain(&swapped) >= gain - reach {
+                found.push((own.clone(), id.clone()));
+            }
+        }
+    }
+    found
+}
+
+/// What the verdict needs to know of the final set.
+pub(crate) struct Case<'a> {
+    pub effects: &'a [String],
+    pub left: (f64, bool),
+    pub rivals: Vec<(String, String)>,
+    pub baseline: Option<&'a HeldOut>,
+    pub held_out: Option<&'a HeldOut>,
+    /// Whether the naming holds with the priors all but removed; `None` without priors.
+    pub without_priors: Option<bool>,
+}
+
+/// The verdict where at least one effect gains more than noise alone.
+pub(crate) fn with_effects(case: &Case) -> Finding {
+    let mut cautions = Vec::new();
+    let tied: Vec<String> = case.rivals.iter().map(|(_, rival)| rival.clone()).collect();
+    let confirmed = match (case.held_out, case.baseline) {
+        (Some(ours), Some(baseline)) => better(&ours.density, &baseline.density) > BETTER,
+        _ => false,
+    };
+    let (left, more_than_noise) = case.left;
+    let effects = case.effects.to_vec();
+    let verdict = if more_than_noise && left > TOO_MUCH {
+        return Finding { verdict: Verdict::Unexplained, effects: Vec::new(), tied: Vec::new(), cautions };
+    } else if more_than_noise && left > MAY_STAY {
+        Verdict::Unexplained
+    } else if case.without_priors == Some(false) {
+        cautions.push(
+            "without the priors the effect is not needed: a prior may be wrong, which looks like a missing effect"
+                .to_owned(),
+        );
+        Verdict::Undetermined
+    } else if !confirmed {
+        cautions.push("left-out conditions do not confirm the effect: it fits, but does not predict better".to_owned());
+        Verdict::Undetermined
+    } else if !tied.is_empty() {
+        Verdict::Undetermined
+    } else {
+        Verdict::EffectMissing
+    };
+    Finding { verdict, effects, tied, cautions }
+}
+
+/// The verdict where no effect gains more than noise alone; `blind` is the share of visible effects that could be there
+/// at full physical strength without showing.
+pub(crate) fn without_effects(stage: &Stage, blind: f64) -> Finding {
+    let (all, structure) = misfit(stage);
+    let mut cautions = Vec::new();
+    let verdict = if all < MISFIT || structure < MISFIT {
+        Verdict::Unexplained
+    } else if blind > TOO_MUCH {
+        cautions.push(format!(
+            "this experiment cannot tell: {:.0} % of the effects that it could show may be there at full physical strength without showing",
+            100.0 * blind
+        ));
+        Verdict::Undetermined
+    } else {
+        Verdict::Explained
+    };
+    Finding { verdict, effects: Vec::new(), tied: Vec::new(), cautions }
+}

@@ -1,0 +1,51 @@
+//! A parameter that a fit may move, and the coordinate in which it is searched.
+
+use bekker_modeldescription::Variable;
+
+/// Ratio of the bounds from which a positive parameter is searched in logarithms.
+const DECADES: f64 = 100.0;
+
+/// What is known of a parameter from a separate test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prior {
+    /// The value that the test gave.
+    pub mean: f64,
+    /// Its standard deviation.
+    pub deviation: f64,
+}
+
+/// A free parameter: its bounds (those of `variable`), where it starts, what is known of it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Free {
+    pub variable: Variable,
+    pub start: f64,
+    pub prior: Option<Prior>,
+}
+
+impl Free {
+    fn logarithmic(&self) -> bool {
+        self.variable.min > 0.0 && self.variable.max / self.variable.min >= DECADES
+    }
+
+    /// Coordinate of the search: ln p, or p over its range.
+    pub fn coordinate(&self, value: f64) -> f64 {
+        if self.logarithmic() { value.ln() } else { value / (self.variable.max - self.variable.min) }
+    }
+
+    /// Value at a coordinate, within the bounds.
+    pub fn value(&self, coordinate: f64) -> f64 {
+        let value =
+            if self.logarithmic() { coordinate.exp() } else { coordinate * (self.variable.max - self.variable.min) };
+        value.clamp(self.variable.min, self.variable.max)
+    }
+
+    /// dp/du.
+    pub fn slope(&self, value: f64) -> f64 {
+        if self.logarithmic() { value } else { self.variable.max - self.variable.min }
+    }
+
+    /// Bounds of the coordinate.
+    pub fn bounds(&self) -> (f64, f64) {
+        (self.coordinate(self.variable.min), self.coordinate(self.variable.max))
+    }
+}

@@ -1,0 +1,181 @@
+//! The noise model from repeats, by maximum likelihood.
+//!
+//! Runs of one group share the model's error, so contrasts between them hold noise alone: with m runs, m - 1 orthonormal
+//! (Helmert) contrasts of their rows are independent draws with the covariance of a single run.
+
+use super::NoiseModel;
+use crate::diagnosis::layout::Layout;
+use crate::measurement::{Experiment, Sample};
+use std::collections::BTreeMap;
+
+/// Contrasts of fewer rows tell nothing of the correlation along a run.
+const LEAST_ROWS: usize = 4;
+
+/// Largest share and correlation: a process beyond is a drift, which no repeat determines.
+const LARGEST: f64 = 0.98;
+
+/// One draw of noise along a run: rows and values.
+#[derive(Clone, Debug)]
+struct Strand {
+    rows: Vec<usize>,
+    values: Vec<f64>,
+}
+
+/// The sets of repeats of an experiment, ready for contrasts.
+#[derive(Clone, Debug)]
+pub(crate) struct Repeats {
+    /// Runs of a group, whose rows pair by index.
+    groups: Vec<Vec<usize>>,
+    /// Other repeats: samples of one condition.
+    sets: Vec<Vec<Sample>>,
+}
+
+impl Repeats {
+    pub fn new(experiment: &Experiment) -> Self {
+        let mut groups: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+        for (k, run) in experiment.runs.iter().enumerate() {
+            if let Some(group) = &run.group {
+                groups.entry(group).or_default().push(k);
+            }
+        }
+        let mut groups: Vec<_> = groups.into_values().filter(|runs| runs.len() > 1).collect();
+        groups.sort();
+        let grouped = |sample: &Sample| groups.iter().any(|runs| runs.contains(&sample.run));
+        let sets = experiment.replicates().into_iter().filter(|set| !grouped(&set[0])).collect();
+        Self { groups, sets }
+    }
+
+    /// Contrasts of one signal; `residual` is measured minus modelled (or measured alone) in the layout's order.
+    fn contrasts(&self, layout: &Layout, signal: &str, residual: &[f64]) -> Vec<Strand> {
+        let block = |run: usize| layout.of_run(run).find(|block| block.signal == signal).map(|b| b.range.clone());
+        let mut strands = Vec::new();
+        for runs in &self.groups {
+            let blocks: Vec<_> = runs.iter().filter_map(|run| block(*run)).collect();
+            for k in 1..blocks.len() {
+                let length = blocks.iter().map(ExactSizeIterator::len).min().unwrap_or(0);
+                let value = |row: usize| helmert(k, &|j| residual[blocks[j].start + row]);
+                let rows: Vec<usize> = (0..length).filter(|row| !value(*row).is_nan()).collect();
+                strands.push(Strand { values: rows.iter().map(|row| value(*row)).collect(), rows });
+            }
+        }
+        for set in &self.sets {
+            let values: Vec<f64> = set
+                .iter()
+                .filter_map(|sample| Some(residual[block(sample.run)?.start + sample.row]))
+                .filter(|value| !value.is_nan())
+                .collect();
+            strands
+                .extend((1..values.len()).map(|k| Strand { rows: vec![0], values: vec![helmert(k, &|j| values[j])] }));
+        }
+        strands.retain(|strand| !strand.rows.is_empty());
+        strands
+    }
+
+    /// Independent values behind the estimate of a signal's noise.
+    pub fn degrees_of_freedom(&self, layout: &Layout, signal: &str) -> usize {
+        self.contrasts(layout, signal, &layout.measured).iter().map(|strand| strand.rows.len()).sum()
+    }
+}
+
+/// The `k`-th orthonormal contrast: the mean of the first k against number k.
+fn helmert(k: usize, value: &dyn Fn(usize) -> f64) -> f64 {
+    let mean = (0..k).map(value).sum::<f64>() / k as f64;
+    (mean - value(k)) * (k as f64 / (k as f64 + 1.0)).sqrt()
+}
+
+/// Noise of one signal from its repeats; `None` where there are none.
+pub(crate) fn estimate(repeats: &Repeats, layout: &Layout, signal: &str, residual: &[f64]) -> Option<NoiseModel> {
+    Search::WIDE.run(&repeats.contrasts(layout, signal, residual))
+}
+
+/// Noise of one signal from residuals themselves, for want of repeats: all of them count as noise, `lost` degrees of
+/// freedom being spent on the model. There is no telling a run's own scatter from the model's error there.
+pub(crate) fn estimate_alone(layout: &Layout, signal: &str, residual: &[f64], lost: f64) -> Option<NoiseModel> {
+    let strands: Vec<Strand> = layout
+        .blocks
+        .iter()
+        .filter(|block| block.signal == signal)
+        .map(|block| {
+            let rows: Vec<usize> =
+                (0..block.range.len()).filter(|r| !residual[block.range.start + r].is_nan()).collect();
+            Strand { values: rows.iter().map(|row| residual[block.range.start + row]).collect(), rows }
+        })
+        .collect();
+    let count: usize = strands.iter().map(|strand| strand.rows.len()).sum();
+    let scale = (count as f64 / (count as f64 - lost).max(1.0)).sqrt();
+    let noise = Search { with_share: false, ..Search::WIDE }.run(&strands)?;
+    Some(NoiseModel { deviation: noise.deviation * scale, ..noise })
+}
+
+/// The same as [`estimate`] searched near a known model, for repeated draws from it.
+pub(crate) fn estimate_near(
+    repeats: &Repeats,
+    layout: &Layout,
+    signal: &str,
+    residual: &[f64],
+    near: &NoiseModel,
+) -> Option<NoiseModel> {
+    let search =
+        Search { centre: [near.run_share, near.correlation], half: 0.3, points: 5, rounds: 3, with_share: true };
+    search.run(&repeats.contrasts(layout, signal, residual))
+}
+
+/// Maximum likelihood over share and correlation, the variance being profiled out, on grids that shrink.
+struct Search {
+    /// Middle of the first grid: share, correlation.
+    centre: [f64; 2],
+    half: f64,
+    points: usize,
+    rounds: usize,
+    /// Whether the share is searched; else it is zero.
+    with_share: bool,
+}
+
+impl Search {
+    const WIDE: Self =
+        Self { centre: [LARGEST / 2.0; 2], half: LARGEST / 2.0, points: 11, rounds: 4, with_share: true };
+
+    fn run(&self, strands: &[Strand]) -> Option<NoiseModel> {
+        let count: usize = strands.iter().map(|strand| strand.rows.len()).sum();
+        let squares: f64 = strands.iter().flat_map(|strand| &strand.values).map(|value| value * value).sum();
+        if count == 0 || squares <= 0.0 {
+            return None;
+        }
+        if strands.iter().all(|strand| strand.rows.len() < LEAST_ROWS) {
+            return Some(NoiseModel::white((squares / count as f64).sqrt()));
+        }
+        let (mut centre, mut half) = (self.centre, self.half);
+        let mut best = (f64::INFINITY, NoiseModel::white(1.0));
+        for _ in 0..self.rounds {
+            let at = |axis: usize, k: usize| {
+                (centre[axis] + half * (2.0 * k as f64 / (self.points - 1) as f64 - 1.0)).clamp(0.0, LARGEST)
+            };
+            for i in 0..if self.with_share { self.points } else { 1 } {
+                for k in 0..self.points {
+                    let run_share = if self.with_share { at(0, i) } else { 0.0 };
+                    let trial = NoiseModel { deviation: 1.0, run_share, correlation: at(1, k) };
+                    let (deviance, deviation) = deviance(&trial, strands, count);
+                    if deviance < best.0 {
+                        best = (deviance, NoiseModel { deviation, ..trial });
+                    }
+                }
+            }
+            centre = [best.1.run_share, best.1.correlation];
+            half *= 2.0 / (self.points - 1) as f64;
+        }
+        Some(best.1)
+    }
+}
+
+/// -2 ln likelihood up to a constant, and the most likely standard deviation.
+fn deviance(trial: &NoiseModel, strands: &[Strand], count: usize) -> (f64, f64) {
+    let (mut squares, mut determinant) = (0.0, 0.0);
+    for strand in strands {
+        let mut values = strand.values.clone();
+        trial.whiten(&strand.rows, &mut values);
+        squares += values.iter().map(|value| value * value).sum::<f64>();
+        determinant += trial.log_determinant(&strand.rows);
+    }
+    let variance = squares / count as f64;
+    (count as f64 * variance.ln() + determinant, variance.sqrt())
+}

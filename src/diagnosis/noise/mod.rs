@@ -1,0 +1,13 @@
+//! The noise: how well any model could do ([`NoiseFloor`]), how noise hangs together along a run ([`NoiseModel`]), and
+//! the transform that makes it white ([`Whitening`]).
+
+mod estimate;
+mod floor;
+mod model;
+mod whitening;
+
+pub(crate) use estimate::{Repeats, estimate, estimate_alone, estimate_near};
+pub(crate) use floor::noise_floors;
+pub use floor::{FloorSource, NoiseFloor, Pooled};
+pub use model::NoiseModel;
+pub(crate) use whitening::Whitening;

@@ -1,0 +1,259 @@
+//! What a diagnosis works on: an experiment, the model placed on each of its runs, the parameters that a calibration
+//! moves, and the effects that may be added.
+
+use super::bounds::believable;
+use super::compare::CompareError;
+use super::diagnose::Task;
+use super::free::{Free, Prior};
+use super::layout::Layout;
+use super::prediction::{Predict, PredictionError, SingleWheelPrediction};
+use super::single_wheel::Rig;
+use super::traverse::TraversePrediction;
+use crate::measurement::{Experiment, Kind};
+use crate::model::Model;
+use bekker_modeldescription::{Lookup, Parameters, Role, Variable};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+/// An effect that is not in the baseline, with its free parameters at their neutral values.
+#[derive(Clone, Debug)]
+pub(crate) struct Candidate {
+    pub id: String,
+    pub free: Vec<Free>,
+}
+
+/// An experiment and all that may be fitted to it.
+#[derive(Clone, Debug)]
+pub(crate) struct Problem<'a> {
+    pub experiment: Cow<'a, Experiment>,
+    pub layout: Layout,
+    /// The model with what is known of the rig.
+    pub known: Model,
+    /// The same with what is known of each run.
+    models: Vec<Model>,
+    /// Parameters of a baseline calibration.
+    pub base: Vec<Free>,
+    /// Effects that may be added, in the vocabulary's order.
+    pub library: Vec<Candidate>,
+}
+
+impl<'a> Problem<'a> {
+    /// `added` effects are part of the baseline: their parameters are free in it.
+    ///
+    /// # Errors
+    /// [`CompareError::Parameter`] where the experiment or `added` names something that the model does not have.
+    pub fn new(model: &Model, experiment: &'a Experiment, added: &[String]) -> Result<Self, CompareError> {
+        let mut known = with_parameters(model, &experiment.parameters, "experiment.toml, [parameters]")?;
+        let models = experiment
+            .runs
+            .iter()
+            .map(|run| with_parameters(&known, &run.parameters, &format!("experiment.toml, run {}", run.name)))
+            .collect::<Result<Vec<_>, _>>()?;
+        let mut base = base_parameters(&mut known, experiment)?;
+        let library = library(&mut known, experiment, &base);
+        let mut kept = Vec::new();
+        for id in added {
+            let Some(candidate) = library.iter().find(|candidate| candidate.id == *id) else {
+                return Err(unknown_effect(id, &library));
+            };
+            base.extend(candidate.free.iter().cloned());
+        }
+        for candidate in library {
+            // An effect that the given model has switched on is part of the baseline, at its value.
+            let neutral = candidate.free.iter().all(|free| free.start == free.variable.default);
+            if neutral && !added.contains(&candidate.id) {
+                kept.push(candidate);
+            }
+        }
+        Ok(Self {
+            experiment: Cow::Borrowed(experiment),
+            layout: Layout::new(experiment),
+            known,
+            models,
+            base,
+            library: kept,
+        })
+    }
+
+    /// Keeps only the candidates named.
+    ///
+    /// # Errors
+    /// [`CompareError::UnknownEffect`].
+    pub fn keep_candidates(&mut self, ids: &[String]) -> Result<(), CompareError> {
+        if let Some(id) = ids.iter().find(|id| !self.library.iter().any(|candidate| candidate.id == **id)) {
+            return Err(unknown_effect(id, &self.library));
+        }
+        self.library.retain(|candidate| ids.contains(&candidate.id));
+        Ok(())
+    }
+
+    /// The candidate called `id`.
+    pub fn candidate(&self, id: &str) -> Option<&Candidate> {
+        self.library.iter().find(|candidate| candidate.id == id)
+    }
+
+    /// Free parameters of the baseline with these effects added, in the library's order whatever the order of `effects`.
+    pub fn free(&self, effects: &[String]) -> Vec<Free> {
+        let added = self.library.iter().filter(|candidate| effects.contains(&candidate.id));
+        self.base.iter().cloned().chain(added.flat_map(|candidate| candidate.free.clone())).collect()
+    }
+
+    /// Values of the parameters of effect `id` among those of a fit with `effects`.
+    pub fn part<'v>(&self, effects: &[String], values: &'v [f64], id: &str) -> &'v [f64] {
+        let mut at = self.base.len();
+        for candidate in self.library.iter().filter(|candidate| effects.contains(&candidate.id)) {
+            if candidate.id == id {
+                return &values[at..at + candidate.free.len()];
+            }
+            at += candidate.free.len();
+        }
+        &[]
+    }
+
+    /// Values of a fit put together from those of the baseline and of each effect, in the order of [`Self::free`].
+    pub fn assemble(&self, base: &[f64], parts: &[(&str, &[f64])]) -> Vec<f64> {
+        let mut values = base[..self.base.len()].to_vec();
+        for candidate in &self.library {
+            if let Some((_, part)) = parts.iter().find(|(id, _)| *id == candidate.id) {
+                values.extend_from_slice(part);
+            }
+        }
+        values
+    }
+
+    /// Calls `f` with what the model predicts as a function of `free`.
+    ///
+    /// # Errors
+    /// [`PredictionError`] where the model cannot be placed on the experiment's runs.
+    pub fn predict<R>(&self, free: &[Free], f: impl FnOnce(&dyn Predict) -> R) -> Result<R, PredictionError> {
+        match self.experiment.kind {
+            Kind::SingleWheel => {
+                let names: Vec<String> = free.iter().map(|free| free.variable.name.clone()).collect();
+                let rigs = self.models.iter().map(|model| Rig::of(&model.rover)).collect();
+                Ok(f(&SingleWheelPrediction::new(&self.experiment, &self.layout, rigs, &names)))
+            }
+            Kind::Traverse => {
+                Ok(f(&TraversePrediction::new(&self.experiment, &self.layout, self.models.clone(), free)?))
+            }
+        }
+    }
+
+    /// Sets a parameter on every run that does not state its own value.
+    pub fn fix(&mut self, name: &str, value: f64) {
+        for (model, run) in self.models.iter_mut().zip(&self.experiment.runs) {
+            if !run.parameters.contains_key(name) {
+                set_unchecked(model, name, value);
+            }
+        }
+    }
+
+    /// The same for some of the runs.
+    pub fn only(&self, runs: &[usize]) -> Problem<'static> {
+        let mut experiment = (*self.experiment).clone();
+        experiment.runs = runs.iter().map(|run| self.experiment.runs[*run].clone()).collect();
+        Problem {
+            layout: Layout::new(&experiment),
+            experiment: Cow::Owned(experiment),
+            known: self.known.clone(),
+            models: runs.iter().map(|run| self.models[*run].clone()).collect(),
+            base: self.base.clone(),
+            library: self.library.clone(),
+        }
+    }
+
+    /// The task of fitting the baseline with these effects added.
+    pub fn task(&self, effects: &[String], starts: Vec<Vec<f64>>) -> Task {
+        let parameters = self.free(effects)[self.base.len()..].iter().map(|free| free.variable.name.clone()).collect();
+        Task { effects: effects.to_vec(), parameters, starts, left_out: Vec::new(), prior_factor: 1.0 }
+    }
+
+    /// The model with fitted values; what the experiment says of single runs is not part of it.
+    pub fn improved(&self, free: &[Free], values: &[f64]) -> Model {
+        let mut model = self.known.clone();
+        model.visit("", &mut |variable, place| {
+            if let Some(k) = free.iter().position(|free| free.variable.name == variable.name) {
+                *place = values[k];
+            }
+        });
+        model
+    }
+}
+
+/// Sets a parameter that is known to exist and to be within its bounds.
+fn set_unchecked(model: &mut Model, name: &str, value: f64) {
+    model.visit("", &mut |variable, place| {
+        if variable.name == name {
+            *place = value;
+        }
+    });
+}
+
+fn unknown_effect(id: &str, library: &[Candidate]) -> CompareError {
+    let known = library.iter().map(|candidate| candidate.id.as_str()).collect::<Vec<_>>().join(", ");
+    CompareError::UnknownEffect { id: id.to_owned(), known }
+}
+
+fn with_parameters(model: &Model, parameters: &BTreeMap<String, f64>, place: &str) -> Result<Model, CompareError> {
+    let mut model = model.clone();
+    for (name, value) in parameters {
+        let set = model.set(name, *value);
+        set.map_err(|source| CompareError::Parameter { place: place.to_owned(), source })?;
+    }
+    Ok(model)
+}
+
+/// What a default calibration moves: parameters with the role, unless the experiment states their value, and all that
+/// have a prior. At a single wheel width k_c and k_phi act as one, and k_c stays.
+fn base_parameters(model: &mut Model, experiment: &Experiment) -> Result<Vec<Free>, CompareError> {
+    let listed = model.list();
+    for name in experiment.priors.keys() {
+        if !listed.iter().any(|(variable, _)| variable.name == *name) {
+            let place = "experiment.toml, [priors]".to_owned();
+            return Err(CompareError::Parameter { place, source: model.unknown(name) });
+        }
+    }
+    let widths = experiment.runs.iter().filter_map(|run| run.parameters.get("wheel.width"));
+    let many_widths = widths.collect::<Vec<_>>().windows(2).any(|pair| pair[0] != pair[1]);
+    let is_free = |name: &str, role: Role| {
+        experiment.priors.contains_key(name)
+            || (role == Role::Calibrated
+                && !experiment.parameters.contains_key(name)
+                && (name != "soil.k_c" || many_widths))
+    };
+    let chosen = listed.into_iter().filter(|(variable, _)| is_free(&variable.name, variable.role));
+    Ok(chosen
+        .map(|(mut variable, start)| {
+            let deviation = experiment.priors.get(&variable.name).copied();
+            if let Some((low, high)) = believable(&variable.name) {
+                // A value that the experiment states stays reachable.
+                variable.min = variable.min.max(low.min(start));
+                variable.max = variable.max.min(high.max(start));
+            }
+            Free { prior: deviation.map(|deviation| Prior { mean: start, deviation }), variable, start }
+        })
+        .collect())
+}
+
+/// Effects of the vocabulary whose parameters are neither known nor free already.
+fn library(model: &mut Model, experiment: &Experiment, base: &[Free]) -> Vec<Candidate> {
+    let mut library: Vec<Candidate> = Vec::new();
+    for (variable, value) in model.list() {
+        let known = experiment.parameters.contains_key(&variable.name)
+            || base.iter().any(|free| free.variable.name == variable.name);
+        if variable.role != Role::Effect || known {
+            continue;
+        }
+        let id = effect_id(&variable).to_owned();
+        let free = Free { variable, start: value, prior: None };
+        match library.iter_mut().find(|candidate| candidate.id == id) {
+            Some(candidate) => candidate.free.push(free),
+            None => library.push(Candidate { id, free: vec![free] }),
+        }
+    }
+    library
+}
+
+/// The effect that a parameter belongs to: what stands before the dot.
+fn effect_id(variable: &Variable) -> &str {
+    variable.name.split('.').next().unwrap_or_default()
+}

@@ -1,0 +1,107 @@
+//! The whitened residuals of a fit as a function of the search's coordinates, and their Jacobian.
+//!
+//! Rows: one a measured value, made white by the noise model, then one a prior, (p - p_0)/sigma_p. Beyond a threshold a
+//! measured value counts as in Huber's loss, so that single bad samples do not lead; see [`Weighted::robust`].
+
+use super::free::{Free, Prior};
+use super::layout::Layout;
+use super::noise::Whitening;
+use super::prediction::{Predict, PredictionError};
+
+/// A weighted least-squares problem over `free`.
+pub(crate) struct Weighted<'a> {
+    pub predict: &'a dyn Predict,
+    pub layout: &'a Layout,
+    pub free: &'a [Free],
+    pub whitening: &'a Whitening,
+    /// Size of a whitened residual beyond which its weight falls (Huber 1964); infinite for plain least squares.
+    pub robust: f64,
+}
+
+impl Weighted<'_> {
+    /// Parameter values at search coordinates.
+    pub fn values(&self, u: &[f64]) -> Vec<f64> {
+        self.free.iter().zip(u).map(|(free, u)| free.value(*u)).collect()
+    }
+
+    /// Search coordinates of parameter values, within the bounds.
+    pub fn coordinates(&self, values: &[f64]) -> Vec<f64> {
+        let clamped = |free: &Free, value: f64| value.clamp(free.variable.min, free.variable.max);
+        self.free.iter().zip(values).map(|(free, value)| free.coordinate(clamped(free, *value))).collect()
+    }
+
+    fn priors(&self) -> impl Iterator<Item = (usize, Prior)> {
+        self.free.iter().enumerate().filter_map(|(k, free)| Some((k, free.prior?)))
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.whitening.len() + self.priors().count()
+    }
+
+    /// Whitened residuals (modelled minus measured) of a prediction, then those of the priors; not yet robust.
+    pub fn whitened(&self, modelled: &[f64], values: &[f64]) -> Vec<f64> {
+        let difference: Vec<f64> = modelled.iter().zip(&self.layout.measured).map(|(m, y)| m - y).collect();
+        let mut all = self.whitening.apply(&difference);
+        all.extend(self.priors().map(|(k, prior)| (values[k] - prior.mean) / prior.deviation));
+        all
+    }
+
+    /// Residuals whose squares are Huber's loss; infinite where the model has no answer, which rejects a step.
+    pub fn residual(&self, u: &[f64]) -> Vec<f64> {
+        let values = self.values(u);
+        match self.predict.values(&values) {
+            Ok(modelled) => {
+                let mut all = self.whitened(&modelled, &values);
+                all[..self.whitening.len()].iter_mut().for_each(|r| *r = self.huber(*r).0);
+                all
+            }
+            Err(_) => vec![f64::INFINITY; self.rows()],
+        }
+    }
+
+    /// sqrt of twice Huber's loss with the residual's sign, and its slope in the residual.
+    fn huber(&self, r: f64) -> (f64, f64) {
+        let size = r.abs();
+        if size <= self.robust {
+            return (r, 1.0);
+        }
+        let root = (self.robust * (2.0 * size - self.robust)).sqrt();
+        (root.copysign(r), self.robust / root)
+    }
+
+    /// The Jacobian of [`Self::residual`], row by row; NaN where the model has no answer, which the search reports as a
+    /// breakdown.
+    pub fn jacobian(&self, u: &[f64]) -> Vec<f64> {
+        let Ok((residual, columns)) = self.sensitivities(u) else { return vec![f64::NAN; self.rows() * u.len()] };
+        let mut rows = Vec::with_capacity(residual.len() * u.len());
+        for (at, r) in residual.iter().enumerate() {
+            let weight = if at < self.whitening.len() { self.huber(*r).1 } else { 1.0 };
+            rows.extend(columns.iter().map(|column| column[at] * weight));
+        }
+        rows
+    }
+
+    /// Whitened residuals and, for each free parameter, their derivative in its search coordinate.
+    ///
+    /// # Errors
+    /// [`PredictionError`] where the model has no answer.
+    pub fn sensitivities(&self, u: &[f64]) -> Result<(Vec<f64>, Vec<Vec<f64>>), PredictionError> {
+        let values = self.values(u);
+        let (modelled, slopes) = self.predict.slopes(&values)?;
+        let residual = self.whitened(&modelled, &values);
+        Ok((residual, self.columns(&slopes, &values)))
+    }
+
+    /// Whitened columns, by search coordinate, of raw derivatives at `values`; the priors' rows follow.
+    pub fn columns(&self, slopes: &[Vec<f64>], values: &[f64]) -> Vec<Vec<f64>> {
+        let column = |(k, slope): (usize, &Vec<f64>)| {
+            let scale = self.free[k].slope(values[k]);
+            let scaled: Vec<f64> = slope.iter().map(|s| s * scale).collect();
+            let mut column = self.whitening.apply(&scaled);
+            column.extend(self.priors().map(|(j, prior)| if j == k { scale / prior.deviation } else { 0.0 }));
+            column
+        };
+        slopes.iter().enumerate().map(column).collect()
+    }
+}
