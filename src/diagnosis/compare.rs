@@ -82,11 +82,7 @@ impl Comparison {
 pub fn compare(model: &Model, experiment: &Experiment, options: &CompareOptions) -> Result<Comparison, CompareError> {
     let layout = Layout::new(experiment);
     let mut known = with_parameters(model, &experiment.parameters, "experiment.toml, [parameters]")?;
-    let models = experiment
-        .runs
-        .iter()
-        .map(|run| with_parameters(&known, &run.parameters, &format!("experiment.toml, run {}", run.name)))
-        .collect::<Result<Vec<_>, _>>()?;
+    let models = with_runs(&known, experiment)?;
     let free = free_parameters(&mut known, experiment)?;
     let names: Vec<String> = free.iter().map(|free| free.variable.name.clone()).collect();
     match experiment.kind {
@@ -146,7 +142,15 @@ fn no_measurements(layout: &Layout, free: &[Free]) -> impl FnOnce() -> CompareEr
     move || CompareError::TooFewMeasurements { values, free }
 }
 
-fn with_parameters<M: Clone + Parameters<f64>>(
+/// The model of each run: `known` with what the run sets.
+pub(super) fn with_runs(known: &Model, experiment: &Experiment) -> Result<Vec<Model>, CompareError> {
+    let of_run = |run: &crate::measurement::Run| {
+        with_parameters(known, &run.parameters, &format!("experiment.toml, run {}", run.name))
+    };
+    experiment.runs.iter().map(of_run).collect()
+}
+
+pub(super) fn with_parameters<M: Clone + Parameters<f64>>(
     model: &M,
     parameters: &BTreeMap<String, f64>,
     place: &str,

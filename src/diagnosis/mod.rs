@@ -12,6 +12,9 @@ mod layout;
 mod least_squares;
 mod noise;
 mod prediction;
+mod recorded;
+mod replay;
+mod sensitivity;
 mod single_wheel;
 mod traverse;
 
@@ -20,5 +23,7 @@ pub use compare::{CompareError, CompareOptions, Comparison, compare};
 pub use failure::{Failure, Level, levels};
 pub use fit::{Fit, RunFit, SignalFit};
 pub use noise::{FloorSource, NoiseFloor, Pooled};
-pub use prediction::PredictionError;
+pub use prediction::{Derivatives, PredictionError};
+pub use replay::{Replay, ReplayError};
+pub use sensitivity::{Sensitivity, modelled, sensitivity};
 pub use single_wheel::{Rig, SteadyError, SteadyPoint, steady_point};
