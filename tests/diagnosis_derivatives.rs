@@ -12,12 +12,13 @@ use bekker::signals::Drive;
 use bekker::terrain::{Ditch, Profile, Terrain, Waves};
 use std::collections::BTreeMap;
 
-/// Inner step, s, and times between rows, s.
+/// The default inner step, s, and the time between rows, s.
 const STEP: f64 = 0.002;
 const PERIOD: f64 = 0.1;
 const ROWS: usize = 31;
 
-/// Differences over this share of a value: rounding over it is 1e-9, curvature 1e-8.
+/// Differences over this share of a value: rounding over it is 1e-9, and a rim of the ditch (where the curvature jumps)
+/// is rarely within it.
 const SHARE: f64 = 1e-5;
 
 /// Between exact derivatives and differences, relative to the largest derivative of the signal over the drive.
@@ -52,7 +53,7 @@ const FREE: [&str; 22] = [
 fn rover(profile: Profile) -> Rover {
     let mut rover = Rover::two_wheeled();
     rover.terrain = Terrain::new(profile);
-    rover.soil.k_c = 2e3;
+    rover.soil.k_c = 2e4;
     rover.body.centre_of_mass_x = 0.02;
     rover.effects.slip_sinkage.n1 = 0.2;
     rover.effects.exit_angle.lambda = 0.2;
@@ -105,7 +106,8 @@ fn with<S: Scalar>(rover: &Rover<S>, x0: S, name: &str, change: impl Fn(S) -> S)
     (changed, if name == "x0" { change(x0) } else { x0 })
 }
 
-fn check_derivatives(profile: Profile, drive: Drive) {
+/// The largest error of a derivative, and where it is.
+fn worst_derivative(profile: Profile, drive: Drive) -> (f64, String) {
     let (rover, x0, replay) = (rover(profile), 0.2, replay(drive));
     let mut signal_names: Vec<String> = Vec::new();
     replay
@@ -141,20 +143,24 @@ fn check_derivatives(profile: Profile, drive: Drive) {
         let felt = exact.iter().flatten().any(|value| value.eps.0.is_some_and(|eps| eps[0] != 0.0));
         assert!(felt, "{name} is felt");
     }
-    eprintln!("{drive:?}: {worst:?}");
+    worst
+}
+
+fn check_derivatives(profile: &Profile, drive: Drive) {
+    let worst = worst_derivative(profile.clone(), drive);
     assert!(worst.0 < DIFFERENCES, "{worst:?}");
 }
 
 #[test]
 fn agreement_derivatives_of_a_drive_on_waves() {
-    check_derivatives(waves(), Drive::Speed);
-    check_derivatives(waves(), Drive::Torque);
+    check_derivatives(&waves(), Drive::Speed);
+    check_derivatives(&waves(), Drive::Torque);
 }
 
 #[test]
 fn agreement_derivatives_of_a_drive_through_a_ditch() {
-    check_derivatives(ditch(), Drive::Speed);
-    check_derivatives(ditch(), Drive::Torque);
+    check_derivatives(&ditch(), Drive::Speed);
+    check_derivatives(&ditch(), Drive::Torque);
 }
 
 #[test]
