@@ -59,23 +59,29 @@ parameters! {
 }
 
 /// All true signals of the rover at one instant.
-#[derive(Clone, Debug, PartialEq, Default)]
-pub struct Signals {
+#[derive(Clone, Debug, PartialEq)]
+pub struct Signals<S = f64> {
     /// Signals of the whole rover.
-    pub body: BodySignals,
+    pub body: BodySignals<S>,
     /// Signals of wheel 1..n, rear to front.
-    pub wheels: Vec<WheelSignals>,
+    pub wheels: Vec<WheelSignals<S>>,
 }
 
-impl Parameters<f64> for Signals {
-    fn visit(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut f64)) {
+impl<S: From<f64>> Default for Signals<S> {
+    fn default() -> Self {
+        Self { body: BodySignals::default(), wheels: Vec::new() }
+    }
+}
+
+impl<S: Copy> Parameters<S> for Signals<S> {
+    fn visit(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut S)) {
         self.body.visit(prefix, f);
         for (k, wheel) in self.wheels.iter_mut().enumerate() {
             wheel.visit(&bekker_modeldescription::join(prefix, &format!("wheel[{}]", k + 1)), f);
         }
     }
 
-    fn values(&self, f: &mut dyn FnMut(f64)) {
+    fn values(&self, f: &mut dyn FnMut(S)) {
         self.body.values(f);
         self.wheels.iter().for_each(|wheel| wheel.values(f));
     }

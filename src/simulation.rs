@@ -3,6 +3,7 @@
 use crate::integrator::Integrator;
 use crate::rover::dynamics::{DynamicsError, Powers};
 use crate::rover::{Rover, SettleError, State};
+use crate::scalar::Scalar;
 use crate::signals::{Command, Drive, Signals, WheelSignals};
 use crate::terrain::TerrainError;
 use std::fmt;
@@ -86,13 +87,13 @@ pub enum StepError {
 }
 
 /// Energies since the start, J.
-#[derive(Clone, Copy, Debug, Default)]
-struct Energies {
-    dissipated: f64,
-    electrical: f64,
-    drive: f64,
-    soil_loss: f64,
-    other_loss: f64,
+#[derive(Clone, Copy, Debug)]
+struct Energies<S> {
+    dissipated: S,
+    electrical: S,
+    drive: S,
+    soil_loss: S,
+    other_loss: S,
 }
 
 /// Progress since the present window of rim travel began.
@@ -105,26 +106,29 @@ struct Window {
 }
 
 /// A rover in motion. Cloning it is a snapshot: the clone goes on to the same bits.
+///
+/// Over dual numbers every signal carries its derivatives in whatever the rover and its start were seeded with; events
+/// are decided on real parts.
 #[derive(Clone, Debug)]
-pub struct Simulation {
-    rover: Rover,
-    state: State,
-    integrator: Integrator,
+pub struct Simulation<S = f64> {
+    rover: Rover<S>,
+    state: State<S>,
+    integrator: Integrator<S>,
     command: Command,
     step_size: f64,
     ticks: u64,
-    energies: Energies,
+    energies: Energies<S>,
     window: Window,
     status: Status,
-    signals: Signals,
+    signals: Signals<S>,
 }
 
-impl Simulation {
+impl<S: Scalar> Simulation<S> {
     /// A rover at rest above `x0` (m), settled on its soil, stepped by `step_size` (s).
     ///
     /// # Errors
     /// [`StepError::Settle`] where it finds no rest, [`StepError::StepSize`].
-    pub fn new(rover: Rover, x0: f64, step_size: f64) -> Result<Self, StepError> {
+    pub fn new(rover: Rover<S>, x0: S, step_size: f64) -> Result<Self, StepError> {
         let state = rover.settled_at(x0)?;
         Self::from_state(rover, state, step_size)
     }
@@ -133,7 +137,7 @@ impl Simulation {
     ///
     /// # Errors
     /// [`StepError::StepSize`], [`StepError::Dynamics`].
-    pub fn from_state(rover: Rover, mut state: State, step_size: f64) -> Result<Self, StepError> {
+    pub fn from_state(rover: Rover<S>, mut state: State<S>, step_size: f64) -> Result<Self, StepError> {
         if !(step_size > 0.0 && step_size <= 0.02) {
             return Err(StepError::StepSize(step_size));
         }
@@ -142,7 +146,7 @@ impl Simulation {
         integrator
             .evaluate(&rover, &mut state, &command)
             .map_err(|source| StepError::Dynamics { time: 0.0, source })?;
-        let window = Window { start_x: state.position[0], ..Window::default() };
+        let window = Window { start_x: state.position[0].value(), ..Window::default() };
         let signals = Signals { wheels: vec![WheelSignals::default(); rover.wheels.len()], ..Signals::default() };
         let mut simulation = Self {
             rover,
@@ -151,7 +155,7 @@ impl Simulation {
             command,
             step_size,
             ticks: 0,
-            energies: Energies::default(),
+            energies: Energies::zero(),
             window,
             status: Status::Running,
             signals,
@@ -220,26 +224,27 @@ impl Simulation {
     }
 
     fn check_events(&mut self) {
-        let radius = self.rover.wheel.radius;
+        let radius = self.rover.wheel.radius.value();
         let wheels = &self.integrator.now.wheels;
-        if self.state.position[2].abs() > TIPPED {
+        let x = self.state.position[0].value();
+        if self.state.position[2].value().abs() > TIPPED {
             self.status = Status::Ended(Event::TippedOver);
-        } else if wheels.iter().any(|wheel| wheel.sinkage >= radius) {
+        } else if wheels.iter().any(|wheel| wheel.sinkage.value() >= radius) {
             self.status = Status::Ended(Event::SunkToAxle);
         } else if self.belly_touches() {
             self.status = Status::Ended(Event::BellyContact);
         }
         let scale = radius * self.step_size / wheels.len() as f64;
-        self.window.rim_travel += wheels.iter().map(|wheel| wheel.speed.abs()).sum::<f64>() * scale;
-        self.window.rim_progress += wheels.iter().map(|wheel| wheel.speed).sum::<f64>() * scale;
+        self.window.rim_travel += wheels.iter().map(|wheel| wheel.speed.value().abs()).sum::<f64>() * scale;
+        self.window.rim_progress += wheels.iter().map(|wheel| wheel.speed.value()).sum::<f64>() * scale;
         if self.window.rim_travel >= STUCK_WINDOW * radius {
             // Progress counts in the direction of driving: sliding back while driving on is being stuck.
-            let way = self.state.position[0] - self.window.start_x;
+            let way = x - self.window.start_x;
             let progress = way.copysign(way * self.window.rim_progress);
             if progress < STUCK_SHARE * self.window.rim_travel && self.status == Status::Running {
                 self.status = Status::Ended(Event::Stuck);
             }
-            self.window = Window { start_x: self.state.position[0], ..Window::default() };
+            self.window = Window { start_x: x, ..Window::default() };
         }
     }
 
@@ -247,14 +252,14 @@ impl Simulation {
     fn belly_touches(&self) -> bool {
         const POINTS: usize = 7;
         let mounts = &self.rover.wheels;
-        let (rear, front) = (mounts[0].mount.x, mounts[mounts.len() - 1].mount.x);
-        let (sin, cos) = self.state.position[2].sin_cos();
-        let belly = self.rover.body.belly_z;
+        let (rear, front) = (mounts[0].mount.x.value(), mounts[mounts.len() - 1].mount.x.value());
+        let (sin, cos) = self.state.position[2].value().sin_cos();
+        let belly = self.rover.body.belly_z.value();
         (1..=POINTS).any(|i| {
             let along = rear + (front - rear) * i as f64 / (POINTS + 1) as f64;
-            let x = self.state.position[0] + cos * along - sin * belly;
-            let z = self.state.position[1] + sin * along + cos * belly;
-            z < self.rover.terrain.at(x).height
+            let x = self.state.position[0].value() + cos * along - sin * belly;
+            let z = self.state.position[1].value() + sin * along + cos * belly;
+            z < self.rover.terrain.at(S::from(x)).height.value()
         })
     }
 
@@ -266,7 +271,7 @@ impl Simulation {
         let body = &mut self.signals.body;
         body.x = state.position[0];
         body.z = state.position[1];
-        body.velocity = vx.hypot(vz).copysign(vx);
+        body.velocity = path_speed(vx, vz);
         body.pitch = state.position[2];
         body.pitch_rate = state.rate[2];
         body.power = powers.dissipated;
@@ -309,7 +314,7 @@ impl Simulation {
 
     /// True signals at the present time.
     #[must_use]
-    pub fn signals(&self) -> &Signals {
+    pub fn signals(&self) -> &Signals<S> {
         &self.signals
     }
 
@@ -321,13 +326,13 @@ impl Simulation {
 
     /// The rover.
     #[must_use]
-    pub fn rover(&self) -> &Rover {
+    pub fn rover(&self) -> &Rover<S> {
         &self.rover
     }
 
     /// The moving data.
     #[must_use]
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> &State<S> {
         &self.state
     }
 
@@ -338,10 +343,26 @@ impl Simulation {
     }
 }
 
-impl Energies {
+/// Speed along the path, signed by its direction along x; its real part is `hypot`'s to the last bit.
+fn path_speed<S: Scalar>(vx: S, vz: S) -> S {
+    let speed = vx.value().hypot(vz.value()).copysign(vx.value());
+    if speed == 0.0 {
+        return S::from(speed);
+    }
+    // d|v| = (vx dvx + vz dvz)/|v|.
+    let change = |v: S| (v - v.value()) * (v.value() / speed);
+    change(vx) + change(vz) + speed
+}
+
+impl<S: Scalar> Energies<S> {
+    fn zero() -> Self {
+        let zero = S::from(0.0);
+        Self { dissipated: zero, electrical: zero, drive: zero, soil_loss: zero, other_loss: zero }
+    }
+
     /// Trapezoidal rule over one step: the order of the integrator.
-    fn add(&mut self, before: &Powers<f64>, after: &Powers<f64>, h: f64) {
-        let mean = |a: f64, b: f64| 0.5 * h * (a + b);
+    fn add(&mut self, before: &Powers<S>, after: &Powers<S>, h: f64) {
+        let mean = |a: S, b: S| (a + b) * (0.5 * h);
         self.dissipated += mean(before.dissipated, after.dissipated);
         self.electrical += mean(before.electrical, after.electrical);
         self.drive += mean(before.drive, after.drive);

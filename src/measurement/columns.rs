@@ -71,7 +71,7 @@ fn traverse(wheels: usize, radius: f64) -> Vec<Column> {
         columns.push(column(format!("wheel[{k}].speed_command"), Use::Input, wheel_speed(radius)));
         columns.push(column(format!("wheel[{k}].torque_command"), Use::Input, None));
     }
-    let mut signals = Signals { wheels: vec![WheelSignals::default(); wheels], ..Signals::default() };
+    let mut signals = Signals::<f64> { wheels: vec![WheelSignals::default(); wheels], ..Signals::default() };
     for (variable, _) in signals.list() {
         let field = variable.name.rsplit('.').next().unwrap_or_default();
         let limits = match field {

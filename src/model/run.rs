@@ -177,8 +177,7 @@ pub struct Run {
 
 impl Run {
     pub(super) fn new(model: &Model) -> Result<Self, RunError> {
-        model.clone().check()?;
-        check_vehicle(model)?;
+        model.check_start()?;
         let step_size = model.stepping.step_size;
         let simulation = Simulation::new(model.rover.clone(), model.start.x0, step_size)?;
         let zeros = vec![0.0; model.rover.wheels.len()];
@@ -300,6 +299,14 @@ impl Run {
     #[must_use]
     pub fn simulation(&self) -> &Simulation {
         &self.simulation
+    }
+}
+
+impl Model {
+    /// Checks what [`Model::start`] needs: every parameter within its bounds, a vehicle that the control can drive.
+    pub(crate) fn check_start(&self) -> Result<(), RunError> {
+        self.clone().check()?;
+        check_vehicle(self)
     }
 }
 

@@ -2,6 +2,7 @@
 //! order and a full set of functions that dual numbers share names with; this needs + - * / only).
 
 use crate::scalar::Scalar;
+use std::ops::{DivAssign, Mul};
 
 /// Most generalised coordinates of a rover: three of the chassis and five passive joints.
 pub const MAX_COORDINATES: usize = 8;
@@ -74,21 +75,21 @@ impl<S: Scalar> Factors<S> {
         Some(Self { lu, pivots, n })
     }
 
-    /// Solves for one right-hand side.
-    pub fn solve(&self, right: &Vector<S>) -> Vector<S> {
+    /// Solves for one right-hand side, which may carry derivatives that the matrix does not have.
+    pub fn solve<T: Scalar + Mul<S, Output = T> + DivAssign<S>>(&self, right: &Vector<T>) -> Vector<T> {
         let mut x = *right;
         for k in 0..self.n {
             x.swap(k, self.pivots[k]);
         }
         for i in 0..self.n {
             for j in 0..i {
-                let term = self.lu[i][j] * x[j];
+                let term = x[j] * self.lu[i][j];
                 x[i] -= term;
             }
         }
         for i in (0..self.n).rev() {
             for j in i + 1..self.n {
-                let term = self.lu[i][j] * x[j];
+                let term = x[j] * self.lu[i][j];
                 x[i] -= term;
             }
             x[i] /= self.lu[i][i];

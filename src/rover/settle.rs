@@ -5,6 +5,7 @@ use super::linear::{Factors, MAX_COORDINATES, Vector, zeros};
 use super::{Rover, State};
 use crate::contact::Hold;
 use crate::integrator::Integrator;
+use crate::scalar::{Dual, Scalar};
 use crate::signals::Command;
 
 /// Accelerations below which a rover is at rest, m/s^2 and rad/s^2: a force balance within 1e-9 of weight.
@@ -13,6 +14,11 @@ const AT_REST: f64 = 1e-8;
 const ITERATIONS: usize = 40;
 /// Steepest pitch of a rover that stands on its wheels, rad.
 const MOST_PITCH: f64 = 1.3;
+/// Steps that carry derivatives to a rest found in plain numbers: the first meets them to 1e-7 or better (the rest that
+/// Newton's method leaves, against the slope of the balance), the second to rounding.
+const DERIVATIVE_STEPS: usize = 2;
+/// Friction grows in proportion to the holding, to either side; its slope at zero is taken here.
+const BESIDE_ZERO: f64 = 1e-9;
 const SETTLING_STEPS: usize = 2000;
 const SETTLING_STEP: f64 = 0.001;
 
@@ -40,15 +46,29 @@ pub enum SettleError {
     },
 }
 
-impl Rover<f64> {
+impl<S: Scalar> Rover<S> {
     /// The state at rest with the reference point above `x`, settled on the soil.
     ///
     /// A slope is held by static friction under locked wheels. Where that does not suffice it is at its
     /// limit and the rover will slide.
     ///
+    /// Real parts are found in plain numbers. Derivatives follow from the balance a(u, p) = 0 by the implicit function
+    /// theorem, du/dp = -(da/du)^-1 da/dp.
+    ///
     /// # Errors
     /// [`SettleError`].
-    pub fn settled_at(&self, x: f64) -> Result<State, SettleError> {
+    pub fn settled_at(&self, x: S) -> Result<State<S>, SettleError> {
+        let plain = self.map(&|s| s.value());
+        let state = plain.settled(x.value())?;
+        if S::NDERIV == 0 {
+            return Ok(state.map(&S::from));
+        }
+        carry_derivatives(self, &plain, &state, x).map_err(|source| SettleError::Dynamics { x: x.value(), source })
+    }
+}
+
+impl Rover<f64> {
+    fn settled(&self, x: f64) -> Result<State, SettleError> {
         let fail = |source| SettleError::Dynamics { x, source };
         let mut balance = Balance::new(self);
         let guess = self.placed_at(x).map_err(fail)?;
@@ -110,34 +130,37 @@ impl Rover<f64> {
 }
 
 /// Static balance: the accelerations as functions of (holding, z, pitch, joints).
-struct Balance {
-    evaluation: Evaluation<f64>,
+struct Balance<S = f64> {
+    evaluation: Evaluation<S>,
     command: Command,
 }
 
-impl Balance {
-    fn new(rover: &Rover) -> Self {
+impl<S: Scalar> Balance<S> {
+    fn new(rover: &Rover<S>) -> Self {
         Self { evaluation: Evaluation::new(rover), command: Command::speed(vec![0.0; rover.wheels.len()]) }
     }
 
     /// Sets the holding of all wheels: uphill (positive) as if they had been dragged downhill, locked.
-    fn hold(state: &mut State, holding: f64) {
-        let hold = Hold { travel: -holding.clamp(-1.0, 1.0), turn: 0.0 };
+    fn hold(state: &mut State<S>, holding: S) {
+        let within = holding.larger(S::from(-1.0)).smaller(S::from(1.0));
+        let hold = Hold { travel: -within, turn: S::from(0.0) };
         state.wheels.iter_mut().for_each(|wheel| wheel.hold = hold);
     }
 
     fn accelerations(
         &mut self,
-        rover: &Rover,
-        state: &mut State,
-        unknowns: &Vector<f64>,
-    ) -> Result<Vector<f64>, DynamicsError> {
+        rover: &Rover<S>,
+        state: &mut State<S>,
+        unknowns: &Vector<S>,
+    ) -> Result<Vector<S>, DynamicsError> {
         Self::hold(state, unknowns[0]);
         state.position[1..].copy_from_slice(&unknowns[1..rover.coordinates()]);
         self.evaluation.update(rover, state, &self.command)?;
         Ok(self.evaluation.acceleration)
     }
+}
 
+impl Balance {
     /// Newton's method from `state`; the inner error is the acceleration left where it did not converge.
     fn newton(&mut self, rover: &Rover, mut state: State) -> Result<Result<State, f64>, DynamicsError> {
         let n = rover.coordinates();
@@ -170,4 +193,67 @@ impl Balance {
         let slides = unknowns[0].abs() >= 1.0 && left[1..n].iter().all(|a| a.abs() < 1.0);
         Ok(if slides || size(&left) < AT_REST { Ok(state) } else { Err(size(&left)) })
     }
+}
+
+/// A rest found in plain numbers, with the derivatives that follow from the parameters and from `x`.
+fn carry_derivatives<S: Scalar>(
+    rover: &Rover<S>,
+    plain: &Rover,
+    rest: &State,
+    x: S,
+) -> Result<State<S>, DynamicsError> {
+    let n = rover.coordinates();
+    let mut values = zeros();
+    values[0] = -rest.wheels.first().map_or(0.0, |wheel| wheel.hold.travel);
+    values[1..n].copy_from_slice(&rest.position[1..]);
+    // At the limit of friction the holding stays there, and the balance along x is not met.
+    let first = usize::from(values[0].abs() >= 1.0);
+    let jacobian = exact_jacobian(plain, rest, &values)?;
+    let mut inner = [zeros(); MAX_COORDINATES];
+    for i in first..n {
+        (first..n).for_each(|j| inner[i - first][j - first] = jacobian[i][j]);
+    }
+    let factors = Factors::new(&inner, n - first).ok_or(DynamicsError::NotFinite)?;
+    let mut balance = Balance::new(rover);
+    let mut state = rest.map(&S::from);
+    (state.position[0], state.start_x) = (x, x);
+    let mut unknowns = values.map(S::from);
+    // The forces have no slope exactly at zero holding, so a second step would count the first again.
+    let steps = if values[0] == 0.0 { 1 } else { DERIVATIVE_STEPS };
+    for _ in 0..steps {
+        let left = balance.accelerations(rover, &mut state, &unknowns)?;
+        let mut right = zeros();
+        right[..n - first].copy_from_slice(&left[first..n]);
+        let change = factors.solve(&right);
+        for i in first..n {
+            // The real part is settled; what it would still move is rounding.
+            let change = change[i - first];
+            unknowns[i] -= change - change.value();
+        }
+    }
+    Balance::hold(&mut state, unknowns[0]);
+    state.position[1..].copy_from_slice(&unknowns[1..n]);
+    Ok(state)
+}
+
+/// Slopes of the accelerations at rest in (holding, z, pitch, joints).
+fn exact_jacobian(
+    rover: &Rover,
+    rest: &State,
+    unknowns: &Vector<f64>,
+) -> Result<[Vector<f64>; MAX_COORDINATES], DynamicsError> {
+    let n = rover.coordinates();
+    let lifted = rover.map(&Dual::<1>::from);
+    let (mut balance, mut state) = (Balance::new(&lifted), rest.map(&Dual::<1>::from));
+    let mut jacobian = [zeros(); MAX_COORDINATES];
+    for j in 0..n {
+        let mut seeded = unknowns.map(Dual::<1>::from);
+        if j == 0 && unknowns[0] == 0.0 {
+            seeded[0] = Dual::from(BESIDE_ZERO);
+        }
+        seeded[j] = seeded[j].derivative(0);
+        let slopes = balance.accelerations(&lifted, &mut state, &seeded)?;
+        (0..n).for_each(|i| jacobian[i][j] = slopes[i].eps.0.map_or(0.0, |eps| eps[0]));
+    }
+    Ok(jacobian)
 }

@@ -26,7 +26,7 @@ pub struct Threads;
 
 impl Spread for Threads {
     fn fits(&self, tasks: &[Task], local: &(dyn Fn(&Task) -> Option<Outcome> + Sync)) -> Vec<Option<Outcome>> {
-        super::parallel::map(tasks, local)
+        crate::parallel::map_in_order(tasks, local)
     }
 }
 

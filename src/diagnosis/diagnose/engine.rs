@@ -224,7 +224,7 @@ fn all_held_out(search: &Search, folds: &[Fold], chosen: &[String]) -> BTreeMap<
         let values = search.fits.get(set)?.values();
         held_out(search.problem, search.noise, set, &values, folds).map(|held| (set.clone(), held))
     };
-    super::parallel::map(&sets, predict).into_iter().flatten().collect()
+    crate::parallel::map_in_order(&sets, predict).into_iter().flatten().collect()
 }
 
 /// The verdict.

@@ -20,7 +20,6 @@ mod discrepancy;
 mod engine;
 mod fits;
 mod held_out;
-mod parallel;
 mod prepare;
 mod probability;
 mod profile;

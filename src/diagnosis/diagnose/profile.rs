@@ -19,7 +19,7 @@ pub(crate) fn profiles(search: &Search, effects: &[String]) -> Vec<FinalParamete
     let Some(fit) = search.fits.get(effects) else { return Vec::new() };
     let from = if problem.experiment.kind == Kind::Traverse { problem.base.len() } else { 0 };
     let numbers: Vec<usize> = (from..fit.parameters.len()).collect();
-    super::parallel::map(&numbers, |k| profile(search, effects, *k)).into_iter().flatten().collect()
+    crate::parallel::map_in_order(&numbers, |k| profile(search, effects, *k)).into_iter().flatten().collect()
 }
 
 fn profile(search: &Search, effects: &[String], k: usize) -> Option<FinalParameter> {

@@ -3,13 +3,13 @@
 use super::bootstrap::{Gains, Null, Projected, Statistics};
 use super::control::Control;
 use super::fits::Noise;
-use super::parallel;
 use super::signature::{Sensitivities, sensitivities};
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::linear_algebra::{Basis, dot};
 use crate::diagnosis::noise::{Repeats, Whitening};
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::Problem;
+use crate::parallel::map_in_order;
 
 /// A fit of the baseline with some effects, seen from where it stands.
 pub(crate) struct Stage {
@@ -103,7 +103,7 @@ impl Stage {
         let (observed, gains, projected) = null.statistics(ground.whitening, &whitened);
         let numbers: Vec<u64> = (0..ground.draws as u64).collect();
         let draw = |k: &u64| (!(control.stop)()).then(|| null.draw(*k));
-        let draws = parallel::map(&numbers, draw).into_iter().flatten().collect();
+        let draws = map_in_order(&numbers, draw).into_iter().flatten().collect();
         Ok(Self {
             effects: effects.to_vec(),
             fit,

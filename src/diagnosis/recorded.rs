@@ -1,0 +1,182 @@
+//! One recorded run of a traverse, prepared for replays: no names are looked up in them.
+
+use super::layout::Block;
+use super::prediction::PredictionError;
+use super::replay::{Replay, ReplayError};
+use crate::measurement::Run as Measured;
+use crate::model::{ControlKind, Model, RunError};
+use crate::rover::Rover;
+use crate::scalar::Scalar;
+use crate::signals::{Drive, Signals, WheelSignals};
+use crate::simulation::Status;
+use bekker_modeldescription::{Lookup, Parameters};
+
+/// How a run is driven.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Drives {
+    /// By its commands as they are.
+    Open(Replay),
+    /// By a feedback loop on every wheel; its commands row by row, one value a wheel.
+    Loop(Vec<f64>),
+}
+
+/// A recorded run, and those that repeat it.
+#[derive(Clone, Debug)]
+pub(super) struct Recorded {
+    name: String,
+    /// The model with what is known of the run.
+    pub model: Model,
+    pub drives: Drives,
+    /// Times of the rows, s.
+    time: Vec<f64>,
+    /// Free parameters that the run does not set itself.
+    pub felt: Vec<usize>,
+    /// For each signal, in the order of [`Signals`], whether it is traced, and as which of them.
+    columns: Vec<Option<usize>>,
+    traced: usize,
+    /// For each measured block the signal, in the order of [`Signals`], and where its values start in the layout.
+    targets: Vec<(usize, usize)>,
+}
+
+impl Recorded {
+    pub fn new<'a>(
+        model: Model,
+        run: &Measured,
+        blocks: impl Iterator<Item = &'a Block>,
+        felt: Vec<usize>,
+    ) -> Result<Self, PredictionError> {
+        let mut signals =
+            Signals::<f64> { wheels: vec![WheelSignals::default(); run.inputs.len()], ..Signals::default() };
+        let names: Vec<String> = signals.list().into_iter().map(|(variable, _)| variable.name).collect();
+        let target = |block: &Block| {
+            let at = names.iter().position(|name| *name == block.signal);
+            let unknown = || PredictionError::Signal { run: run.name.clone(), signal: block.signal.clone() };
+            at.map(|at| (at, block.range.start)).ok_or_else(unknown)
+        };
+        let targets = blocks.map(target).collect::<Result<Vec<_>, _>>()?;
+        let time = run.data.column("time").unwrap_or_default().to_vec();
+        let commands = commands(&model, run)?;
+        let drives = match model.control.kind {
+            ControlKind::Speed => Drives::Open(Replay::new(Drive::Speed, model.stepping.step_size, &time, commands)),
+            ControlKind::Torque => Drives::Open(Replay::new(Drive::Torque, model.stepping.step_size, &time, commands)),
+            _ => Drives::Loop(commands),
+        };
+        let columns = vec![None; names.len()];
+        let mut recorded =
+            Self { name: run.name.clone(), model, drives, time, felt, columns, traced: 0, targets: vec![] };
+        recorded.add_targets(&targets);
+        Ok(recorded)
+    }
+
+    fn add_targets(&mut self, targets: &[(usize, usize)]) {
+        for (signal, _) in targets {
+            if self.columns[*signal].is_none() {
+                self.columns[*signal] = Some(self.traced);
+                self.traced += 1;
+            }
+        }
+        self.targets.extend_from_slice(targets);
+    }
+
+    /// Whether `other` is the same run to the last bit, whatever was measured in it.
+    pub fn repeats(&self, other: &Self) -> bool {
+        let (a, b) = (&self.model, &other.model);
+        let parameters = |model: &Model| model.clone().list();
+        let same_model = a.control.kind == b.control.kind
+            && a.stepping.step_size.to_bits() == b.stepping.step_size.to_bits()
+            && a.stepping.seed == b.stepping.seed
+            && a.rover.terrain == b.rover.terrain
+            && bodies(&a.rover) == bodies(&b.rover);
+        let open = matches!(self.drives, Drives::Open(_));
+        same_model
+            && self.drives == other.drives
+            && (open || self.time == other.time)
+            && self.felt == other.felt
+            && parameters(a) == parameters(b)
+    }
+
+    /// Takes the measured blocks of a run that repeats this one.
+    pub fn take(&mut self, other: Self) {
+        self.add_targets(&other.targets);
+    }
+
+    /// The traced signals of an open-loop replay, row by row.
+    pub fn replayed<S: Scalar>(&self, replay: &Replay, rover: Rover<S>, x0: S) -> Result<Vec<S>, PredictionError> {
+        let mut trace = vec![S::from(f64::NAN); self.time.len() * self.traced];
+        let replayed = replay.run(rover, x0, |row, signals| self.read(signals, row, &mut trace));
+        replayed.map(|()| trace).map_err(|error| match error {
+            ReplayError::Step(source) => self.failed(source.into()),
+            ReplayError::Ended { row, event } => {
+                PredictionError::Ended { run: self.name.clone(), time: self.time[row], event }
+            }
+        })
+    }
+
+    /// The traced signals of a run with its feedback loops, row by row.
+    pub fn driven(&self, model: &Model, commands: &[f64]) -> Result<Vec<f64>, PredictionError> {
+        let mut trace = vec![f64::NAN; self.time.len() * self.traced];
+        let mut run = model.start().map_err(|source| self.failed(source))?;
+        let wheels = model.rover.wheels.len();
+        let mut done = 0;
+        for (row, time) in self.time.iter().enumerate() {
+            let due = ((time - self.time[0]) / run.step_size()).round() as u64;
+            let status = run.advance(due.saturating_sub(done)).map_err(|source| self.failed(source))?;
+            done = due;
+            if let Status::Ended(event) = status {
+                return Err(PredictionError::Ended { run: self.name.clone(), time: *time, event });
+            }
+            self.read(run.signals(), row, &mut trace);
+            let command = &commands[row * wheels..(row + 1) * wheels];
+            run.inputs_mut().set_all(command).map_err(|source| self.failed(source))?;
+        }
+        Ok(trace)
+    }
+
+    fn read<S: Scalar>(&self, signals: &Signals<S>, row: usize, trace: &mut [S]) {
+        let row = &mut trace[row * self.traced..(row + 1) * self.traced];
+        let mut columns = self.columns.iter();
+        signals.values(&mut |value| {
+            if let Some(Some(column)) = columns.next() {
+                row[*column] = value;
+            }
+        });
+    }
+
+    /// Puts a trace where it was measured.
+    pub fn store(&self, trace: &[f64], layout: &mut [f64]) {
+        for (signal, start) in &self.targets {
+            let Some(column) = self.columns[*signal] else { continue };
+            for row in 0..self.time.len() {
+                layout[start + row] = trace[row * self.traced + column];
+            }
+        }
+    }
+
+    pub fn failed(&self, source: RunError) -> PredictionError {
+        PredictionError::Simulation { run: self.name.clone(), source: Box::new(source) }
+    }
+}
+
+/// How the bodies hang together: what a rover has beside its parameters and its ground.
+fn bodies(rover: &Rover) -> (Vec<usize>, Vec<usize>) {
+    (rover.links.iter().map(|link| link.parent).collect(), rover.wheels.iter().map(|wheel| wheel.body).collect())
+}
+
+/// The commands row by row, wheel 1 first whatever their order in the file, each within its range.
+fn commands(model: &Model, run: &Measured) -> Result<Vec<f64>, PredictionError> {
+    let torque = model.control.kind == ControlKind::Torque;
+    let suffix = if torque { "torque_command" } else { "speed_command" };
+    let column = |wheel: usize| run.data.column(&format!("wheel[{wheel}].{suffix}")).unwrap_or_default();
+    let columns: Vec<&[f64]> = (1..=run.inputs.len()).map(column).collect();
+    let mut inputs = model.inputs();
+    let mut commands = Vec::new();
+    for row in 0..run.data.rows() {
+        // A missing cell commands nothing.
+        let values = columns.iter().map(|values| values.get(row).copied().filter(|v| !v.is_nan()).unwrap_or(0.0));
+        commands.extend(values);
+        let present = &commands[row * columns.len()..];
+        let failed = |source| PredictionError::Simulation { run: run.name.clone(), source: Box::new(source) };
+        inputs.set_all(present).map_err(failed)?;
+    }
+    Ok(commands)
+}

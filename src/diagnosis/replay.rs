@@ -1,0 +1,91 @@
+//! Recorded commands replayed through the simulation, over any scalar.
+
+use crate::rover::Rover;
+use crate::scalar::Scalar;
+use crate::signals::{Command, Drive, Signals};
+use crate::simulation::{Event, Simulation, Status, StepError};
+
+/// Why a replay failed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ReplayError {
+    /// The simulation failed.
+    #[error(transparent)]
+    Step(#[from] StepError),
+    /// The run ended before its rows did.
+    #[error("at row {}: the rover is {event}", row + 1)]
+    Ended {
+        /// The row that was due, counted from 0.
+        row: usize,
+        /// What happened.
+        event: Event,
+    },
+}
+
+/// Open-loop commands of a run and the times at which they act.
+///
+/// The rover starts at rest, settled above `x0`, at the time of the first row. The commands of a row hold until the
+/// next row's time. Rows are met to half an inner step.
+/// ```
+/// use bekker::{diagnosis::Replay, rover::Rover, signals::Drive};
+///
+/// let commands: Vec<f64> = [2.0, 2.0].repeat(3); // three rows of two wheels, rad/s
+/// let replay = Replay::new(Drive::Speed, 0.002, &[0.0, 0.5, 1.0], commands);
+/// let mut way = Vec::new();
+/// replay.run(Rover::two_wheeled(), 0.0, |_, signals| way.push(signals.body.x))?;
+/// assert!(way[0] == 0.0 && way[2] > 0.1);
+/// # Ok::<(), bekker::diagnosis::ReplayError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Replay {
+    drive: Drive,
+    step_size: f64,
+    /// Inner steps since the start at which each row is due.
+    due: Vec<u64>,
+    /// One value a wheel, row by row.
+    commands: Vec<f64>,
+}
+
+impl Replay {
+    /// A replay with the inner step `step_size` (s) of `commands` (one value a wheel, rear to front, row by row; N m or
+    /// rad/s as `drive` says) at `time` (s, rising; the first is the start).
+    #[must_use]
+    pub fn new(drive: Drive, step_size: f64, time: &[f64], commands: Vec<f64>) -> Self {
+        let start = time.first().copied().unwrap_or(0.0);
+        let due = time.iter().map(|t| ((t - start) / step_size).round() as u64).collect();
+        Self { drive, step_size, due, commands }
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.due.len()
+    }
+
+    /// Replays the commands and calls `record` with every row and the signals at its time, before its own command acts.
+    /// Over dual numbers the signals carry their derivatives in what `rover` and `x0` (m) are seeded with.
+    ///
+    /// # Errors
+    /// [`ReplayError`].
+    pub fn run<S: Scalar>(
+        &self,
+        rover: Rover<S>,
+        x0: S,
+        mut record: impl FnMut(usize, &Signals<S>),
+    ) -> Result<(), ReplayError> {
+        let wheels = rover.wheels.len();
+        let mut command = Command { drive: self.drive, values: vec![0.0; wheels] };
+        let mut simulation = Simulation::new(rover, x0, self.step_size)?;
+        for (row, due) in self.due.iter().enumerate() {
+            let steps = due.saturating_sub(simulation.ticks());
+            if steps > 0
+                && let Status::Ended(event) = simulation.advance(&command, steps)?
+            {
+                return Err(ReplayError::Ended { row, event });
+            }
+            record(row, simulation.signals());
+            let values = self.commands.iter().skip(row * wheels);
+            command.values.iter_mut().zip(values).for_each(|(value, recorded)| *value = *recorded);
+        }
+        Ok(())
+    }
+}
