@@ -143,6 +143,14 @@ impl<S: Scalar> Integrator<S> {
         Ok(())
     }
 
+    /// Warms the windings over the step of size `h` just made, where they warm.
+    pub fn warm(&mut self, rover: &Rover<S>, state: &mut State<S>, h: f64) {
+        if rover.effects.winding_heat.acts() {
+            // The evaluation at the start of the step is what was swapped out.
+            self.now.warm(rover, &self.ahead, state, h);
+        }
+    }
+
     /// Eliminates spins and memories and factors the matrix that is left.
     fn condense(&mut self, rover: &Rover<S>, drive: Drive, gh: f64) -> Result<Factors<S>, DynamicsError> {
         let n = rover.coordinates();
@@ -152,7 +160,8 @@ impl<S: Scalar> Integrator<S> {
             add_contact(&mut matrix, wheel, condensed, gh, n);
         }
         for (j, link) in rover.links.iter().enumerate() {
-            matrix[3 + j][3 + j] += link.parameters.damping * gh;
+            // Dry friction by its secant: however fast the joint, a step cannot turn it over.
+            matrix[3 + j][3 + j] += (link.parameters.damping + self.now.joint_friction[j]) * gh;
         }
         Factors::new(&matrix, n).ok_or(DynamicsError::NotFinite)
     }

@@ -44,6 +44,7 @@ pub mod linear_stress;
 pub mod measurement;
 pub mod model;
 pub mod motor;
+mod recording;
 #[cfg(feature = "report")]
 pub mod report;
 pub mod rover;
