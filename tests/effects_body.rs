@@ -13,13 +13,13 @@ const SAME_MOTION: f64 = 1e-6;
 const ROUNDING: f64 = 1e-10;
 
 fn rough(mut rover: Rover) -> Rover {
-    rover.terrain = Terrain::new(Profile::Waves(Waves { amplitude: 0.02, wavelength: 1.1, start: 0.2 }));
+    rover.terrain = Terrain::new(Profile::Waves(Waves { amplitude: 0.02, wavelength: 2.0, start: 0.2 }));
     rover.soil.shear_modulus = 0.01;
     rover
 }
 
 fn drive(rover: &Rover, drive: Drive) -> Simulation {
-    let value = if drive == Drive::Torque { 1.5 } else { 2.0 };
+    let value = if drive == Drive::Torque { 1.7 } else { 2.0 };
     let command = Command { drive, values: vec![value; rover.wheels.len()] };
     let mut simulation = Simulation::new(rover.clone(), 0.0, 0.002).expect("settles");
     simulation.advance(&command, 1000).expect("steps");
@@ -135,11 +135,12 @@ fn property_friction_of_a_joint_holds_a_link_without_chatter() {
         ..LinkParameters::default()
     };
     rover.links = vec![Link { parent: 0, parameters }];
-    let swing = |moment: f64| {
+    let swing = |moment: f64, rate: f64| {
         let mut rover = rover.clone();
         rover.effects.suspension_friction.moment = moment;
         let mut state = rover.settled_at(0.0).unwrap_or_else(|_| bekker::rover::State::at_rest(&rover, 0.0, 0.095));
         state.position[3] = 0.0;
+        state.rate[3] = rate;
         let mut simulation = Simulation::from_state(rover, state, 0.002).expect("starts");
         let mut reversals = 0;
         let mut before = 0.0;
@@ -151,13 +152,17 @@ fn property_friction_of_a_joint_holds_a_link_without_chatter() {
         }
         (simulation.state().position[3], reversals)
     };
-    let (free, swings) = swing(0.0);
+    let (free, swings) = swing(0.0, 0.0);
     assert!(swings >= 4, "a free link swings: {swings} reversals, at {free} rad");
-    let (held, _) = swing(1.0);
+    let (held, _) = swing(1.0, 0.0);
     // Below the moment it creeps at the smooth reversal's rate: 0.005 rad/s times 0.49/sqrt(1 - 0.49^2).
     assert!(held.abs() < 1.2 * 3.0 * 0.005 * 0.49 / (1.0 - 0.49 * 0.49_f64).sqrt(), "{held} rad in 3 s");
-    let (_, reversals) = swing(0.05);
-    assert!(reversals <= swings, "{reversals} reversals with friction, {swings} without");
+    // Chatter would reverse the joint at every step or two, 1500 in all; with friction it may swing a little
+    // faster at its smaller amplitude. The hardest stop is that of a fast link by the largest moment.
+    for (moment, rate) in [(0.05, 0.0), (0.3, 0.0), (1.0, 1.0), (5.0, 1.0)] {
+        let (_, reversals) = swing(moment, rate);
+        assert!(reversals <= 2 * swings, "{moment} N m: {reversals} reversals with friction, {swings} without");
+    }
 }
 
 #[test]

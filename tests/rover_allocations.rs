@@ -11,8 +11,8 @@ fn property_steps_allocate_nothing() {
     for preset in ["two_wheeled", "two_wheeled_speed", "rocker_bogie", "gentle_velocity", "rocker_bogie_velocity"] {
         let mut model = Model::preset(preset).expect("a preset");
         // Effects with a memory.
-        model.rover.effects.sensor_lag.time_constant = 0.05;
-        model.rover.effects.sensor_lag.dead_time = 0.03;
+        model.rover.effects.sensor_lag.time_constant = 0.005;
+        model.rover.effects.sensor_lag.dead_time = 0.003;
         model.rover.effects.winding_heat.thermal_resistance = 10.0;
         let mut run = model.start().expect("starts");
         let inputs = run.inputs().clone();

@@ -125,7 +125,7 @@ fn property_work_of_the_drives_is_soil_loss_and_energy_gained() {
         (hard.clone(), waves(0.03, 2.0), Command::torque(vec![1.5; 2])),
         (hard.clone(), waves(0.03, 2.0), Command::speed(vec![2.5; 2])),
         (Rover::two_wheeled(), waves(0.02, 1.5), Command::speed(vec![3.0; 2])),
-        (rocker_bogie.clone(), waves(0.01, 0.7), Command::torque(vec![0.25; 3])),
+        (rocker_bogie.clone(), waves(0.01, 0.7), Command::torque(vec![0.38; 3])),
         (rocker_bogie, waves(0.01, 0.7), Command::speed(vec![1.5; 3])),
     ];
     for (mut rover, terrain, command) in cases {
