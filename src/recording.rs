@@ -154,3 +154,67 @@ fn each<S>(body: &mut BodySignals<S>, wheels: &mut [WheelSignals<S>], mut f: imp
         [speed, slip, sinkage, normal_force, drawbar_pull, torque, current, contact_angle].into_iter().for_each(&mut f);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scalar::Dual;
+
+    const STEP: f64 = 0.01;
+    /// Central differences over 1e-6 s; at a whole number of steps the second derivative jumps.
+    const DIFFERENCES: f64 = 1e-5;
+
+    /// The record of x(t) = sin 3t + t^2 after one second.
+    fn record<S: Scalar>(time_constant: S, dead_time: S) -> S {
+        let mut recorder = Recorder::new(&SensorLag { time_constant, dead_time }, 1, STEP);
+        let (mut body, mut wheels) = (BodySignals::default(), [WheelSignals::default()]);
+        for k in 0..=100 {
+            let t = f64::from(k) * STEP;
+            body.x = S::from((3.0 * t).sin() + t * t);
+            recorder.step(&mut body, &mut wheels);
+        }
+        recorder.record(&mut body, &mut wheels);
+        body.x
+    }
+
+    #[test]
+    fn property_derivatives_of_the_record_agree_with_differences() {
+        let h = 1e-6;
+        // Between steps, at a whole number of steps, and nearly neutral.
+        for (lag, dead) in [(0.05, 0.033), (0.2, 0.03), (1e-4, 0.004), (0.01, 1e-5)] {
+            let exact = |k: usize| {
+                let seed = |j: usize, value: f64| {
+                    let value = Dual::<1>::from(value);
+                    if j == k { value.derivative(0) } else { value }
+                };
+                record(seed(0, lag), seed(1, dead)).eps.0.map_or(0.0, |eps| eps[0])
+            };
+            let differences = [
+                (record(lag + h, dead) - record(lag - h, dead)) / (2.0 * h),
+                (record(lag, dead + h) - record(lag, dead - h)) / (2.0 * h),
+            ];
+            for (k, difference) in differences.into_iter().enumerate() {
+                let exact = exact(k);
+                assert!(
+                    (exact - difference).abs() < DIFFERENCES * (1.0 + exact.abs()),
+                    "{lag}, {dead}: {exact}, {difference}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn analytic_at_the_neutral_value_both_derivatives_are_minus_the_slope() {
+        // x' at t = 1, to the first order of the step.
+        let slope = 3.0 * 3.0_f64.cos() + 2.0;
+        for (lag, dead) in [
+            (Dual::<1>::from(0.0).derivative(0), Dual::from(0.0)),
+            (Dual::from(0.0), Dual::<1>::from(0.0).derivative(0)),
+        ] {
+            let x = record(lag, dead);
+            assert!((x.re - (3.0_f64.sin() + 1.0)).abs() < 1e-15);
+            let derivative = x.eps.0.map_or(0.0, |eps| eps[0]);
+            assert!((derivative + slope).abs() < 0.06, "{derivative}, expected {}", -slope);
+        }
+    }
+}

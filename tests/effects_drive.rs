@@ -172,3 +172,27 @@ fn analytic_a_winding_warms_as_its_equation_says_and_torque_does_not_show_it() {
     let exponential = thermal * cold * (1.0 - (-100.0 / constant).exp());
     assert!(rise > exponential && rise < 1.05 * exponential, "{rise} K, {exponential} K");
 }
+
+#[test]
+fn property_a_lossy_rover_stays_parked_and_its_drive_reverses_without_chatter() {
+    let mut rover = Rover::two_wheeled();
+    rover.terrain = Terrain::new(Profile::Slope(Slope { slope: 3.0_f64.to_radians() }));
+    rover.effects = geared(0.5);
+    let mut parked = Simulation::new(rover.clone(), 0.0, 0.002).expect("settles");
+    parked.advance(&Command::torque(vec![0.0; 2]), 30_000).expect("steps");
+    let moved = parked.signals().body.x;
+    assert!(moved.abs() < 1e-3, "moved {moved} m in a minute");
+    rover.soil.shear_modulus = 0.01;
+    let mut reversing = Simulation::new(rover, 0.0, 0.002).expect("settles");
+    let (mut before, mut reversals) = (0.0, 0);
+    for torque in [4.5, -4.5] {
+        for _ in 0..500 {
+            reversing.advance(&Command::torque(vec![torque; 2]), 1).expect("steps");
+            let speed = reversing.signals().wheels[0].speed;
+            reversals += usize::from(speed * before < 0.0);
+            before = speed;
+        }
+        assert!(before * torque > 0.0, "it follows {torque} N m: {before} rad/s");
+    }
+    assert!(reversals <= 3, "{reversals} reversals for one command");
+}
