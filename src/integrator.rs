@@ -20,6 +20,12 @@ use crate::signals::{Command, Drive};
 /// gamma = 1 - 1/sqrt 2.
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 
+/// Share of a joint's dry friction over its rate that A holds. The slope of dry friction says nothing of its reversal,
+/// and with friction over rate itself the first stage overshoots to 1 - 1/gamma of a rate that a step would stop, where
+/// friction does not grow along: the joint would chatter. Twice 1/gamma of it ends that stage at half the rate, and
+/// the step between 0 and an eighth of it.
+const DRY_FRICTION: f64 = 2.0 / GAMMA;
+
 /// Rate or increment of a whole state; a wheel's entries are its spin, `hold.travel` and `hold.turn`.
 #[derive(Clone, Debug)]
 struct Increment<S> {
@@ -143,6 +149,14 @@ impl<S: Scalar> Integrator<S> {
         Ok(())
     }
 
+    /// Warms the windings over the step of size `h` just made, where they warm.
+    pub fn warm(&mut self, rover: &Rover<S>, state: &mut State<S>, h: f64) {
+        if rover.effects.winding_heat.acts() {
+            // The evaluation at the start of the step is what was swapped out.
+            self.now.warm(rover, &self.ahead, state, h);
+        }
+    }
+
     /// Eliminates spins and memories and factors the matrix that is left.
     fn condense(&mut self, rover: &Rover<S>, drive: Drive, gh: f64) -> Result<Factors<S>, DynamicsError> {
         let n = rover.coordinates();
@@ -152,7 +166,7 @@ impl<S: Scalar> Integrator<S> {
             add_contact(&mut matrix, wheel, condensed, gh, n);
         }
         for (j, link) in rover.links.iter().enumerate() {
-            matrix[3 + j][3 + j] += link.parameters.damping * gh;
+            matrix[3 + j][3 + j] += (link.parameters.damping + self.now.joint_friction[j] * DRY_FRICTION) * gh;
         }
         Factors::new(&matrix, n).ok_or(DynamicsError::NotFinite)
     }

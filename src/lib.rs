@@ -45,6 +45,7 @@ pub mod measurement;
 pub mod model;
 pub mod motor;
 mod parallel;
+mod recording;
 #[cfg(feature = "report")]
 pub mod report;
 pub mod rover;

@@ -20,10 +20,39 @@ parameters! {
     }
 }
 
+/// What one drive gives at one instant; torques on the wheel's side of the gear, N m.
+#[derive(Clone, Copy, Debug)]
+pub struct Driven<S = f64> {
+    /// Torque of the motor.
+    pub motor_torque: S,
+    /// Torque on the rim: what gear and friction leave.
+    pub rim_torque: S,
+    /// Slope of the rim's torque in the wheel speed, N m s/rad.
+    pub slope: S,
+}
+
+/// What a drive of the data sheet `motor` gives where the `actual` motor is another and `command` is asked of it.
+pub fn drive<S: Scalar>(motor: &Motor<S>, actual: &Motor<S>, effects: &Effects<S>, speed: S, command: S) -> Driven<S> {
+    let (motor_torque, limit_slope) = limited_torque(motor, actual, effects, speed, command);
+    let (behind_gear, slope) = match effects.gear_efficiency.output(speed, motor_torque) {
+        None => (motor_torque, limit_slope),
+        Some(geared) => (geared.torque, geared.by_torque * limit_slope + geared.by_speed),
+    };
+    let (friction, friction_slope) = effects.drive_friction(speed);
+    Driven { motor_torque, rim_torque: behind_gear - friction, slope: slope - friction_slope }
+}
+
+/// Torque of the motor, wheel side, that gives `rim_torque` at this wheel speed: the inverse of [`drive`], without
+/// its limits.
+pub fn torque_behind<S: Scalar>(effects: &Effects<S>, speed: S, rim_torque: S) -> S {
+    let behind_gear = rim_torque + effects.drive_friction(speed).0;
+    effects.gear_efficiency.input(speed, behind_gear).unwrap_or(behind_gear)
+}
+
 /// Torque that the motor gives when `torque` is asked of it at this wheel speed, wheel side, N m: within
 /// the torque limit (4.14), the current limit and what the effects allow (supply voltage). Also its slope in
 /// the speed, N m s/rad, which is steep where the back-EMF limits it.
-pub fn limited_torque<S: Scalar>(motor: &Motor<S>, effects: &Effects<S>, speed: S, torque: S) -> (S, S) {
+fn limited_torque<S: Scalar>(motor: &Motor<S>, actual: &Motor<S>, effects: &Effects<S>, speed: S, torque: S) -> (S, S) {
     let mut given = torque;
     let mut clamp = |inverse: S, unit: S| {
         if !inverse.is_exactly(0.0) {
@@ -31,9 +60,13 @@ pub fn limited_torque<S: Scalar>(motor: &Motor<S>, effects: &Effects<S>, speed: 
             given = given.smaller(limit).larger(-limit);
         }
     };
+    // The drive's own limits, in the torque that it reckons with.
     clamp(motor.inverse_torque_limit, S::from(1.0));
     clamp(motor.inverse_current_limit, motor.gear_ratio * motor.torque_constant);
-    let slope = effects.motor_torque(motor, speed, &mut given);
+    if let Some(gain) = effects.torque_gain() {
+        given *= gain;
+    }
+    let slope = effects.motor_torque(actual, speed, &mut given);
     (given, slope)
 }
 

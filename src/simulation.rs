@@ -1,10 +1,11 @@
 //! The simulation: a rover in motion, stepped with a fixed inner step.
 
 use crate::integrator::Integrator;
+use crate::recording::Recorder;
 use crate::rover::dynamics::{DynamicsError, Powers};
 use crate::rover::{Rover, SettleError, State};
 use crate::scalar::Scalar;
-use crate::signals::{Command, Drive, Signals, WheelSignals};
+use crate::signals::{BodySignals, Command, Drive, Signals, WheelSignals};
 use crate::terrain::TerrainError;
 use std::fmt;
 
@@ -120,6 +121,7 @@ pub struct Simulation<S = f64> {
     energies: Energies<S>,
     window: Window,
     status: Status,
+    recorder: Recorder<S>,
     signals: Signals<S>,
 }
 
@@ -148,6 +150,7 @@ impl<S: Scalar> Simulation<S> {
             .map_err(|source| StepError::Dynamics { time: 0.0, source })?;
         let window = Window { start_x: state.position[0].value(), ..Window::default() };
         let signals = Signals { wheels: vec![WheelSignals::default(); rover.wheels.len()], ..Signals::default() };
+        let recorder = Recorder::new(&rover.effects.sensor_lag, rover.wheels.len(), step_size);
         let mut simulation = Self {
             rover,
             state,
@@ -158,8 +161,10 @@ impl<S: Scalar> Simulation<S> {
             energies: Energies::zero(),
             window,
             status: Status::Running,
+            recorder,
             signals,
         };
+        simulation.observe(Recorder::step);
         simulation.refresh();
         Ok(simulation)
     }
@@ -202,11 +207,12 @@ impl<S: Scalar> Simulation<S> {
         self.integrator.evaluate(&self.rover, &mut self.state, &self.command)?;
         let after = self.integrator.now.mechanical_energy(&self.rover, &self.state);
         self.energies.drive += after - before;
+        self.observe(Recorder::jump);
         Ok(())
     }
 
     fn step(&mut self) -> Result<(), StepError> {
-        let before = self.integrator.now.powers(&self.rover);
+        let before = self.integrator.now.powers();
         let stepped = self.integrator.step(&self.rover, &mut self.state, &self.command, self.step_size);
         match stepped {
             Ok(()) => {}
@@ -217,14 +223,16 @@ impl<S: Scalar> Simulation<S> {
             Err(source) => return Err(StepError::Dynamics { time: self.time(), source }),
         }
         self.ticks += 1;
-        let after = self.integrator.now.powers(&self.rover);
+        self.integrator.warm(&self.rover, &mut self.state, self.step_size);
+        let after = self.integrator.now.powers();
         self.energies.add(&before, &after, self.step_size);
+        self.observe(Recorder::step);
         self.check_events();
         Ok(())
     }
 
     fn check_events(&mut self) {
-        let radius = self.rover.wheel.radius.value();
+        let radius = self.rover.true_wheel().radius.value();
         let wheels = &self.integrator.now.wheels;
         let x = self.state.position[0].value();
         if self.state.position[2].value().abs() > TIPPED {
@@ -263,10 +271,24 @@ impl<S: Scalar> Simulation<S> {
         })
     }
 
-    /// Writes the signals from the present state.
+    /// Lets a recorder that lags take in the present signals.
+    fn observe(&mut self, take: fn(&mut Recorder<S>, &mut BodySignals<S>, &mut [WheelSignals<S>])) {
+        if self.recorder.lags() {
+            self.sense();
+            take(&mut self.recorder, &mut self.signals.body, &mut self.signals.wheels);
+        }
+    }
+
+    /// Writes the signals as they are recorded at the present time.
     fn refresh(&mut self) {
+        self.sense();
+        self.recorder.record(&mut self.signals.body, &mut self.signals.wheels);
+    }
+
+    /// Writes the signals from the present state, as sensors without memory see it.
+    fn sense(&mut self) {
         let (state, now) = (&self.state, &self.integrator.now);
-        let powers = now.powers(&self.rover);
+        let powers = now.powers();
         let [vx, vz] = [state.rate[0], state.rate[1]];
         let body = &mut self.signals.body;
         body.x = state.position[0];
@@ -292,6 +314,7 @@ impl<S: Scalar> Simulation<S> {
             signals.current = wheel.current;
             signals.contact_angle = wheel.contact_angle;
         }
+        self.rover.effects.record(state.start_x, &mut self.signals.body, &mut self.signals.wheels);
     }
 
     /// Time since the start, s.
@@ -312,7 +335,7 @@ impl<S: Scalar> Simulation<S> {
         self.step_size
     }
 
-    /// True signals at the present time.
+    /// Signals at the present time: the true ones, but for the errors of sensors among the rover's effects.
     #[must_use]
     pub fn signals(&self) -> &Signals<S> {
         &self.signals

@@ -8,6 +8,7 @@ use bekker::effects::Effects;
 use bekker::measurement::Experiment;
 use bekker::model::Model;
 use bekker::modeldescription::{Lookup, Parameters};
+use bekker::rover::Environment;
 use bekker::scalar::Dual;
 use bekker::soil::Soil;
 use bekker::wheel::Wheel;
@@ -43,7 +44,7 @@ fn dry_sand() -> Rig {
         shear_modulus: 0.016,
         ..Soil::default()
     };
-    Rig { wheel, soil, effects: Effects::default() }
+    Rig { environment: Environment::default(), wheel, soil, effects: Effects::default() }
 }
 
 /// The thesis's rover; a carriage tests its wheel, soil and effects.

@@ -9,7 +9,12 @@ use bekker::simulation::Status;
 #[test]
 fn property_steps_allocate_nothing() {
     for preset in ["two_wheeled", "two_wheeled_speed", "rocker_bogie", "gentle_velocity", "rocker_bogie_velocity"] {
-        let mut run = Model::preset(preset).expect("a preset").start().expect("starts");
+        let mut model = Model::preset(preset).expect("a preset");
+        // Effects with a memory.
+        model.rover.effects.sensor_lag.time_constant = 0.005;
+        model.rover.effects.sensor_lag.dead_time = 0.003;
+        model.rover.effects.winding_heat.thermal_resistance = 10.0;
+        let mut run = model.start().expect("starts");
         let inputs = run.inputs().clone();
         let mut values = Vec::new();
         bekker::modeldescription::Parameters::values(&inputs, &mut |value| values.push(value));

@@ -14,10 +14,12 @@ fn moving(rover: &Rover) -> State {
     let mut state = rover.settled_at(0.9).expect("settles");
     state.rate[0] = 0.18;
     state.rate[2] = 0.05;
+    state.rate[3] = -0.02;
     for (k, wheel) in state.wheels.iter_mut().enumerate() {
         wheel.spin = 2.4 + 0.1 * k as f64;
         wheel.hold.travel = 0.6;
         wheel.hold.turn = 0.75;
+        wheel.winding_rise = 20.0;
     }
     state
 }
@@ -36,6 +38,14 @@ fn property_derivatives_in_every_parameter_agree_with_differences() {
     rover.effects.exit_angle.lambda = 0.2;
     rover.effects.coulomb_friction.torque = 0.05;
     rover.effects.viscous_friction.coefficient = 0.02;
+    rover.effects.gear_efficiency.eta = 0.8;
+    rover.effects.torque_scale.deviation = 0.05;
+    rover.effects.radius_scale.deviation = 0.02;
+    rover.effects.payload.mass = 0.4;
+    rover.effects.centre_of_mass.shift = 0.01;
+    rover.effects.suspension_friction.moment = 0.2;
+    // On warm windings, so that the supply's limit and the torque constant feel the heat.
+    rover.effects.winding_heat.thermal_resistance = 10.0;
     rover.effects.drag.force = 1.0;
     // Limits that do not bind here; at 0 (no limit) a difference would ask for a negative one.
     rover.motor.inverse_torque_limit = 0.05;

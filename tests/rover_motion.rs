@@ -114,13 +114,18 @@ fn property_work_of_the_drives_is_soil_loss_and_energy_gained() {
     rocker_bogie.links[0].parameters.damping = 0.5;
     rocker_bogie.effects.drag.force = 0.5;
     rocker_bogie.effects.coulomb_friction.torque = 0.02;
+    rocker_bogie.effects.gear_efficiency.eta = 0.8;
+    rocker_bogie.effects.suspension_friction.moment = 0.1;
+    rocker_bogie.effects.payload.mass = 0.5;
+    rocker_bogie.effects.centre_of_mass.shift = 0.02;
+    rocker_bogie.effects.radius_scale.deviation = 0.03;
     let mut hard = Rover::two_wheeled();
     hard.soil.shear_modulus = 0.01;
     let cases = [
         (hard.clone(), waves(0.03, 2.0), Command::torque(vec![1.5; 2])),
         (hard.clone(), waves(0.03, 2.0), Command::speed(vec![2.5; 2])),
         (Rover::two_wheeled(), waves(0.02, 1.5), Command::speed(vec![3.0; 2])),
-        (rocker_bogie.clone(), waves(0.01, 0.7), Command::torque(vec![0.25; 3])),
+        (rocker_bogie.clone(), waves(0.01, 0.7), Command::torque(vec![0.38; 3])),
         (rocker_bogie, waves(0.01, 0.7), Command::speed(vec![1.5; 3])),
     ];
     for (mut rover, terrain, command) in cases {

@@ -21,7 +21,10 @@ BITING = {
     "rtc.period": 0.02,
 }
 # A parameter that acts through another needs that one to be on.
-TOGETHER = {"velocity_control.derivative_filter": ("velocity_control.kd", 0.001)}
+TOGETHER = {
+    "velocity_control.derivative_filter": ("velocity_control.kd", 0.001),
+    "winding_heat.time_constant": ("winding_heat.thermal_resistance", 5.0),
+}
 
 PRESETS = ("two_wheeled", "two_wheeled_speed", "gentle_velocity", "gentle_rtc", "rocker_bogie_velocity", "two_wheeled speed_loop")
 

@@ -57,6 +57,8 @@ impl Unit {
     pub const SECOND: Unit = unit("s", Exponents { s: 1, ..NONE });
     /// Kelvin.
     pub const KELVIN: Unit = unit("K", Exponents { k: 1, ..NONE });
+    /// Kelvin a watt: thermal resistance.
+    pub const KELVIN_PER_WATT: Unit = unit("K/W", Exponents { kg: -1, m: -2, s: 3, k: 1, ..NONE });
     /// Metre, shown in millimetres.
     pub const METRE: Unit = Unit { display: display("mm", 1e3), ..unit("m", Exponents { m: 1, ..NONE }) };
     /// One per metre.

@@ -1,8 +1,9 @@
 //! A wheel on a carriage: the steady point at a load, a slip and a wheel speed.
 
-use crate::contact::{Forces, rolling};
+use crate::contact::{self, Forces, rolling};
 use crate::effects::{BodyMotion, Effects, Local, Place};
-use crate::rover::Rover;
+use crate::motor;
+use crate::rover::{Environment, Rover};
 use crate::scalar::{Dual, Scalar};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
@@ -17,6 +18,8 @@ const MAX_STEPS: usize = 100;
 /// A wheel, the soil under it and the effects between them: the part of a rover that a carriage tests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rig<S = f64> {
+    /// Gravity, by which unmodelled mass adds to the load.
+    pub environment: Environment<S>,
     /// The wheel.
     pub wheel: Wheel<S>,
     /// The soil, the same everywhere.
@@ -30,7 +33,7 @@ pub struct Rig<S = f64> {
 pub struct SteadyPoint<S = f64> {
     /// Drawbar pull as the carriage feels it, N.
     pub drawbar_pull: S,
-    /// Torque of the drive, wheel side of the gear, its friction included, N m.
+    /// Torque of the drive as it is recorded, wheel side of the gear, its losses included, N m.
     pub torque: S,
     /// Sinkage, m.
     pub sinkage: S,
@@ -73,47 +76,69 @@ impl Rig {
     /// The wheel, soil and effects of a rover.
     #[must_use]
     pub fn of(rover: &Rover) -> Self {
-        Self { wheel: rover.wheel, soil: rover.soil, effects: rover.effects }
+        Self { environment: rover.environment, wheel: rover.wheel, soil: rover.soil, effects: rover.effects }
     }
 }
 
 impl<S: Scalar> Rig<S> {
     /// The same rig over another scalar.
     pub fn map<T>(&self, f: &dyn Fn(S) -> T) -> Rig<T> {
-        Rig { wheel: self.wheel.map(f), soil: self.soil.map(f), effects: self.effects.map(f) }
+        Rig {
+            environment: self.environment.map(f),
+            wheel: self.wheel.map(f),
+            soil: self.soil.map(f),
+            effects: self.effects.map(f),
+        }
     }
 
-    /// Forces at a sinkage, through the same hooks as in the rover's equations of motion; the torque is the drive's and the
-    /// drawbar pull what is left after resistances at the carriage.
-    fn forces(&self, sinkage: S, velocity: S, spin: S, slip: f64) -> Forces<S> {
+    /// Forces at a sinkage, through the same hooks as in the rover's equations of motion; the torque is the drive's as recorded and
+    /// the drawbar pull what is left after resistances at the carriage.
+    fn forces(&self, sinkage: S, velocity: S, spin: S, slip: S) -> Forces<S> {
         let zero = S::from(0.0);
-        let place = Place {
-            wheel: 0,
-            x: zero,
-            contact_angle: zero,
-            slip: S::from(slip),
-            sinkage,
-            normal_velocity: zero,
-            velocity,
-        };
-        let mut local = Local { wheel: self.wheel, soil: self.soil, exit_ratio: zero };
+        let place = Place { wheel: 0, x: zero, contact_angle: zero, slip, sinkage, normal_velocity: zero, velocity };
+        let mut local = Local { wheel: self.true_wheel(), soil: self.soil, exit_ratio: zero };
         self.effects.contact(&place, &mut local);
         let mut forces = rolling(&local.wheel, &local.soil, local.exit_ratio, sinkage, velocity, spin);
         self.effects.forces(&place, &local, &mut forces);
-        forces.torque += self.effects.drive_friction(spin).0;
+        forces.torque = motor::torque_behind(&self.effects, spin, forces.torque);
+        if let Some(gain) = self.effects.torque_gain() {
+            forces.torque /= gain;
+        }
         forces.drawbar += self.effects.body_force(&BodyMotion { travelled: zero, velocity });
         forces
+    }
+
+    /// The wheel as it is.
+    fn true_wheel(&self) -> Wheel<S> {
+        let mut wheel = self.wheel;
+        self.effects.wheel(&mut wheel);
+        wheel
+    }
+
+    /// Slip of the true wheel where that of the nominal one is `slip`.
+    fn true_slip(&self, velocity: S, spin: S, slip: f64) -> S {
+        if self.effects.radius_scale.deviation.is_exactly(0.0) {
+            return S::from(slip);
+        }
+        contact::slip(velocity, self.true_wheel().radius * spin)
+    }
+
+    /// The load that the soil carries where the carriage is set to `load`.
+    fn true_load(&self, load: f64) -> S {
+        self.effects.payload.mass * self.environment.gravity + load
     }
 }
 
 impl<S: Scalar> Parameters<S> for Rig<S> {
     fn visit(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut S)) {
+        self.environment.visit(prefix, f);
         self.wheel.visit(&join(prefix, "wheel"), f);
         self.soil.visit(&join(prefix, "soil"), f);
         self.effects.visit(prefix, f);
     }
 
     fn values(&self, f: &mut dyn FnMut(S)) {
+        self.environment.values(f);
         self.wheel.values(f);
         self.soil.values(f);
         self.effects.values(f);
@@ -135,7 +160,9 @@ pub fn steady_point<S: Scalar>(
 ) -> Result<SteadyPoint<S>, SteadyError> {
     let spin = S::from(wheel_speed);
     let velocity = rig.wheel.radius * carriage_speed_over_radius(slip, wheel_speed)?;
-    let (sinkage, by_sinkage) = balance(&rig.map(&|s| s.value()), load, slip, velocity.value(), wheel_speed)?;
+    let (load, slip) = (rig.true_load(load), rig.true_slip(velocity, spin, slip));
+    let real = rig.map(&|s| s.value());
+    let (sinkage, by_sinkage) = balance(&real, load.value(), slip.value(), velocity.value(), wheel_speed)?;
     let here = rig.forces(S::from(sinkage), velocity, spin, slip);
     // The real part of this step is rounding; its derivatives are dz/dp.
     let step = -(here.normal - load) / by_sinkage.normal;
@@ -164,8 +191,10 @@ fn carriage_speed_over_radius(slip: f64, wheel_speed: f64) -> Result<f64, Steady
 /// Newton's method on ln N over ln z (N is nearly a power of z), kept within a shrinking bracket.
 fn balance(rig: &Rig, load: f64, slip: f64, velocity: f64, spin: f64) -> Result<(f64, Forces), SteadyError> {
     let lifted = rig.map(&Dual::<1>::from);
-    let at = |z: f64| lifted.forces(Dual::<1>::from(z).derivative(0), Dual::from(velocity), Dual::from(spin), slip);
-    let (mut low, mut high) = (0.0, rig.wheel.radius);
+    let at = |z: f64| {
+        lifted.forces(Dual::<1>::from(z).derivative(0), Dual::from(velocity), Dual::from(spin), Dual::from(slip))
+    };
+    let (mut low, mut high) = (0.0, rig.true_wheel().radius);
     let carried = rig.forces(high, velocity, spin, slip).normal;
     if carried.is_nan() || carried < load {
         return Err(SteadyError::SunkToAxle { load, slip, carried });

@@ -4,8 +4,8 @@ use super::Effect;
 use crate::scalar::Scalar;
 use bekker_modeldescription::{Unit, parameters};
 
-/// Wheel speed over which dry friction changes its sign, rad/s: small beside working speeds (2.5 rad/s).
-const REVERSAL_SPEED: f64 = 0.01;
+/// Wheel speed over which losses of the drive change their sign, rad/s: small beside working speeds (2.5 rad/s).
+pub(super) const REVERSAL_SPEED: f64 = 0.01;
 
 parameters! {
     /// Dry friction: the motor's torque exceeds the rim's by T_c sgn(omega).

@@ -7,12 +7,21 @@
 mod drag;
 mod drive_friction;
 mod exit_angle;
+mod gear_efficiency;
+mod radius_scale;
+mod sensors;
 mod slip_sinkage;
+mod suspension_friction;
+mod torque_scale;
+mod unmodelled_mass;
 mod voltage_limit;
+mod winding_heat;
 
 use crate::contact::Forces;
 use crate::motor::Motor;
+use crate::rover::Body;
 use crate::scalar::Scalar;
+use crate::signals::{BodySignals, WheelSignals};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 use bekker_modeldescription::{Parameters, Variable, join};
@@ -20,8 +29,15 @@ use bekker_modeldescription::{Parameters, Variable, join};
 pub use drag::{Drag, Tether};
 pub use drive_friction::{CoulombFriction, ViscousFriction};
 pub use exit_angle::ExitAngle;
+pub use gear_efficiency::GearEfficiency;
+pub use radius_scale::RadiusScale;
+pub use sensors::{PitchBias, SensorLag};
 pub use slip_sinkage::SlipSinkage;
+pub use suspension_friction::SuspensionFriction;
+pub use torque_scale::TorqueScale;
+pub use unmodelled_mass::{CentreOfMass, Payload};
 pub use voltage_limit::VoltageLimit;
+pub use winding_heat::WindingHeat;
 
 /// Where and how a wheel touches the ground.
 #[derive(Clone, Copy, Debug)]
@@ -62,6 +78,17 @@ pub struct BodyMotion<S = f64> {
     pub velocity: S,
 }
 
+/// Torque behind a gear, N m on the wheel's side, with its slopes in the torque before it and in the wheel speed.
+#[derive(Clone, Copy, Debug)]
+pub struct Geared<S = f64> {
+    /// Torque behind the gear.
+    pub torque: S,
+    /// Slope in the torque before the gear.
+    pub by_torque: S,
+    /// Slope in the wheel speed, N m s/rad.
+    pub by_speed: S,
+}
+
 /// Hooks of an effect into the simulation; the defaults change nothing.
 pub trait Effect<S: Scalar>: Parameters<S> {
     /// Changes wheel and soil at a contact, before the stresses are integrated.
@@ -72,6 +99,42 @@ pub trait Effect<S: Scalar>: Parameters<S> {
     /// Changes the forces of a contact, after the stresses are integrated.
     fn forces(&self, place: &Place<S>, local: &Local<S>, forces: &mut Forces<S>) {
         let _ = (place, local, forces);
+    }
+
+    /// Changes the wheel of the data sheet into the true one.
+    fn wheel(&self, wheel: &mut Wheel<S>) {
+        let _ = wheel;
+    }
+
+    /// Changes a true radius back into the one that the records are reckoned with.
+    fn recorded_radius(&self, radius: &mut S) {
+        let _ = radius;
+    }
+
+    /// Changes the chassis of the data sheet into the true one.
+    fn chassis(&self, body: &mut Body<S>) {
+        let _ = body;
+    }
+
+    /// Changes the motor of the data sheet into the true one, whose winding is warmer by `winding_rise` (K).
+    fn motor(&self, winding_rise: S, motor: &mut Motor<S>) {
+        let _ = (winding_rise, motor);
+    }
+
+    /// True torque over the torque that the drive reckons with.
+    fn torque_gain(&self) -> Option<S> {
+        None
+    }
+
+    /// Dry friction of a passive joint turning at `rate` (rad/s): moment over rate, N m s/rad, finite at rest.
+    fn joint_friction(&self, rate: S) -> Option<S> {
+        let _ = rate;
+        None
+    }
+
+    /// Changes true signals into what is recorded at the same instant; the rover started at `start_x`.
+    fn record(&self, start_x: S, body: &mut BodySignals<S>, wheels: &mut [WheelSignals<S>]) {
+        let _ = (start_x, body, wheels);
     }
 
     /// Friction torque of a drive at this wheel speed, wheel side, and its slope in the speed.
@@ -139,6 +202,44 @@ macro_rules! effects {
                 $(self.$id.forces(place, local, forces);)*
             }
 
+            pub(crate) fn wheel(&self, wheel: &mut Wheel<S>) {
+                $(self.$id.wheel(wheel);)*
+            }
+
+            pub(crate) fn recorded_radius(&self, mut radius: S) -> S {
+                $(self.$id.recorded_radius(&mut radius);)*
+                radius
+            }
+
+            pub(crate) fn chassis(&self, body: &mut Body<S>) {
+                $(self.$id.chassis(body);)*
+            }
+
+            pub(crate) fn motor(&self, winding_rise: S, motor: &mut Motor<S>) {
+                $(self.$id.motor(winding_rise, motor);)*
+            }
+
+            /// Product of the gains; `None` where there is none.
+            pub(crate) fn torque_gain(&self) -> Option<S> {
+                let mut product: Option<S> = None;
+                $(if let Some(gain) = self.$id.torque_gain() {
+                    product = Some(product.map_or(gain, |before| before * gain));
+                })*
+                product
+            }
+
+            pub(crate) fn joint_friction(&self, rate: S) -> S {
+                let mut sum = S::from(0.0);
+                $(if let Some(coefficient) = self.$id.joint_friction(rate) {
+                    sum += coefficient;
+                })*
+                sum
+            }
+
+            pub(crate) fn record(&self, start_x: S, body: &mut BodySignals<S>, wheels: &mut [WheelSignals<S>]) {
+                $(self.$id.record(start_x, body, wheels);)*
+            }
+
             /// Friction torque of a drive and its slope in the wheel speed.
             pub(crate) fn drive_friction(&self, speed: S) -> (S, S) {
                 let mut sum = (S::from(0.0), S::from(0.0));
@@ -178,10 +279,28 @@ effects! {
     coulomb_friction: CoulombFriction,
     /// Viscous friction of the drive.
     viscous_friction: ViscousFriction,
+    /// Efficiency of the gear: losses grow with the power that passes it.
+    gear_efficiency: GearEfficiency,
+    /// A torque constant or current gain that is not that of the data sheet.
+    torque_scale: TorqueScale,
+    /// Windings that warm up: more resistance, less torque an ampere.
+    winding_heat: WindingHeat,
     /// Back-EMF against a limited supply voltage.
     voltage_limit: VoltageLimit,
+    /// A wheel radius that is not the nominal one, and the scale of the odometry.
+    radius_scale: RadiusScale,
+    /// Unmodelled mass at the chassis' centre of mass.
+    payload: Payload,
+    /// The chassis' centre of mass shifted along x.
+    centre_of_mass: CentreOfMass,
+    /// A constant error of the recorded pitch.
+    pitch_bias: PitchBias,
     /// Constant resistance at the chassis.
     drag: Drag,
     /// Resistance growing with the distance travelled.
     tether: Tether,
+    /// Lag and dead time of what is recorded.
+    sensor_lag: SensorLag,
+    /// Dry friction of the passive joints.
+    suspension_friction: SuspensionFriction,
 }

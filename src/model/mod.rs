@@ -92,13 +92,18 @@ impl Model {
 const LIMITS: [&str; 3] =
     ["motor.inverse_torque_limit", "motor.inverse_current_limit", "voltage_limit.inverse_voltage"];
 
+/// Friction of the joints, which a rigid chassis does not have.
+const JOINT_FRICTION: &str = "suspension_friction.moment";
+
 /// The whole vocabulary of this model: what something reads. Sensors and control are listed where there is
-/// a controller, the drives' limits where torques are commanded.
+/// a controller, the drives' limits where torques are commanded, friction of joints where there are links.
 impl Parameters<f64> for Model {
     fn visit(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut f64)) {
         let limited = self.control.kind != ControlKind::Speed;
+        let jointed = !self.rover.links.is_empty();
         self.rover.visit("", &mut |variable, place| {
-            if limited || !LIMITS.contains(&variable.name.as_str()) {
+            let name = variable.name.as_str();
+            if (limited || !LIMITS.contains(&name)) && (jointed || name != JOINT_FRICTION) {
                 f(Variable { name: join(prefix, &variable.name), ..variable }, place);
             }
         });

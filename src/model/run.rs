@@ -271,7 +271,7 @@ impl Run {
         &self.measurement
     }
 
-    /// True signals at the present time.
+    /// Signals at the present time: the true ones, but for the errors of sensors among the rover's effects.
     #[must_use]
     pub fn signals(&self) -> &Signals {
         self.simulation.signals()

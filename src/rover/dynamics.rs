@@ -5,7 +5,7 @@ use super::linear::{Factors, Matrix, Vector, add_outer, add_scaled, dot, zeros};
 use super::{Rover, State};
 use crate::contact::{Motion, Touch, slip, touch};
 use crate::effects::{BodyMotion, Local, Place};
-use crate::motor;
+use crate::motor::{self, Motor};
 use crate::scalar::Scalar;
 use crate::signals::{Command, Drive};
 use crate::terrain::TerrainError;
@@ -44,11 +44,13 @@ pub(crate) struct WheelEvaluation<S> {
     pub slip: S,
     pub sinkage: S,
     pub contact_angle: S,
+    /// The motor as it is, warm or not of its data sheet.
+    pub motor: Motor<S>,
     /// Torque of the motor and of the rim, both on the wheel's side of the gear.
     pub motor_torque: S,
     pub rim_torque: S,
     pub current: S,
-    /// Slope of the rim torque in the wheel speed (friction, back-EMF), for the implicit integrator.
+    /// Slope of the rim torque in the wheel speed (friction, gear, back-EMF), for the implicit integrator.
     pub drive_slope: S,
 }
 
@@ -72,6 +74,8 @@ pub(crate) struct Evaluation<S> {
     pub system: Matrix<S>,
     pub wheels: Vec<WheelEvaluation<S>>,
     pub acceleration: Vector<S>,
+    /// Dry friction of each joint over its rate, N m s/rad, for the implicit integrator.
+    pub joint_friction: Vector<S>,
     pub potential: S,
     /// Power that joint friction and forces on the chassis take, W.
     pub other_loss: S,
@@ -79,13 +83,15 @@ pub(crate) struct Evaluation<S> {
 
 impl<S: Scalar> Evaluation<S> {
     pub fn new(rover: &Rover<S>) -> Self {
-        let wheels = rover.wheels.iter().map(|w| WheelEvaluation::new(turn_jacobian(rover, w.body))).collect();
+        let wheels =
+            rover.wheels.iter().map(|w| WheelEvaluation::new(turn_jacobian(rover, w.body), rover.motor)).collect();
         Self {
             frames: Frames::new(rover),
             mass: [zeros(); super::MAX_COORDINATES],
             system: [zeros(); super::MAX_COORDINATES],
             wheels,
             acceleration: zeros(),
+            joint_friction: zeros(),
             potential: S::from(0.0),
             other_loss: S::from(0.0),
         }
@@ -130,12 +136,13 @@ impl<S: Scalar> Evaluation<S> {
         self.mass = [zeros(); super::MAX_COORDINATES];
         self.potential = S::from(0.0);
         self.other_loss = S::from(0.0);
-        let body = &rover.body;
+        let body = rover.true_body();
         self.add_mass(rover, 0, [body.centre_of_mass_x, body.centre_of_mass_z], (body.mass, body.pitch_inertia), force);
         for (j, link) in rover.links.iter().enumerate() {
             let p = &link.parameters;
             self.add_mass(rover, j + 1, [p.centre_of_mass_x, p.centre_of_mass_z], (p.mass, p.inertia), force);
-            let friction = p.damping * state.rate[3 + j];
+            self.joint_friction[j] = rover.effects.joint_friction(state.rate[3 + j]);
+            let friction = (p.damping + self.joint_friction[j]) * state.rate[3 + j];
             force[3 + j] -= friction;
             self.other_loss += friction * state.rate[3 + j];
         }
@@ -193,13 +200,14 @@ impl<S: Scalar> Evaluation<S> {
             Drive::Torque => (state.wheels[k].spin, state.wheels[k].spin + body_rate),
             Drive::Speed => (S::from(command.values[k]) - body_rate, S::from(command.values[k])),
         };
+        let true_wheel = rover.true_wheel();
         let mut local = Local {
-            wheel: rover.wheel,
+            wheel: true_wheel,
             soil: rover.terrain.soil(&rover.soil, foot.position[0]),
             exit_ratio: S::from(0.0),
         };
         let mut motion = Motion {
-            sinkage: rover.wheel.radius - foot.distance,
+            sinkage: true_wheel.radius - foot.distance,
             normal_velocity: wheel.normal_velocity,
             velocity: wheel.velocity,
             spin: wheel.spin,
@@ -215,19 +223,20 @@ impl<S: Scalar> Evaluation<S> {
             velocity: wheel.velocity,
         };
         rover.effects.contact(&place, &mut local);
-        wheel.slip = slip(wheel.velocity, local.wheel.radius * wheel.spin);
+        wheel.slip = slip(wheel.velocity, rover.effects.recorded_radius(local.wheel.radius) * wheel.spin);
         wheel.sinkage = local.wheel.radius - foot.distance;
         wheel.contact_angle = foot.angle;
         motion.sinkage = wheel.sinkage;
         wheel.touch = touch(&local.wheel, &local.soil, local.exit_ratio, &motion);
         rover.effects.forces(&place, &local, &mut wheel.touch.forces);
+        wheel.motor = rover.motor;
+        rover.effects.motor(state.wheels[k].winding_rise, &mut wheel.motor);
         if command.drive == Drive::Torque {
-            let (torque, limit_slope) =
-                motor::limited_torque(&rover.motor, &rover.effects, wheel.speed, S::from(command.values[k]));
-            let (friction, slope) = rover.effects.drive_friction(wheel.speed);
-            wheel.motor_torque = torque;
-            wheel.rim_torque = torque - friction;
-            wheel.drive_slope = limit_slope - slope;
+            let asked = S::from(command.values[k]);
+            let driven = motor::drive(&rover.motor, &wheel.motor, &rover.effects, wheel.speed, asked);
+            wheel.motor_torque = driven.motor_torque;
+            wheel.rim_torque = driven.rim_torque;
+            wheel.drive_slope = driven.slope;
         }
         Ok(())
     }
@@ -238,10 +247,10 @@ impl<S: Scalar> Evaluation<S> {
         for wheel in &mut self.wheels {
             if command.drive == Drive::Speed {
                 wheel.rim_torque -= rover.wheel.inertia * dot(&wheel.turn, &self.acceleration, n);
-                wheel.motor_torque = wheel.rim_torque + rover.effects.drive_friction(wheel.speed).0;
+                wheel.motor_torque = motor::torque_behind(&rover.effects, wheel.speed, wheel.rim_torque);
                 wheel.drive_slope = S::from(0.0);
             }
-            wheel.current = motor::current(&rover.motor, wheel.motor_torque);
+            wheel.current = motor::current(&wheel.motor, wheel.motor_torque);
         }
     }
 
@@ -251,12 +260,12 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Powers of the drives and of the soil.
-    pub fn powers(&self, rover: &Rover<S>) -> Powers<S> {
+    pub fn powers(&self) -> Powers<S> {
         let zero = S::from(0.0);
         let other_loss = self.other_loss;
         let mut sum = Powers { dissipated: zero, electrical: zero, drive: zero, soil_loss: zero, other_loss };
         for wheel in &self.wheels {
-            let winding = rover.motor.resistance * wheel.current * wheel.current; // (4.6)
+            let winding = wheel.winding_power();
             let forces = &wheel.touch.forces;
             sum.dissipated += winding;
             sum.electrical += winding + wheel.motor_torque * wheel.speed;
@@ -265,6 +274,17 @@ impl<S: Scalar> Evaluation<S> {
                 forces.torque * wheel.spin - forces.normal * wheel.normal_velocity - forces.drawbar * wheel.velocity;
         }
         sum
+    }
+
+    /// Warms the windings over `h` seconds, at whose start `before` held, and renews what depends on them.
+    pub fn warm(&mut self, rover: &Rover<S>, before: &Self, state: &mut State<S>, h: f64) {
+        for ((wheel, before), moving) in self.wheels.iter_mut().zip(&before.wheels).zip(&mut state.wheels) {
+            let mean = (before.winding_power() + wheel.winding_power()) * 0.5;
+            moving.winding_rise = rover.effects.winding_heat.warmed(moving.winding_rise, mean, h);
+            wheel.motor = rover.motor;
+            rover.effects.motor(moving.winding_rise, &mut wheel.motor);
+            wheel.current = motor::current(&wheel.motor, wheel.motor_torque);
+        }
     }
 
     /// Kinetic and potential energy, J.
@@ -284,7 +304,7 @@ impl<S: Scalar> Evaluation<S> {
 }
 
 impl<S: Scalar> WheelEvaluation<S> {
-    fn new(turn: Vector<S>) -> Self {
+    fn new(turn: Vector<S>, motor: Motor<S>) -> Self {
         let o = S::from(0.0);
         let motion = Motion { sinkage: o, normal_velocity: o, velocity: o, spin: o, hold: Default::default() };
         Self {
@@ -299,10 +319,15 @@ impl<S: Scalar> WheelEvaluation<S> {
             slip: o,
             sinkage: o,
             contact_angle: o,
+            motor,
             motor_torque: o,
             rim_torque: o,
             current: o,
             drive_slope: o,
         }
+    }
+    /// Power dissipated in the winding, W (4.6).
+    fn winding_power(&self) -> S {
+        self.motor.resistance * self.current * self.current
     }
 }

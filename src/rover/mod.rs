@@ -132,6 +132,20 @@ impl<S: Scalar> Rover<S> {
         self.links.iter().fold(self.body.mass, |sum, link| sum + link.parameters.mass)
     }
 
+    /// The wheel as it is: that of the data sheet, changed by the effects.
+    pub(crate) fn true_wheel(&self) -> Wheel<S> {
+        let mut wheel = self.wheel;
+        self.effects.wheel(&mut wheel);
+        wheel
+    }
+
+    /// The chassis as it is.
+    pub(crate) fn true_body(&self) -> Body<S> {
+        let mut body = self.body;
+        self.effects.chassis(&mut body);
+        body
+    }
+
     /// The same rover over another scalar.
     #[must_use]
     pub fn map<T: Scalar>(&self, f: &dyn Fn(S) -> T) -> Rover<T> {
@@ -188,6 +202,8 @@ pub struct WheelState<S = f64> {
     pub spin: S,
     /// Memory of the standing contact.
     pub hold: Hold<S>,
+    /// How much warmer than its surroundings the motor's winding is, K.
+    pub winding_rise: S,
 }
 
 /// Moving data of a rover: everything that a step changes.
@@ -222,7 +238,7 @@ impl<S: Scalar> State<S> {
         Self {
             rate: vec![zero; position.len()],
             position,
-            wheels: vec![WheelState { spin: zero, hold: Hold::default() }; rover.wheels.len()],
+            wheels: vec![WheelState { spin: zero, hold: Hold::default(), winding_rise: zero }; rover.wheels.len()],
             start_x: x,
         }
     }

@@ -46,6 +46,7 @@ impl<S: Scalar> State<S> {
         let wheel = |wheel: &super::WheelState<S>| super::WheelState {
             spin: f(wheel.spin),
             hold: Hold { travel: f(wheel.hold.travel), turn: f(wheel.hold.turn) },
+            winding_rise: f(wheel.winding_rise),
         };
         State {
             position: self.position.iter().map(|&x| f(x)).collect(),

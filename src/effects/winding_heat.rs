@@ -1,0 +1,47 @@
+//! Warming of the motors' windings.
+
+use super::Effect;
+use crate::motor::Motor;
+use crate::scalar::Scalar;
+use bekker_modeldescription::{Unit, parameters};
+
+/// Growth of copper's resistance, 1/K (IEC 60028: 0.00393 at 20 degrees Celsius).
+const COPPER: f64 = 0.0039;
+/// Fall of the torque constant, 1/K: the remanence of NdFeB magnets, makers' data 0.0009-0.0012 (ferrites: 0.002).
+const MAGNET: f64 = 0.0011;
+/// Rise beyond which the coefficients go no further, K: the insulation ends near 155 degrees Celsius.
+const MOST_RISE: f64 = 200.0;
+
+parameters! {
+    /// R (1 + 0.0039 dT) and K_t (1 - 0.0011 dT), with dT' = (R_th R I^2 - dT)/time_constant for each motor.
+    /// The drive corrects the torque constant, so current and power show the heat, torques do not.
+    pub struct WindingHeat {
+        /// Thermal resistance R_th from the winding to its surroundings; 0 is a winding that stays cold.
+        thermal_resistance: [Unit::KELVIN_PER_WATT] = 0.0, 0.0..=30.0, Effect, "makers' data of 20 W motors: 3 K/W to the housing, 14 K/W more to the air";
+        /// Time constant of the warming.
+        time_constant: [Unit::SECOND] = 100.0, 1.0..=1e4, Fixed, "assumption between the winding (10-20 s) and the housing (600 s) of a 20 W motor";
+    }
+}
+
+impl<S: Scalar> Effect<S> for WindingHeat<S> {
+    fn motor(&self, winding_rise: S, motor: &mut Motor<S>) {
+        if !self.thermal_resistance.is_exactly(0.0) {
+            let rise = winding_rise.smaller(S::from(MOST_RISE));
+            motor.resistance *= rise * COPPER + 1.0;
+            motor.torque_constant *= S::from(1.0) - rise * MAGNET;
+        }
+    }
+}
+
+impl<S: Scalar> WindingHeat<S> {
+    /// Whether windings warm at all.
+    pub(crate) fn acts(&self) -> bool {
+        !self.thermal_resistance.is_exactly(0.0)
+    }
+
+    /// The rise of a winding after `h` seconds at the power `dissipated`, W: exact where that is constant.
+    pub(crate) fn warmed(&self, rise: S, dissipated: S, h: f64) -> S {
+        let last = self.thermal_resistance * dissipated;
+        last + (rise - last) * (-(self.time_constant.recip() * h)).exp()
+    }
+}
