@@ -1,7 +1,7 @@
 //! A wheel on a carriage: the steady point at a load, a slip and a wheel speed.
 
 use crate::contact::{Forces, rolling};
-use crate::effects::{BodyMotion, Effects, Local, Place};
+use crate::effects::{BodyMotion, Effects, ExpressionFailure, Local, Place};
 use crate::rover::Rover;
 use crate::scalar::{Dual, Scalar};
 use crate::soil::Soil;
@@ -15,7 +15,7 @@ const LOAD_TOLERANCE: f64 = 1e-12;
 const MAX_STEPS: usize = 100;
 
 /// A wheel, the soil under it and the effects between them: the part of a rover that a carriage tests.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Rig<S = f64> {
     /// The wheel.
     pub wheel: Wheel<S>,
@@ -37,7 +37,7 @@ pub struct SteadyPoint<S = f64> {
 }
 
 /// Why there is no steady point.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SteadyError {
     /// Slip and wheel speed contradict each other.
     #[error("slip {slip} is impossible at wheel speed {wheel_speed} rad/s (a locked wheel has slip -1 and speed 0)")]
@@ -47,6 +47,9 @@ pub enum SteadyError {
         /// The wheel speed, rad/s.
         wheel_speed: f64,
     },
+    /// An effect of the user's own gives a value without a meaning.
+    #[error(transparent)]
+    Effect(#[from] ExpressionFailure),
     /// The wheel sinks to its axle.
     #[error(
         "the soil does not carry {load} N at slip {slip}: the wheel sinks to its axle, where it carries {carried} N"
@@ -73,7 +76,7 @@ impl Rig {
     /// The wheel, soil and effects of a rover.
     #[must_use]
     pub fn of(rover: &Rover) -> Self {
-        Self { wheel: rover.wheel, soil: rover.soil, effects: rover.effects }
+        Self { wheel: rover.wheel, soil: rover.soil, effects: rover.effects.clone() }
     }
 }
 
@@ -85,7 +88,7 @@ impl<S: Scalar> Rig<S> {
 
     /// Forces at a sinkage, through the same hooks as in the rover's equations of motion; the torque is the drive's and the
     /// drawbar pull what is left after resistances at the carriage.
-    fn forces(&self, sinkage: S, velocity: S, spin: S, slip: f64) -> Forces<S> {
+    fn forces(&self, sinkage: S, velocity: S, spin: S, slip: f64) -> Result<Forces<S>, ExpressionFailure> {
         let zero = S::from(0.0);
         let place = Place {
             wheel: 0,
@@ -97,12 +100,12 @@ impl<S: Scalar> Rig<S> {
             velocity,
         };
         let mut local = Local { wheel: self.wheel, soil: self.soil, exit_ratio: zero };
-        self.effects.contact(&place, &mut local);
+        self.effects.contact(&place, &mut local)?;
         let mut forces = rolling(&local.wheel, &local.soil, local.exit_ratio, sinkage, velocity, spin);
-        self.effects.forces(&place, &local, &mut forces);
-        forces.torque += self.effects.drive_friction(spin).0;
-        forces.drawbar += self.effects.body_force(&BodyMotion { travelled: zero, velocity });
-        forces
+        self.effects.forces(&place, &local, &mut forces)?;
+        forces.torque += self.effects.drive_friction(spin)?.0;
+        forces.drawbar += self.effects.body_force(&BodyMotion { travelled: zero, velocity })?;
+        Ok(forces)
     }
 }
 
@@ -136,7 +139,7 @@ pub fn steady_point<S: Scalar>(
     let spin = S::from(wheel_speed);
     let velocity = rig.wheel.radius * carriage_speed_over_radius(slip, wheel_speed)?;
     let (sinkage, by_sinkage) = balance(&rig.map(&|s| s.value()), load, slip, velocity.value(), wheel_speed)?;
-    let here = rig.forces(S::from(sinkage), velocity, spin, slip);
+    let here = rig.forces(S::from(sinkage), velocity, spin, slip)?;
     // The real part of this step is rounding; its derivatives are dz/dp.
     let step = -(here.normal - load) / by_sinkage.normal;
     Ok(SteadyPoint {
@@ -166,14 +169,14 @@ fn balance(rig: &Rig, load: f64, slip: f64, velocity: f64, spin: f64) -> Result<
     let lifted = rig.map(&Dual::<1>::from);
     let at = |z: f64| lifted.forces(Dual::<1>::from(z).derivative(0), Dual::from(velocity), Dual::from(spin), slip);
     let (mut low, mut high) = (0.0, rig.wheel.radius);
-    let carried = rig.forces(high, velocity, spin, slip).normal;
+    let carried = rig.forces(high, velocity, spin, slip)?.normal;
     if carried.is_nan() || carried < load {
         return Err(SteadyError::SunkToAxle { load, slip, carried });
     }
     // N is about proportional to z^(n + 1/2) (4.18).
     let mut z = high * (load / carried).powf((rig.soil.exponent + 0.5).recip());
     for _ in 0..MAX_STEPS {
-        let forces = at(z);
+        let forces = at(z)?;
         let (normal, slope) = (forces.normal.re, partial(&forces.normal, 0));
         if (normal - load).abs() <= LOAD_TOLERANCE * load || (high - low) <= f64::EPSILON * high {
             let (drawbar, torque) = (partial(&forces.drawbar, 0), partial(&forces.torque, 0));
