@@ -9,6 +9,7 @@ use super::noise::{NoiseFloor, noise_floors};
 use super::prediction::{Predict, PredictionError, SingleWheelPrediction};
 use super::single_wheel::Rig;
 use super::traverse::TraversePrediction;
+use crate::effects::DefinitionError;
 use crate::measurement::{Experiment, Kind};
 use crate::model::Model;
 use bekker_modeldescription::{Lookup, ParameterError, Parameters, Role};
@@ -32,6 +33,9 @@ pub enum CompareError {
         /// What is wrong.
         source: ParameterError,
     },
+    /// The experiment adds an effect whose id the model uses otherwise.
+    #[error("experiment.toml: {0}")]
+    Effect(#[from] DefinitionError),
     /// The model cannot compute a measured row.
     #[error(transparent)]
     Prediction(#[from] PredictionError),
@@ -81,7 +85,9 @@ impl Comparison {
 /// [`CompareError`].
 pub fn compare(model: &Model, experiment: &Experiment, options: &CompareOptions) -> Result<Comparison, CompareError> {
     let layout = Layout::new(experiment);
-    let mut known = with_parameters(model, &experiment.parameters, "experiment.toml, [parameters]")?;
+    let mut model = model.clone();
+    model.define_effects(experiment.effects.clone())?;
+    let mut known = with_parameters(&model, &experiment.parameters, "experiment.toml, [parameters]")?;
     let models = experiment
         .runs
         .iter()
