@@ -127,12 +127,7 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Weight, inertia and joint friction of chassis and links, and forces on the chassis.
-    fn add_bodies(
-        &mut self,
-        rover: &Rover<S>,
-        state: &State<S>,
-        force: &mut Vector<S>,
-    ) -> Result<(), DynamicsError> {
+    fn add_bodies(&mut self, rover: &Rover<S>, state: &State<S>, force: &mut Vector<S>) -> Result<(), DynamicsError> {
         let n = rover.coordinates();
         self.mass = [zeros(); super::MAX_COORDINATES];
         self.potential = S::from(0.0);

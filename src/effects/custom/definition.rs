@@ -159,7 +159,8 @@ impl EffectDefinition {
             return Err(self.invalid(&format!("parameters.{}", names[k]), "the expression does not use it".to_owned()));
         }
         let values = variables.iter().map(|variable| variable.default).collect();
-        let effect = CustomEffect { shared: Arc::new(Shared { target, mode, program, variables, definition: self }), values };
+        let effect =
+            CustomEffect { shared: Arc::new(Shared { target, mode, program, variables, definition: self }), values };
         effect.check_neutral()?;
         Ok(effect)
     }
@@ -301,7 +302,10 @@ fn check_name(name: &str) -> Result<(), String> {
     if starts && name.chars().all(allowed) && name.len() <= 40 {
         return Ok(());
     }
-    Err(format!("`{}` is no name: expected a small letter, then small letters, digits and _, at most 40", shortened(name)))
+    Err(format!(
+        "`{}` is no name: expected a small letter, then small letters, digits and _, at most 40",
+        shortened(name)
+    ))
 }
 
 /// Enough of a text to recognise it by.

@@ -208,7 +208,8 @@ fn named(input: &mut Input) -> Outcome<Vec<Operation>> {
     if name == "pi" {
         return Ok(vec![Operation::Number(std::f64::consts::PI)]);
     }
-    let known = format!("the parameters {} and, for this target, the signals {}", parameters.join(", "), signals.join(", "));
+    let known =
+        format!("the parameters {} and, for this target, the signals {}", parameters.join(", "), signals.join(", "));
     final_error(at, format!("unknown name `{name}`; known are {known}"))
 }
 

@@ -153,7 +153,9 @@ impl Target {
             Self::Damping => (&mut soil.damping, NOT_NEGATIVE),
             Self::Radius => (&mut wheel.radius, POSITIVE),
             Self::Width => (&mut wheel.width, POSITIVE),
-            Self::NormalForce | Self::DrawbarPull | Self::Torque | Self::DriveFriction | Self::BodyForce => return None,
+            Self::NormalForce | Self::DrawbarPull | Self::Torque | Self::DriveFriction | Self::BodyForce => {
+                return None;
+            }
         })
     }
 }
