@@ -280,6 +280,29 @@ fn agreement_derivatives_are_those_of_differences() {
 }
 
 #[test]
+fn property_derivatives_stay_finite_at_the_ends_of_a_function() {
+    let velocity = 0.04_f64;
+    for (expression, by_a) in [
+        // Full saturation, where cosh(2400) is beyond all numbers.
+        ("tanh(a * 200000 * velocity)", 0.0),
+        ("tanh(-a * 200000 * velocity)", 0.0),
+        ("b * tanh(a * velocity)", velocity / (0.3 * velocity).cosh().powi(2)),
+        // Infinite slopes are left out.
+        ("a * velocity + sqrt(b - 1)", velocity),
+        ("a * velocity + asin(b) - asin(1) * b", velocity),
+        ("a * velocity + (b - 1) ^ 0.5", velocity),
+    ] {
+        let mut text = effect("body.force_x", "", expression);
+        if uses(expression, "b") {
+            text = text.replace("parameters.b = { neutral = 0", "parameters.b = { neutral = 1");
+        }
+        let (_, slopes) = exact(&text, 0.3, 1.0, 0.2)[0];
+        assert!((slopes[0] - by_a).abs() < ROUNDING, "{expression}: {slopes:?}, {by_a}");
+        assert!(slopes[1].is_finite(), "{expression}: {slopes:?}");
+    }
+}
+
+#[test]
 fn property_bad_definitions_are_refused_with_their_place() {
     let own = |expression: &str| effect("body.force_x", "", expression);
     let cases: Vec<(String, Vec<&str>)> = vec![

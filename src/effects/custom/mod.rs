@@ -42,7 +42,7 @@
 //! evaluate, exmex binds a sign before a power, so that -x^2 is x^2, and gives no place of an error; evalexpr's
 //! licence is the AGPL; fasteval and meval are not maintained and know f64 only.)
 //!
-//! A value that is not finite, or leaves a parameter of the soil without a meaning, ends the computation with an
+//! A value or derivative that is not finite, or a value that leaves a parameter of the soil without a meaning, ends the computation with an
 //! [`ExpressionFailure`].
 
 mod definition;
@@ -65,11 +65,15 @@ pub use target::Mode;
 /// How a computation obtains the derivatives of an effect in its parameters and signals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Derivatives {
-    /// Exact everywhere, but for the infinite ones of `sqrt` and `^` at a base of 0, which are left out.
+    /// Exact everywhere, but for the infinite ones of `sqrt` and `^` at a base of 0 and of `asin` and `acos` at 1 and
+    /// -1, which are left out.
     Exact,
     /// The same, and one-sided at the kinks of `abs`, `sign`, `min` and `max`, where there is no derivative.
     ExactBesideKinks,
 }
+
+/// What every expression must give.
+const FINITE: &str = "a finite number with finite derivatives";
 
 /// An expression whose value has no meaning in the simulation.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -140,18 +144,18 @@ impl<S: Scalar> CustomEffect<S> {
 
     fn value(&self, signals: &[S]) -> Result<S, ExpressionFailure> {
         let value = self.shared.program.evaluate(|k| self.values[k], |k| signals[k]);
-        if value.value().is_finite() { Ok(value) } else { Err(self.failure(value, signals, "a finite number")) }
+        if value.all_finite() { Ok(value) } else { Err(self.failure(value, signals, FINITE)) }
     }
 
     /// The value and its slope in the only signal.
     fn slope(&self, signal: S) -> Result<(S, S), ExpressionFailure> {
         let parameter = |k: usize| Dual::from_re(self.values[k]);
         let result = self.shared.program.evaluate(parameter, |_| Dual::from_re(signal).derivative());
-        if result.re.value().is_finite() && result.eps.value().is_finite() {
-            return Ok((result.re, result.eps));
+        let Dual { re: value, eps: slope } = result;
+        if value.all_finite() && slope.all_finite() {
+            return Ok((value, slope));
         }
-        let wrong = if result.re.value().is_finite() { result.eps } else { result.re };
-        Err(self.failure(wrong, &[signal], "a finite number with a finite slope in the speed"))
+        Err(self.failure(value, &[signal], FINITE))
     }
 
     fn failure(&self, value: S, signals: &[S], expected: &str) -> ExpressionFailure {

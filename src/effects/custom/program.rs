@@ -151,12 +151,23 @@ impl Function {
             Self::Sin => x.sin(),
             Self::Cos => x.cos(),
             Self::Tan => x.tan(),
+            // As at 0 of the square root.
+            Self::Asin if x.re().abs() == 1.0 => N::from(x.re().asin()),
+            Self::Acos if x.re().abs() == 1.0 => N::from(x.re().acos()),
             Self::Asin => x.asin(),
             Self::Acos => x.acos(),
             Self::Atan => x.atan(),
-            Self::Tanh => x.tanh(),
+            Self::Tanh => tanh(x),
         }
     }
+}
+
+/// (1 - e^(-2 |x|))/(1 + e^(-2 |x|)) sgn x: as sinh/cosh its derivative would overflow from |x| = 355 on.
+fn tanh<N: Number>(x: N) -> N {
+    let negative = x.re() < 0.0;
+    let decay = (if negative { x } else { -x } * 2.0).exp_m1();
+    let size = -decay / (decay + 2.0);
+    if negative { -size } else { size }
 }
 
 /// Power to a number of the text: whole numbers take any base, others a base that is not negative.
