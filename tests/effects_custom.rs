@@ -445,3 +445,17 @@ fn property_a_model_file_keeps_them() {
     let refused = Model::from_toml(&CABLE.replace("travelled", "slip"), None).unwrap_err().to_string();
     assert!(refused.contains("`cable`") && refused.contains("unknown name `slip`"), "{refused}");
 }
+
+#[test]
+fn property_the_example_file_acts() {
+    let text = include_str!("../examples/own_effects.toml");
+    let start = [("x0", 2.5)];
+    let none = bits(&drive(&model("two_wheeled", text, &start)));
+    let own = model("two_wheeled", text, &start);
+    for effect in own.rover.effects.custom.iter() {
+        let free = effect.definition().parameters.iter().find(|(_, parameter)| parameter.free).unwrap();
+        let name = format!("{}.{}", effect.id(), free.0);
+        let on = drive(&model("two_wheeled", text, &[start[0], (&name, 0.2 * free.1.max)]));
+        assert_ne!(bits(&on), none, "{name}");
+    }
+}
