@@ -263,11 +263,10 @@ fn agreement_derivatives_are_those_of_differences() {
         for slip in [-0.2, 0.1, 0.5] {
             let here = exact(&text, a, b, slip);
             let value = |a, b, k: usize| exact(&text, a, b, slip)[k].0;
-            for k in 0..3 {
+            for (k, (value_here, [exact_a, exact_b])) in here.into_iter().enumerate() {
                 let by_a = (value(a + STEP, b, k) - value(a - STEP, b, k)) / (2.0 * STEP);
                 let by_b = (value(a, b + STEP, k) - value(a, b - STEP, k)) / (2.0 * STEP);
-                let [exact_a, exact_b] = here[k].1;
-                let scale = by_a.abs() + by_b.abs() + here[k].0.abs();
+                let scale = by_a.abs() + by_b.abs() + value_here.abs();
                 let within = |x: f64, y: f64| (x - y).abs() < DIFFERENCE * scale;
                 assert!(
                     within(exact_a, by_a) && within(exact_b, by_b),
@@ -392,7 +391,7 @@ fn property_no_text_makes_the_parser_fall_over() {
 fn property_values_without_a_meaning_end_the_run_with_a_clear_error() {
     let command = |model: &Model| -> Run {
         let mut run = model.start().unwrap();
-        run.inputs_mut().set_all(&vec![2.0; 2]).unwrap();
+        run.inputs_mut().set_all(&[2.0; 2]).unwrap();
         run
     };
     let root = effect("body.force_x", "", "ln(1 + a * travelled)");

@@ -80,15 +80,15 @@ const FINITE: &str = "a finite number with finite derivatives";
 #[error("effect `{id}`: {target} would be {value} where {place}; expected {expected}")]
 pub struct ExpressionFailure {
     /// The effect.
-    pub id: String,
+    pub id: Box<str>,
     /// What it acts on.
-    pub target: String,
+    pub target: Box<str>,
     /// The value.
     pub value: f64,
     /// Signals and parameters at that instant.
-    pub place: String,
+    pub place: Box<str>,
     /// What was expected.
-    pub expected: String,
+    pub expected: Box<str>,
 }
 
 /// What is the same for all scalars.
@@ -163,11 +163,11 @@ impl<S: Scalar> CustomEffect<S> {
         let parameters = parameters.map(|(variable, value)| format!("{} = {}", variable.name, value.value()));
         let signals: Vec<f64> = signals.iter().map(|signal| signal.value()).collect();
         ExpressionFailure {
-            id: self.id().to_owned(),
-            target: self.definition().target.clone(),
+            id: self.id().into(),
+            target: self.definition().target.as_str().into(),
             value: value.value(),
-            place: format!("{} and {}", self.place(&signals), parameters.collect::<Vec<_>>().join(", ")),
-            expected: expected.to_owned(),
+            place: format!("{} and {}", self.place(&signals), parameters.collect::<Vec<_>>().join(", ")).into(),
+            expected: expected.into(),
         }
     }
 
