@@ -59,6 +59,7 @@ fn run(k: usize) -> Run {
 
 fn experiment() -> Experiment {
     Experiment {
+        effects: Vec::new(),
         name: "bench".to_owned(),
         kind: Kind::Traverse,
         folder: "bench".into(),

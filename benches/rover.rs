@@ -4,6 +4,7 @@
 
 use bekker::contact::{Hold, Motion, touch};
 use bekker::model::Model;
+use bekker::modeldescription::Lookup;
 use bekker::rover::Rover;
 use bekker::signals::Command;
 use bekker::simulation::Simulation;
@@ -36,6 +37,36 @@ fn step(bencher: Bencher, rover: Rover, torque: f64) {
 fn two_wheels(bencher: Bencher) {
     step(bencher, Rover::two_wheeled(), 1.5);
 }
+
+/// The two-wheeled rover with three effects of the user's own: on the soil, on the drives and on the chassis.
+#[divan::bench]
+fn two_wheels_with_expressions(bencher: Bencher) {
+    let mut model = Model::new("bench", Rover::two_wheeled());
+    model.add_effects(EXPRESSIONS).expect("effects");
+    for name in ["wet_patch.a", "stiction.torque", "cable.k"] {
+        model.set(name, 0.1).expect("a parameter");
+    }
+    step(bencher, model.rover, 1.5);
+}
+
+const EXPRESSIONS: &str = r#"
+[[effect]]
+id = "wet_patch"
+target = "soil.cohesion"
+mode = "factor"
+expression = "1 - a * 0.5 * (tanh((x - 0.2) / 0.05) - tanh((x - 1) / 0.05))"
+parameters.a = { neutral = 0, min = 0, max = 0.9 }
+[[effect]]
+id = "stiction"
+target = "drive.friction"
+expression = "torque * tanh(speed / 0.01) * (1 + exp(-(speed / 0.5) ^ 2))"
+parameters.torque = { neutral = 0, min = 0, max = 1, unit = "N.m" }
+[[effect]]
+id = "cable"
+target = "body.force_x"
+expression = "-k * max(travelled, 0)"
+parameters.k = { neutral = 0, min = 0, max = 10, unit = "N/m" }
+"#;
 
 /// One side of the six-wheeled rocker-bogie: 6 contact evaluations a step.
 #[divan::bench]

@@ -1,6 +1,6 @@
 //! A DC motor with gear at each wheel (4.6-4.10).
 
-use crate::effects::Effects;
+use crate::effects::{Effects, ExpressionFailure};
 use crate::scalar::Scalar;
 use bekker_modeldescription::{Unit, parameters};
 
@@ -32,21 +32,33 @@ pub struct Driven<S = f64> {
 }
 
 /// What a drive of the data sheet `motor` gives where the `actual` motor is another and `command` is asked of it.
-pub fn drive<S: Scalar>(motor: &Motor<S>, actual: &Motor<S>, effects: &Effects<S>, speed: S, command: S) -> Driven<S> {
+///
+/// # Errors
+/// [`ExpressionFailure`] where a friction of the user's own is not finite.
+pub fn drive<S: Scalar>(
+    motor: &Motor<S>,
+    actual: &Motor<S>,
+    effects: &Effects<S>,
+    speed: S,
+    command: S,
+) -> Result<Driven<S>, ExpressionFailure> {
     let (motor_torque, limit_slope) = limited_torque(motor, actual, effects, speed, command);
     let (behind_gear, slope) = match effects.gear_efficiency.output(speed, motor_torque) {
         None => (motor_torque, limit_slope),
         Some(geared) => (geared.torque, geared.by_torque * limit_slope + geared.by_speed),
     };
-    let (friction, friction_slope) = effects.drive_friction(speed);
-    Driven { motor_torque, rim_torque: behind_gear - friction, slope: slope - friction_slope }
+    let (friction, friction_slope) = effects.drive_friction(speed)?;
+    Ok(Driven { motor_torque, rim_torque: behind_gear - friction, slope: slope - friction_slope })
 }
 
 /// Torque of the motor, wheel side, that gives `rim_torque` at this wheel speed: the inverse of [`drive`], without
 /// its limits.
-pub fn torque_behind<S: Scalar>(effects: &Effects<S>, speed: S, rim_torque: S) -> S {
-    let behind_gear = rim_torque + effects.drive_friction(speed).0;
-    effects.gear_efficiency.input(speed, behind_gear).unwrap_or(behind_gear)
+///
+/// # Errors
+/// [`ExpressionFailure`] where a friction of the user's own is not finite.
+pub fn torque_behind<S: Scalar>(effects: &Effects<S>, speed: S, rim_torque: S) -> Result<S, ExpressionFailure> {
+    let behind_gear = rim_torque + effects.drive_friction(speed)?.0;
+    Ok(effects.gear_efficiency.input(speed, behind_gear).unwrap_or(behind_gear))
 }
 
 /// Torque that the motor gives when `torque` is asked of it at this wheel speed, wheel side, N m: within

@@ -20,6 +20,10 @@ pub trait Scalar: DualNum<Primitive = f64> + Copy + Send + Sync {
     #[must_use]
     fn is_exactly(self, x: f64) -> bool;
 
+    /// Whether the number and all its derivatives are finite.
+    #[must_use]
+    fn all_finite(self) -> bool;
+
     /// The smaller of two numbers, by their real parts.
     #[must_use]
     fn smaller(self, other: Self) -> Self {
@@ -47,6 +51,11 @@ impl Scalar for f64 {
     fn is_exactly(self, x: f64) -> bool {
         self == x
     }
+
+    #[inline]
+    fn all_finite(self) -> bool {
+        self.is_finite()
+    }
 }
 
 impl<const N: usize> Scalar for Dual<N> {
@@ -57,6 +66,10 @@ impl<const N: usize> Scalar for Dual<N> {
 
     fn is_exactly(self, x: f64) -> bool {
         self.re == x && self.eps.0.is_none()
+    }
+
+    fn all_finite(self) -> bool {
+        self.re.is_finite() && self.eps.0.is_none_or(|all| all.iter().all(|part| part.is_finite()))
     }
 }
 

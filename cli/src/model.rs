@@ -3,7 +3,7 @@
 use anyhow::{Context, Result, anyhow};
 use bekker::model::{Model, PRESETS};
 use bekker::modeldescription::Lookup;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Model and changes to it.
 #[derive(clap::Args)]
@@ -11,6 +11,9 @@ pub struct ModelArguments {
     /// A model file (TOML) or the name of a built-in model, see `bekker parameters --models`.
     #[arg(default_value = "gentle_velocity")]
     model: String,
+    /// Add effects of your own: a TOML file with `[[effect]]` tables; may be given several times.
+    #[arg(long = "effects-from", value_name = "FILE")]
+    effects: Vec<PathBuf>,
     /// Set a parameter by its name, SI units; may be given several times.
     #[arg(long = "set", value_name = "NAME=VALUE")]
     changes: Vec<String>,
@@ -27,6 +30,10 @@ impl ModelArguments {
             let names: Vec<&str> = PRESETS.iter().map(|(name, _)| *name).collect();
             return Err(anyhow!("`{}` is neither a file nor a built-in model ({})", self.model, names.join(", ")));
         };
+        for file in &self.effects {
+            let text = std::fs::read_to_string(file).with_context(|| format!("cannot read `{}`", file.display()))?;
+            model.add_effects(&text).with_context(|| format!("in `{}`", file.display()))?;
+        }
         for change in &self.changes {
             let (name, value) = assignment(change)?;
             model.set(name, value)?;

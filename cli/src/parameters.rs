@@ -2,7 +2,6 @@
 
 use crate::model::ModelArguments;
 use anyhow::Result;
-use bekker::effects::EFFECTS;
 use bekker::model::PRESETS;
 use bekker::modeldescription::{Lookup, Variable};
 use std::io::Write;
@@ -26,14 +25,19 @@ pub struct Parameters {
 impl Parameters {
     pub fn run(self) -> Result<()> {
         let mut out = std::io::stdout().lock();
-        let pairs = if self.models { Some(PRESETS) } else { self.effects.then_some(EFFECTS) };
-        if let Some(pairs) = pairs {
-            for (name, meaning) in pairs {
+        if self.models {
+            for (name, meaning) in PRESETS {
                 writeln!(out, "{name:24} {}", meaning.trim())?;
             }
             return Ok(());
         }
         let mut model = self.model.load()?;
+        if self.effects {
+            for (name, meaning) in model.rover.effects.list() {
+                writeln!(out, "{name:24} {meaning}")?;
+            }
+            return Ok(());
+        }
         if self.toml {
             write!(out, "{}", model.to_toml()?)?;
             return Ok(());

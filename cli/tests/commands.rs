@@ -71,6 +71,27 @@ fn property_bad_values_are_refused_in_one_line() {
 }
 
 #[test]
+fn property_effects_of_the_users_own_are_set_like_any_other() {
+    const OWN: [&str; 2] = ["--effects-from", "../examples/own_effects.toml"];
+    fn with<'a>(more: &[&'a str]) -> Vec<&'a str> {
+        [&["simulate", "two_wheeled_speed", "--duration", "1"], &OWN[..], more].concat()
+    }
+    let speeds = ["--input", "wheel[1].speed_command=2", "--input", "wheel[2].speed_command=2"];
+    let dragged = [&["--set", "cable.k=10"], &speeds[..]].concat();
+    assert_ne!(done(&with(&speeds)), done(&with(&dragged)));
+    let model = done(&[&["parameters", "two_wheeled", "--toml"], &OWN[..]].concat());
+    assert!(model.contains("[[effect]]") && model.contains("\"cable.k\" = 0.0"), "{model}");
+    assert!(done(&[&["parameters", "--effects"], &OWN[..]].concat()).contains("stribeck"));
+    refused(&with(&["--set", "cable.k=11"]), &["cable.k", "0 .. 10 N/m"]);
+    refused(&["simulate", "--effects-from", "no_such.toml"], &["no_such.toml"]);
+    let bad = file("bad_effect.toml");
+    let text =
+        std::fs::read_to_string("../examples/own_effects.toml").expect("the example").replace("travelled", "way");
+    std::fs::write(&bad, text).expect("the file is written");
+    refused(&["simulate", "--effects-from", shown(&bad)], &["bad_effect.toml", "`cable`", "`way`", "travelled"]);
+}
+
+#[test]
 fn property_bad_input_files_are_refused() {
     let path = file("inputs.csv");
     let refuse = |content: &str, more: &[&str], names: &[&str]| {

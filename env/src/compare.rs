@@ -28,7 +28,7 @@ pub fn compare<'py>(py: Python<'py>, folder: PathBuf, model: &Model, calibrate: 
 fn failed(refused: &CompareError) -> PyErr {
     match refused {
         CompareError::Prediction(_) | CompareError::NoStart(_) => SimulationError::new_err(refused.to_string()),
-        CompareError::Parameter { .. } | CompareError::TooFewMeasurements { .. } => {
+        CompareError::Parameter { .. } | CompareError::Effect(_) | CompareError::TooFewMeasurements { .. } => {
             ModelError::new_err(refused.to_string())
         }
     }

@@ -76,6 +76,16 @@ impl Model {
         self.core.set(name, value).map_err(|refused| error::parameter(&refused))
     }
 
+    /// Adds effects of the user's own, all neutral, from TOML text with `[[effect]]` tables.
+    fn add_effects(&mut self, text: &str) -> PyResult<()> {
+        self.core.add_effects(text).map_err(|refused| error::model(&refused.into()))
+    }
+
+    /// Ids and meanings of the effects of this model: the library's and the user's own.
+    fn effects(&self) -> Vec<(String, String)> {
+        self.core.rover.effects.list()
+    }
+
     /// A run of this model at its start: settled on the ground, controllers at rest.
     fn start(&self, py: Python<'_>) -> PyResult<Run> {
         match py.detach(|| error::fenced(|| self.core.start()))? {

@@ -63,6 +63,35 @@ fn agreement_of_the_fmu_with_the_core() {
 }
 
 #[test]
+fn agreement_of_effects_of_the_users_own() {
+    let mut model = model("two_wheeled");
+    model.add_effects(include_str!("../../examples/own_effects.toml")).unwrap();
+    model.set("softening.a", 0.2).unwrap();
+    let fmu = Fmu::new(&model);
+    let stiffness = &fmu.description.entries[fmu.reference("cable.k") as usize];
+    assert_eq!((stiffness.variable.unit.symbol, stiffness.start), ("N/m", 0.0));
+    let (inputs, signals) = references(&fmu, &model);
+    let instance = fmu.instantiate();
+    for (name, value) in [("cable.k", 5.0), ("stribeck.torque", 0.1)] {
+        model.set(name, value).unwrap();
+        assert_eq!(set(instance, &[fmu.reference(name)], &[value]), Status::Ok, "{:?}", messages());
+    }
+    assert_ne!(set(instance, &[fmu.reference("cable.k")], &[11.0]), Status::Ok, "beyond its bounds");
+    assert_eq!(fmi3EnterInitializationMode(instance, 0, 0.0, 0.0, 0, 0.0), Status::Ok, "{:?}", messages());
+    assert_eq!(fmi3ExitInitializationMode(instance), Status::Ok, "{:?}", messages());
+    let mut run = model.start().unwrap();
+    assert_eq!(set(instance, &inputs, &[1.5; 2]), Status::Ok, "{:?}", messages());
+    run.inputs_mut().set_all(&[1.5; 2]).unwrap();
+    let stepped = step(instance, 0.0, 100.0 * INNER);
+    assert_eq!((stepped.status, stepped.terminate), (Status::Ok, false), "{:?}", messages());
+    run.advance(100).unwrap();
+    let mut expected = Vec::new();
+    run.signals().values(&mut |value| expected.push(value));
+    assert_eq!(bits(&get(instance, &signals).unwrap()), bits(&expected));
+    fmi3FreeInstance(instance);
+}
+
+#[test]
 fn agreement_of_a_restored_state_with_the_first_time() {
     let fmu = Fmu::preset("two_wheeled");
     let model = model("two_wheeled");

@@ -123,4 +123,47 @@ impl Unit {
     pub const SPEED_GAIN: Unit = Unit::NEWTON_METRE_SECOND;
     /// One per second.
     pub const PER_SECOND: Unit = unit("1/s", Exponents { s: -1, ..NONE });
+
+    /// All units of the vocabulary, each symbol once.
+    pub const ALL: &[Unit] = &[
+        Unit::ONE,
+        Unit::SECOND,
+        Unit::KELVIN,
+        Unit::METRE,
+        Unit::PER_METRE,
+        Unit::RADIAN,
+        Unit::METRE_PER_SECOND,
+        Unit::METRE_PER_SECOND2,
+        Unit::RADIAN_PER_SECOND,
+        Unit::KILOGRAM,
+        Unit::KILOGRAM_METRE2,
+        Unit::NEWTON,
+        Unit::NEWTON_PER_METRE,
+        Unit::NEWTON_SECOND_PER_METRE,
+        Unit::NEWTON_METRE,
+        Unit::PER_NEWTON_METRE,
+        Unit::NEWTON_METRE_SECOND,
+        Unit::NEWTON_METRE_SECOND2_PER_RADIAN,
+        Unit::NEWTON_METRE_PER_RADIAN,
+        Unit::PASCAL,
+        Unit::COHESIVE_MODULUS,
+        Unit::FRICTIONAL_MODULUS,
+        Unit::WATT,
+        Unit::JOULE,
+        Unit::AMPERE,
+        Unit::PER_AMPERE,
+        Unit::VOLT,
+        Unit::PER_VOLT,
+        Unit::OHM,
+        Unit::NEWTON_METRE_PER_AMPERE,
+        Unit::PER_SECOND,
+    ];
+
+    /// The unit with this symbol; a space or an asterisk may stand for the dot, and nothing for `1`.
+    #[must_use]
+    pub fn of_symbol(symbol: &str) -> Option<Unit> {
+        let plain = symbol.trim().replace([' ', '*'], ".");
+        let wanted = if plain.is_empty() { Unit::ONE.symbol } else { plain.as_str() };
+        Self::ALL.iter().copied().find(|unit| unit.symbol == wanted)
+    }
 }

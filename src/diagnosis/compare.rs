@@ -8,6 +8,7 @@ use super::noise::{NoiseFloor, NoiseModel, Whitening, noise_floors};
 use super::prediction::{Predict, PredictionError};
 use super::problem::Problem;
 use super::weighted::Weighted;
+use crate::effects::DefinitionError;
 use crate::measurement::{Experiment, Kind};
 use crate::model::Model;
 use bekker_modeldescription::ParameterError;
@@ -33,6 +34,9 @@ pub enum CompareError {
         /// What is wrong.
         source: ParameterError,
     },
+    /// The experiment adds an effect whose id the model uses otherwise.
+    #[error("experiment.toml: {0}")]
+    Effect(#[from] DefinitionError),
     /// The model cannot compute a measured row.
     #[error(transparent)]
     Prediction(#[from] PredictionError),

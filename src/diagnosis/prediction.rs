@@ -206,7 +206,7 @@ impl Predict for SingleWheelPrediction<'_> {
     fn values(&self, free: &[f64]) -> Result<Vec<f64>, PredictionError> {
         let mut values = vec![f64::NAN; self.layout.len()];
         let rig_of = |run: usize| {
-            let mut rig = self.rigs[run];
+            let mut rig = self.rigs[run].clone();
             self.set_free(run, &mut rig, &|k, place| *place = free[k]);
             rig
         };

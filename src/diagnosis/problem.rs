@@ -43,7 +43,9 @@ impl<'a> Problem<'a> {
     /// # Errors
     /// [`CompareError::Parameter`] where the experiment or `added` names something that the model does not have.
     pub fn new(model: &Model, experiment: &'a Experiment, added: &[String]) -> Result<Self, CompareError> {
-        let mut known = with_parameters(model, &experiment.parameters, "experiment.toml, [parameters]")?;
+        let mut model = model.clone();
+        model.define_effects(experiment.effects.clone())?;
+        let mut known = with_parameters(&model, &experiment.parameters, "experiment.toml, [parameters]")?;
         let models = experiment
             .runs
             .iter()

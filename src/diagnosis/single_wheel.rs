@@ -1,7 +1,7 @@
 //! A wheel on a carriage: the steady point at a load, a slip and a wheel speed.
 
 use crate::contact::{self, Forces, rolling};
-use crate::effects::{BodyMotion, Effects, Local, Place};
+use crate::effects::{BodyMotion, Effects, ExpressionFailure, Local, Place};
 use crate::motor;
 use crate::rover::{Environment, Rover};
 use crate::scalar::{Dual, Scalar};
@@ -16,7 +16,7 @@ const LOAD_TOLERANCE: f64 = 1e-12;
 const MAX_STEPS: usize = 100;
 
 /// A wheel, the soil under it and the effects between them: the part of a rover that a carriage tests.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Rig<S = f64> {
     /// Gravity, by which unmodelled mass adds to the load.
     pub environment: Environment<S>,
@@ -40,7 +40,7 @@ pub struct SteadyPoint<S = f64> {
 }
 
 /// Why there is no steady point.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SteadyError {
     /// Slip and wheel speed contradict each other.
     #[error("slip {slip} is impossible at wheel speed {wheel_speed} rad/s (a locked wheel has slip -1 and speed 0)")]
@@ -50,6 +50,9 @@ pub enum SteadyError {
         /// The wheel speed, rad/s.
         wheel_speed: f64,
     },
+    /// An effect of the user's own gives a value without a meaning.
+    #[error(transparent)]
+    Effect(#[from] ExpressionFailure),
     /// The wheel sinks to its axle.
     #[error(
         "the soil does not carry {load} N at slip {slip}: the wheel sinks to its axle, where it carries {carried} N"
@@ -76,7 +79,7 @@ impl Rig {
     /// The wheel, soil and effects of a rover.
     #[must_use]
     pub fn of(rover: &Rover) -> Self {
-        Self { environment: rover.environment, wheel: rover.wheel, soil: rover.soil, effects: rover.effects }
+        Self { environment: rover.environment, wheel: rover.wheel, soil: rover.soil, effects: rover.effects.clone() }
     }
 }
 
@@ -93,19 +96,19 @@ impl<S: Scalar> Rig<S> {
 
     /// Forces at a sinkage, through the same hooks as in the rover's equations of motion; the torque is the drive's as recorded and
     /// the drawbar pull what is left after resistances at the carriage.
-    fn forces(&self, sinkage: S, velocity: S, spin: S, slip: S) -> Forces<S> {
+    fn forces(&self, sinkage: S, velocity: S, spin: S, slip: S) -> Result<Forces<S>, ExpressionFailure> {
         let zero = S::from(0.0);
         let place = Place { wheel: 0, x: zero, contact_angle: zero, slip, sinkage, normal_velocity: zero, velocity };
         let mut local = Local { wheel: self.true_wheel(), soil: self.soil, exit_ratio: zero };
-        self.effects.contact(&place, &mut local);
+        self.effects.contact(&place, &mut local)?;
         let mut forces = rolling(&local.wheel, &local.soil, local.exit_ratio, sinkage, velocity, spin);
-        self.effects.forces(&place, &local, &mut forces);
-        forces.torque = motor::torque_behind(&self.effects, spin, forces.torque);
+        self.effects.forces(&place, &local, &mut forces)?;
+        forces.torque = motor::torque_behind(&self.effects, spin, forces.torque)?;
         if let Some(gain) = self.effects.torque_gain() {
             forces.torque /= gain;
         }
-        forces.drawbar += self.effects.body_force(&BodyMotion { travelled: zero, velocity });
-        forces
+        forces.drawbar += self.effects.body_force(&BodyMotion { travelled: zero, velocity })?;
+        Ok(forces)
     }
 
     /// The wheel as it is.
@@ -163,7 +166,7 @@ pub fn steady_point<S: Scalar>(
     let (load, slip) = (rig.true_load(load), rig.true_slip(velocity, spin, slip));
     let real = rig.map(&|s| s.value());
     let (sinkage, by_sinkage) = balance(&real, load.value(), slip.value(), velocity.value(), wheel_speed)?;
-    let here = rig.forces(S::from(sinkage), velocity, spin, slip);
+    let here = rig.forces(S::from(sinkage), velocity, spin, slip)?;
     // The real part of this step is rounding; its derivatives are dz/dp.
     let step = -(here.normal - load) / by_sinkage.normal;
     Ok(SteadyPoint {
@@ -195,14 +198,14 @@ fn balance(rig: &Rig, load: f64, slip: f64, velocity: f64, spin: f64) -> Result<
         lifted.forces(Dual::<1>::from(z).derivative(0), Dual::from(velocity), Dual::from(spin), Dual::from(slip))
     };
     let (mut low, mut high) = (0.0, rig.true_wheel().radius);
-    let carried = rig.forces(high, velocity, spin, slip).normal;
+    let carried = rig.forces(high, velocity, spin, slip)?.normal;
     if carried.is_nan() || carried < load {
         return Err(SteadyError::SunkToAxle { load, slip, carried });
     }
     // N is about proportional to z^(n + 1/2) (4.18).
     let mut z = high * (load / carried).powf((rig.soil.exponent + 0.5).recip());
     for _ in 0..MAX_STEPS {
-        let forces = at(z);
+        let forces = at(z)?;
         let (normal, slope) = (forces.normal.re, partial(&forces.normal, 0));
         if (normal - load).abs() <= LOAD_TOLERANCE * load || (high - low) <= f64::EPSILON * high {
             let (drawbar, torque) = (partial(&forces.drawbar, 0), partial(&forces.torque, 0));

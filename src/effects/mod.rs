@@ -2,8 +2,9 @@
 //!
 //! At its neutral value an effect changes nothing, bit for bit: its hooks return early. Switching one
 //! on is setting its parameters, the same act in every door. A new effect is one file and one line in
-//! the table below.
+//! the table below. What the library lacks a user can add as an expression, see [`custom`].
 
+pub mod custom;
 mod drag;
 mod drive_friction;
 mod exit_angle;
@@ -25,7 +26,9 @@ use crate::signals::{BodySignals, WheelSignals};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 use bekker_modeldescription::{Parameters, Variable, join};
+use custom::CustomEffects;
 
+pub use custom::{DefinitionError, EffectDefinition, ExpressionFailure};
 pub use drag::{Drag, Tether};
 pub use drive_friction::{CoulombFriction, ViscousFriction};
 pub use exit_angle::ExitAngle;
@@ -160,14 +163,16 @@ pub trait Effect<S: Scalar>: Parameters<S> {
 macro_rules! effects {
     ($($(#[doc = $doc:literal])+ $id:ident: $group:ident,)*) => {
         /// The library of effects. All are present in every rover and neutral by default.
-        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[derive(Clone, Debug, PartialEq)]
         pub struct Effects<S = f64> {
             $($(#[doc = $doc])+ pub $id: $group<S>,)*
+            /// The user's own, after those of the library.
+            pub custom: CustomEffects<S>,
         }
 
         impl<S: From<f64>> Default for Effects<S> {
             fn default() -> Self {
-                Self { $($id: $group::default(),)* }
+                Self { $($id: $group::default(),)* custom: CustomEffects::default() }
             }
         }
 
@@ -175,31 +180,40 @@ macro_rules! effects {
             /// The same effects over another scalar.
             #[must_use]
             pub fn map<T>(&self, f: &dyn Fn(S) -> T) -> Effects<T> {
-                Effects { $($id: self.$id.map(f),)* }
+                Effects { $($id: self.$id.map(f),)* custom: self.custom.map(f) }
             }
         }
 
         impl<S: Scalar> Parameters<S> for Effects<S> {
             fn visit(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut S)) {
                 $(self.$id.visit(&join(prefix, stringify!($id)), f);)*
+                self.custom.visit(prefix, f);
             }
 
             fn values(&self, f: &mut dyn FnMut(S)) {
                 $(self.$id.values(f);)*
+                self.custom.values(f);
             }
         }
 
         /// Ids and meanings of all effects, in the library's order.
         pub const EFFECTS: &[(&str, &str)] = &[$((stringify!($id), concat!($($doc),+)),)*];
 
-        /// Sums of the hooks over the library.
+        /// Sums of the hooks over the library and the user's own effects.
         impl<S: Scalar> Effects<S> {
-            pub(crate) fn contact(&self, place: &Place<S>, local: &mut Local<S>) {
+            pub(crate) fn contact(&self, place: &Place<S>, local: &mut Local<S>) -> Result<(), ExpressionFailure> {
                 $(self.$id.contact(place, local);)*
+                self.custom.contact(place, local)
             }
 
-            pub(crate) fn forces(&self, place: &Place<S>, local: &Local<S>, forces: &mut Forces<S>) {
+            pub(crate) fn forces(
+                &self,
+                place: &Place<S>,
+                local: &Local<S>,
+                forces: &mut Forces<S>,
+            ) -> Result<(), ExpressionFailure> {
                 $(self.$id.forces(place, local, forces);)*
+                self.custom.forces(place, forces)
             }
 
             pub(crate) fn wheel(&self, wheel: &mut Wheel<S>) {
@@ -241,13 +255,13 @@ macro_rules! effects {
             }
 
             /// Friction torque of a drive and its slope in the wheel speed.
-            pub(crate) fn drive_friction(&self, speed: S) -> (S, S) {
-                let mut sum = (S::from(0.0), S::from(0.0));
+            pub(crate) fn drive_friction(&self, speed: S) -> Result<(S, S), ExpressionFailure> {
+                let mut sum = self.custom.drive_friction(speed)?;
                 $(if let Some((torque, slope)) = self.$id.drive_friction(speed) {
                     sum.0 += torque;
                     sum.1 += slope;
                 })*
-                sum
+                Ok(sum)
             }
 
             /// Limits `torque`; returns the slope in the wheel speed of the limit that binds, 0 where none does.
@@ -259,12 +273,12 @@ macro_rules! effects {
                 slope
             }
 
-            pub(crate) fn body_force(&self, motion: &BodyMotion<S>) -> S {
-                let mut sum = S::from(0.0);
+            pub(crate) fn body_force(&self, motion: &BodyMotion<S>) -> Result<S, ExpressionFailure> {
+                let mut sum = self.custom.body_force(motion)?;
                 $(if let Some(force) = self.$id.body_force(motion) {
                     sum += force;
                 })*
-                sum
+                Ok(sum)
             }
         }
     };
@@ -303,4 +317,25 @@ effects! {
     sensor_lag: SensorLag,
     /// Dry friction of the passive joints.
     suspension_friction: SuspensionFriction,
+}
+
+impl Effects {
+    /// Adds an effect of the user's own, neutral; one that is there already, with the same definition, stays as it is.
+    ///
+    /// # Errors
+    /// [`DefinitionError`] where the definition is refused or its id taken.
+    pub fn add(&mut self, definition: EffectDefinition) -> Result<(), DefinitionError> {
+        if EFFECTS.iter().any(|(id, _)| *id == definition.id) {
+            let owner = "an effect of the library".to_owned();
+            return Err(DefinitionError::Taken { id: definition.id, owner });
+        }
+        self.custom.add(definition)
+    }
+
+    /// Ids and meanings of the library's effects and of the user's own: what a diagnosis may try.
+    #[must_use]
+    pub fn list(&self) -> Vec<(String, String)> {
+        let own = self.custom.iter().map(|effect| (effect.id(), effect.definition().about.as_str()));
+        EFFECTS.iter().copied().chain(own).map(|(id, about)| (id.to_owned(), about.trim().to_owned())).collect()
+    }
 }

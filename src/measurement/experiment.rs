@@ -5,6 +5,7 @@ use super::error::{ExperimentError, Problem};
 use super::settings::{RunSettings, Settings};
 use super::sheet::{Sheet, SheetRow};
 use super::table::Table;
+use crate::effects::EffectDefinition;
 use crate::wheel::Wheel;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -54,6 +55,8 @@ pub struct Experiment {
     pub priors: BTreeMap<String, f64>,
     /// Stated standard deviation of one sample, by signal.
     pub noise: BTreeMap<String, f64>,
+    /// Effects of the user's own, neutral unless a parameter says otherwise; candidates of a diagnosis.
+    pub effects: Vec<EffectDefinition>,
     /// The runs, in the order of the file.
     pub runs: Vec<Run>,
 }
@@ -108,6 +111,7 @@ impl Experiment {
             folder: folder.to_owned(),
             parameters: settings.parameters,
             priors: settings.priors,
+            effects: settings.effects,
             noise: settings.noise.iter().map(|(name, (sd, _))| (name.clone(), *sd)).collect(),
             runs,
         };

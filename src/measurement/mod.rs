@@ -21,6 +21,8 @@
 //! terrain = "hill.csv"             # traverse only: columns x, z, m; flat where missing
 //! x0 = 0.6                         # traverse only: where the rover starts, m
 //! ```
+//! `[[effect]]` tables add effects of the user's own, see [`custom`](crate::effects::custom).
+//!
 //! A single wheel has the inputs `load` (N), `slip`, `wheel_speed` (rad/s) and any of `drawbar_pull` (N), `torque` (N m),
 //! `sinkage` (m), one steady point a row; a `condition` column of labels may replace `group`. A traverse has `time` (s),
 //! `wheel[k].speed_command` (rad/s) or `wheel[k].torque_command` (N m) and any of the rover's [signals](crate::signals).

@@ -2,6 +2,7 @@
 
 use super::error::{ExperimentError, Problem};
 use super::experiment::Kind;
+use crate::effects::EffectDefinition;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -23,6 +24,8 @@ struct File {
     priors: Numbers,
     #[serde(default)]
     noise: Numbers,
+    #[serde(default)]
+    effect: Vec<Spanned<EffectDefinition>>,
     run: Vec<RunTable>,
 }
 
@@ -47,6 +50,8 @@ pub(super) struct Settings {
     pub priors: BTreeMap<String, f64>,
     /// Standard deviation and the line on which it stands.
     pub noise: BTreeMap<String, (f64, u64)>,
+    /// Candidates of the user's own.
+    pub effects: Vec<EffectDefinition>,
     pub runs: Vec<RunSettings>,
 }
 
@@ -84,6 +89,7 @@ impl Settings {
                 .map(|(name, sd)| Ok((name.clone(), check.positive("priors", name, sd)?)))
                 .collect::<Result<_, _>>()?,
             noise: noise.collect::<Result<_, _>>()?,
+            effects: file.effect.into_iter().map(|effect| check.effect(effect)).collect::<Result<_, _>>()?,
             runs: file.run.into_iter().map(|run| check.run(file.kind, run)).collect::<Result<_, _>>()?,
             file: path.clone(),
         })
@@ -116,6 +122,15 @@ impl Checker<'_> {
             x0: run.x0.map(|x0| self.finite("x0", &x0)).transpose()?,
             parameters,
         })
+    }
+
+    fn effect(&self, effect: Spanned<EffectDefinition>) -> Result<EffectDefinition, ExperimentError> {
+        let at = effect.span().start;
+        let definition = effect.into_inner();
+        match definition.clone().build() {
+            Ok(_) => Ok(definition),
+            Err(refused) => Err(self.error("effect", at, refused.to_string())),
+        }
     }
 
     fn numbers(&self, table: &str, numbers: &Numbers) -> Result<BTreeMap<String, f64>, ExperimentError> {

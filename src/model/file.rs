@@ -17,9 +17,15 @@
 //! step_size = 0.002
 //! duration = 20.0
 //! seed = 0
+//! [[effect]]                       # effects of the user's own, see [`custom`](crate::effects::custom)
+//! id = "cable"
+//! target = "body.force_x"
+//! expression = "-k * max(travelled, 0)"
+//! parameters = { k = { neutral = 0.0, min = 0.0, max = 10.0, unit = "N/m" } }
 //! ```
 
 use super::{ControlKind, Model, PRESETS, Stepping};
+use crate::effects::{DefinitionError, EffectDefinition};
 use crate::rover::{Link, LinkParameters, MAX_COORDINATES, MAX_WHEELS, Mount, Rover, WheelMount};
 use crate::terrain::{TerrainSpec, TerrainSpecError};
 use bekker_modeldescription::{Lookup, ParameterError, Parameters};
@@ -63,6 +69,9 @@ pub enum ModelError {
     /// The vehicle's structure makes no sense.
     #[error("vehicle: {0}")]
     Vehicle(String),
+    /// An effect of the user's own is refused.
+    #[error(transparent)]
+    Effect(#[from] DefinitionError),
     /// The terrain cannot be built.
     #[error(transparent)]
     Terrain(#[from] TerrainSpecError),
@@ -99,6 +108,8 @@ struct File {
     control: Option<ControlSpec>,
     #[serde(skip_serializing_if = "Option::is_none")]
     simulation: Option<Stepping>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    effect: Vec<EffectDefinition>,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -142,6 +153,7 @@ impl Model {
         if let Some(stepping) = file.simulation {
             model.stepping = stepping.checked()?;
         }
+        model.define_effects(file.effect)?;
         model.set_parameters(&file.parameters)?;
         Ok(model)
     }
@@ -193,6 +205,7 @@ impl Model {
             terrain: Some(self.rover.terrain.to_spec()),
             control: Some(ControlSpec { kind: self.control.kind }),
             simulation: Some(self.stepping),
+            effect: self.rover.effects.custom.iter().map(|effect| effect.definition().clone()).collect(),
         };
         Ok(toml::to_string(&file)?)
     }

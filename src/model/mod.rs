@@ -1,6 +1,7 @@
 //! A model: everything that a run needs, in one value that TOML, FMU, Python and command line share.
 
 mod closed_loop;
+mod effects;
 mod file;
 mod presets;
 mod run;

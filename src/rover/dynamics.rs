@@ -4,7 +4,7 @@ use super::kinematics::{Frames, turn_jacobian};
 use super::linear::{Factors, Matrix, Vector, add_outer, add_scaled, dot, zeros};
 use super::{Rover, State};
 use crate::contact::{Motion, Touch, slip, touch};
-use crate::effects::{BodyMotion, Local, Place};
+use crate::effects::{BodyMotion, ExpressionFailure, Local, Place};
 use crate::motor::{self, Motor};
 use crate::scalar::Scalar;
 use crate::signals::{Command, Drive};
@@ -21,6 +21,9 @@ pub enum DynamicsError {
         /// What the terrain says.
         source: TerrainError,
     },
+    /// An effect of the user's own gives a value without a meaning.
+    #[error(transparent)]
+    Effect(#[from] ExpressionFailure),
     /// The mass matrix is singular or something is not finite.
     #[error("the equations of motion have no finite solution (state or parameters are not finite)")]
     NotFinite,
@@ -102,7 +105,7 @@ impl<S: Scalar> Evaluation<S> {
         let n = rover.coordinates();
         self.frames.update(rover, &state.position, &state.rate);
         let mut force = zeros();
-        self.add_bodies(rover, state, &mut force);
+        self.add_bodies(rover, state, &mut force)?;
         self.system = self.mass;
         for k in 0..rover.wheels.len() {
             self.touch_ground(rover, state, command, k)?;
@@ -126,12 +129,11 @@ impl<S: Scalar> Evaluation<S> {
         if !self.acceleration[..n].iter().all(|a| a.value().is_finite()) {
             return Err(DynamicsError::NotFinite);
         }
-        self.finish_drives(rover, command);
-        Ok(())
+        self.finish_drives(rover, command)
     }
 
     /// Weight, inertia and joint friction of chassis and links, and forces on the chassis.
-    fn add_bodies(&mut self, rover: &Rover<S>, state: &State<S>, force: &mut Vector<S>) {
+    fn add_bodies(&mut self, rover: &Rover<S>, state: &State<S>, force: &mut Vector<S>) -> Result<(), DynamicsError> {
         let n = rover.coordinates();
         self.mass = [zeros(); super::MAX_COORDINATES];
         self.potential = S::from(0.0);
@@ -147,10 +149,11 @@ impl<S: Scalar> Evaluation<S> {
             self.other_loss += friction * state.rate[3 + j];
         }
         let travelled = state.position[0] - state.start_x;
-        let resistance = rover.effects.body_force(&BodyMotion { travelled, velocity: state.rate[0] });
+        let resistance = rover.effects.body_force(&BodyMotion { travelled, velocity: state.rate[0] })?;
         force[0] += resistance;
         self.other_loss -= resistance * state.rate[0];
         debug_assert!(n <= super::MAX_COORDINATES);
+        Ok(())
     }
 
     fn add_mass(
@@ -222,18 +225,18 @@ impl<S: Scalar> Evaluation<S> {
             normal_velocity: wheel.normal_velocity,
             velocity: wheel.velocity,
         };
-        rover.effects.contact(&place, &mut local);
+        rover.effects.contact(&place, &mut local)?;
         wheel.slip = slip(wheel.velocity, rover.effects.recorded_radius(local.wheel.radius) * wheel.spin);
         wheel.sinkage = local.wheel.radius - foot.distance;
         wheel.contact_angle = foot.angle;
         motion.sinkage = wheel.sinkage;
         wheel.touch = touch(&local.wheel, &local.soil, local.exit_ratio, &motion);
-        rover.effects.forces(&place, &local, &mut wheel.touch.forces);
+        rover.effects.forces(&place, &local, &mut wheel.touch.forces)?;
         wheel.motor = rover.motor;
         rover.effects.motor(state.wheels[k].winding_rise, &mut wheel.motor);
         if command.drive == Drive::Torque {
             let asked = S::from(command.values[k]);
-            let driven = motor::drive(&rover.motor, &wheel.motor, &rover.effects, wheel.speed, asked);
+            let driven = motor::drive(&rover.motor, &wheel.motor, &rover.effects, wheel.speed, asked)?;
             wheel.motor_torque = driven.motor_torque;
             wheel.rim_torque = driven.rim_torque;
             wheel.drive_slope = driven.slope;
@@ -242,16 +245,17 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Torques and currents that follow from the accelerations.
-    fn finish_drives(&mut self, rover: &Rover<S>, command: &Command) {
+    fn finish_drives(&mut self, rover: &Rover<S>, command: &Command) -> Result<(), DynamicsError> {
         let n = rover.coordinates();
         for wheel in &mut self.wheels {
             if command.drive == Drive::Speed {
                 wheel.rim_torque -= rover.wheel.inertia * dot(&wheel.turn, &self.acceleration, n);
-                wheel.motor_torque = motor::torque_behind(&rover.effects, wheel.speed, wheel.rim_torque);
+                wheel.motor_torque = motor::torque_behind(&rover.effects, wheel.speed, wheel.rim_torque)?;
                 wheel.drive_slope = S::from(0.0);
             }
             wheel.current = motor::current(&wheel.motor, wheel.motor_torque);
         }
+        Ok(())
     }
 
     /// Angular acceleration of a wheel whose drive torque is commanded.

@@ -1,0 +1,59 @@
+//! Effects of the user's own in a model.
+
+use super::{ControlKind, Model};
+use crate::effects::{DefinitionError, EffectDefinition};
+use crate::rover::Rover;
+use crate::signals::{Signals, WheelSignals};
+use bekker_modeldescription::Lookup;
+
+/// Groups of names that not every model has.
+const OTHER_GROUPS: [&str; 2] = ["terrain", "link"];
+
+impl Model {
+    /// Adds effects of the user's own, all neutral, from TOML with `[[effect]]` tables; the form is described in
+    /// [`custom`](crate::effects::custom). An effect that is there already, with the same definition, stays as it is.
+    ///
+    /// # Errors
+    /// [`DefinitionError`]; the model is unchanged then.
+    pub fn add_effects(&mut self, text: &str) -> Result<(), DefinitionError> {
+        self.define_effects(EffectDefinition::all_from_toml(text)?)
+    }
+
+    /// Adds effects of the user's own by their definitions.
+    ///
+    /// # Errors
+    /// [`DefinitionError`]; the model is unchanged then.
+    pub fn define_effects(&mut self, definitions: Vec<EffectDefinition>) -> Result<(), DefinitionError> {
+        if definitions.is_empty() {
+            return Ok(());
+        }
+        let mut effects = self.rover.effects.clone();
+        let groups = groups_of_names();
+        for definition in definitions {
+            let id = definition.id.clone();
+            effects.add(definition)?;
+            if groups.contains(&id) {
+                let owner = format!("the parameters or signals `{id}` of every model");
+                return Err(DefinitionError::Taken { id, owner });
+            }
+        }
+        self.rover.effects = effects;
+        Ok(())
+    }
+}
+
+/// First parts of the names that parameters, inputs and signals have, whatever controls the model.
+fn groups_of_names() -> Vec<String> {
+    let mut model = Model::new("", Rover::two_wheeled());
+    let mut signals = Signals { wheels: vec![WheelSignals::default()], ..Signals::default() };
+    let mut names: Vec<String> = signals.list().into_iter().map(|(variable, _)| variable.name).collect();
+    for kind in [ControlKind::Torque, ControlKind::SpeedLoop, ControlKind::Rtc, ControlKind::Velocity] {
+        model.control.kind = kind;
+        names.extend(model.list().into_iter().chain(model.inputs().list()).map(|(variable, _)| variable.name));
+    }
+    let group = |name: &String| name.split(['.', '[']).next().unwrap_or_default().to_owned();
+    let mut groups: Vec<String> = names.iter().map(group).chain(OTHER_GROUPS.map(str::to_owned)).collect();
+    groups.sort();
+    groups.dedup();
+    groups
+}
