@@ -2,8 +2,9 @@
 
 use super::kinematics::{Frames, turn_jacobian};
 use super::linear::{Factors, Matrix, Vector, add_outer, add_scaled, dot, zeros};
+use super::track::passes;
 use super::{Rover, State};
-use crate::contact::{Motion, Touch, slip, touch};
+use crate::contact::{Motion, Surface, Touch, slip, touch};
 use crate::effects::{BodyMotion, Local, Place};
 use crate::motor;
 use crate::scalar::Scalar;
@@ -44,6 +45,8 @@ pub(crate) struct WheelEvaluation<S> {
     pub slip: S,
     pub sinkage: S,
     pub contact_angle: S,
+    /// Position of the contact foot along x, m.
+    pub foot_x: S,
     /// Torque of the motor and of the rim, both on the wheel's side of the gear.
     pub motor_torque: S,
     pub rim_torque: S,
@@ -193,11 +196,8 @@ impl<S: Scalar> Evaluation<S> {
             Drive::Torque => (state.wheels[k].spin, state.wheels[k].spin + body_rate),
             Drive::Speed => (S::from(command.values[k]) - body_rate, S::from(command.values[k])),
         };
-        let mut local = Local {
-            wheel: rover.wheel,
-            soil: rover.terrain.soil(&rover.soil, foot.position[0]),
-            exit_ratio: S::from(0.0),
-        };
+        let x = foot.position[0];
+        let mut local = Local::new(rover.wheel, rover.terrain.soil(&rover.soil, x));
         let mut motion = Motion {
             sinkage: rover.wheel.radius - foot.distance,
             normal_velocity: wheel.normal_velocity,
@@ -207,7 +207,8 @@ impl<S: Scalar> Evaluation<S> {
         };
         let place = Place {
             wheel: k,
-            x: foot.position[0],
+            x: Some(x),
+            passes: if rover.effects.remember() { passes(&state.wheels, x) } else { S::from(0.0) },
             contact_angle: foot.angle,
             slip: motion.established_slip(&local.wheel, &local.soil),
             sinkage: motion.sinkage,
@@ -216,10 +217,11 @@ impl<S: Scalar> Evaluation<S> {
         };
         rover.effects.contact(&place, &mut local);
         wheel.slip = slip(wheel.velocity, local.wheel.radius * wheel.spin);
-        wheel.sinkage = local.wheel.radius - foot.distance;
+        wheel.sinkage = local.wheel.radius - foot.distance - local.deflection;
         wheel.contact_angle = foot.angle;
+        wheel.foot_x = x;
         motion.sinkage = wheel.sinkage;
-        wheel.touch = touch(&local.wheel, &local.soil, local.exit_ratio, &motion);
+        wheel.touch = touch(&local.wheel, &local.soil, &local.surface, &motion);
         rover.effects.forces(&place, &local, &mut wheel.touch.forces);
         if command.drive == Drive::Torque {
             let (torque, limit_slope) =
@@ -288,7 +290,7 @@ impl<S: Scalar> WheelEvaluation<S> {
         let o = S::from(0.0);
         let motion = Motion { sinkage: o, normal_velocity: o, velocity: o, spin: o, hold: Default::default() };
         Self {
-            touch: touch(&Default::default(), &Default::default(), o, &motion),
+            touch: touch(&Default::default(), &Default::default(), &Surface::default(), &motion),
             normal: zeros(),
             tangent: zeros(),
             turn,
@@ -299,6 +301,7 @@ impl<S: Scalar> WheelEvaluation<S> {
             slip: o,
             sinkage: o,
             contact_angle: o,
+            foot_x: o,
             motor_torque: o,
             rim_torque: o,
             current: o,

@@ -1,7 +1,7 @@
 //! The explicit right-hand side x' = f(x, u, p), for callers that integrate or differentiate it themselves.
 
 use super::dynamics::{DynamicsError, Evaluation};
-use super::{Rover, State};
+use super::{Rover, State, Track};
 use crate::contact::Hold;
 use crate::scalar::Scalar;
 use crate::signals::Command;
@@ -46,6 +46,7 @@ impl<S: Scalar> State<S> {
         let wheel = |wheel: &super::WheelState<S>| super::WheelState {
             spin: f(wheel.spin),
             hold: Hold { travel: f(wheel.hold.travel), turn: f(wheel.hold.turn) },
+            track: Track { low: f(wheel.track.low), high: f(wheel.track.high) },
         };
         State {
             position: self.position.iter().map(|&x| f(x)).collect(),
