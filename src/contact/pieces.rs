@@ -41,7 +41,7 @@ impl Cuts {
 /// Sums over the whole contact.
 pub(super) fn sums<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
     // A rim that slides fully may carry little load beside its pressure, of which the error is a part: 12 nodes.
-    let Shear::Ratio(ratio) = rim.shear else { return whole(rim, &NODES_12) };
+    let (Shear::Ratio(ratio) | Shear::OnSurface(ratio)) = rim.shear else { return whole(rim, &NODES_12) };
     let displacement = Displacement::new(rim, ratio.value());
     let change = displacement.largest_change();
     if rim.grip.value() < 1.0 {

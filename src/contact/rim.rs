@@ -16,6 +16,8 @@ use crate::wheel::Wheel;
 pub(super) enum Shear<S> {
     /// Rolling with this V/(r omega) >= 0 (2.2).
     Ratio(S),
+    /// The same with lugs or a grip below the soil's strength: kept apart, since most wheels have neither.
+    OnSurface(S),
     /// Sliding everywhere, |j| -> infinity, shear of this sign.
     Full(f64),
 }
@@ -79,9 +81,14 @@ impl<S: Scalar> Rim<S> {
         } else {
             S::from(0.0)
         };
+        let plain = surface.shear_radius.is_exactly(1.0) && surface.grip.is_exactly(1.0);
+        let shear = match shear {
+            Shear::Ratio(ratio) if !plain => Shear::OnSurface(ratio),
+            shear => shear,
+        };
         let slip_size = match shear {
-            Shear::Ratio(ratio) if ratio.value() <= 1.0 => S::from(1.0) - ratio,
-            Shear::Ratio(ratio) => S::from(1.0) - ratio.recip(),
+            Shear::Ratio(ratio) | Shear::OnSurface(ratio) if ratio.value() <= 1.0 => S::from(1.0) - ratio,
+            Shear::Ratio(ratio) | Shear::OnSurface(ratio) => S::from(1.0) - ratio.recip(),
             Shear::Full(_) => S::from(1.0),
         };
         let share = (soil.c1 + soil.c2 * slip_size * established).larger(S::from(0.05)).smaller(S::from(0.95));
@@ -137,18 +144,15 @@ impl<S: Scalar> Rim<S> {
     fn point(&self, sums: &mut Sums<S>, (theta, sin, cos): (S, S, S), (sigma, strength): (S, S), d_theta: S) {
         let (tau, slope) = match self.shear {
             Shear::Ratio(ratio) => {
-                // j/r = (r_s/r)(theta_s - theta) - V/(r omega) (sin theta_s - sin theta); r_s = r without lugs
+                // j/r = theta_1 - theta - V/(r omega) (sin theta_1 - sin theta)
                 let lift = self.sin_s - sin;
-                let j = self.shear_radius * (self.theta_s - theta) - ratio * lift;
+                let j = self.theta_1 - theta - ratio * lift;
                 let decay = (-(j.abs() * self.shear_rate)).exp();
-                let built_up = S::from(1.0) - decay;
-                let (size, slope) = if built_up.value() > self.grip.value() {
-                    (strength * self.grip, S::from(0.0))
-                } else {
-                    (strength * built_up, -(strength * decay * self.shear_rate * lift))
-                };
-                (if j.value() < 0.0 { -size } else { size }, slope)
+                let size = strength * (S::from(1.0) - decay);
+                let tau = if j.value() < 0.0 { -size } else { size };
+                (tau, -(strength * decay * self.shear_rate * lift))
             }
+            Shear::OnSurface(ratio) => self.on_surface(ratio, theta, sin, strength),
             Shear::Full(sign) => (strength * self.grip * sign, S::from(0.0)),
         };
         let (sigma, tau, slope) = (sigma * d_theta, tau * d_theta, slope * d_theta);
@@ -160,5 +164,21 @@ impl<S: Scalar> Rim<S> {
         sums.slope_cos += slope * cos;
         sums.slope_sin += slope * sin;
         sums.slope += slope;
+    }
+
+    /// Shear stress and its slope with lugs or a limited grip.
+    #[inline(never)]
+    fn on_surface(&self, ratio: S, theta: S, sin: S, strength: S) -> (S, S) {
+        // j/r = (r_s/r)(theta_s - theta) - V/(r omega) (sin theta_s - sin theta)
+        let lift = self.sin_s - sin;
+        let j = self.shear_radius * (self.theta_s - theta) - ratio * lift;
+        let decay = (-(j.abs() * self.shear_rate)).exp();
+        let built_up = S::from(1.0) - decay;
+        let (size, slope) = if built_up.value() > self.grip.value() {
+            (strength * self.grip, S::from(0.0))
+        } else {
+            (strength * built_up, -(strength * decay * self.shear_rate * lift))
+        };
+        (if j.value() < 0.0 { -size } else { size }, slope)
     }
 }
