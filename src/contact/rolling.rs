@@ -257,9 +257,9 @@ fn integrate<S: Scalar>(rim: &Rim<S>, wheel: &Wheel<S>, surface: &Surface<S>) ->
     let area = wheel.radius * surface.arc * wheel.width;
     let lugs = surface.shear_radius;
     let forces = |sigma_cos: S, sigma_sin: S, tau_cos: S, tau_sin: S, tau: S| Forces {
-        normal: area * (sigma_cos + tau_sin * lugs),  // (2.7)
-        drawbar: area * (tau_cos * lugs - sigma_sin), // (2.8)
-        torque: area * wheel.radius * tau * (lugs * lugs),     // (2.9)
+        normal: area * (sigma_cos + tau_sin * lugs),       // (2.7)
+        drawbar: area * (tau_cos * lugs - sigma_sin),      // (2.8)
+        torque: area * wheel.radius * tau * (lugs * lugs), // (2.9)
     };
     let zero = S::from(0.0);
     Integrals {

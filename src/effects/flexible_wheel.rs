@@ -26,7 +26,8 @@ impl<S: Scalar> FlexibleWheel<S> {
     fn sinkage(&self, total: S, local: &Local<S>) -> S {
         let (wheel, exponent) = (&local.wheel, local.soil.exponent);
         let power = exponent + 0.5;
-        let scale = wheel.width * local.soil.modulus(wheel.width) * (wheel.radius * 2.0).sqrt() / (exponent * 0.5 + 1.0);
+        let scale =
+            wheel.width * local.soil.modulus(wheel.width) * (wheel.radius * 2.0).sqrt() / (exponent * 0.5 + 1.0);
         let mut z = total;
         for _ in 0..MAX_STEPS {
             let deflection = self.compliance * scale * z.power(power);

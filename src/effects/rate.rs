@@ -23,8 +23,8 @@ impl<S: Scalar> Rate<S> {
         // tan^2(theta_1/2) = z/(2 r - z); a wheel sunk to its axle is an event, not a formula.
         let sinkage = sinkage.smaller(radius).larger(S::from(0.0));
         let penetration = speed * speed * sinkage / (radius * 2.0 - sinkage);
-        let ratio = (penetration + self.slowest_speed * self.slowest_speed)
-            / (self.reference_speed * self.reference_speed);
+        let ratio =
+            (penetration + self.slowest_speed * self.slowest_speed) / (self.reference_speed * self.reference_speed);
         ratio.power(self.exponent * 0.5)
     }
 }
