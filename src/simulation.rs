@@ -230,8 +230,14 @@ impl Simulation {
             self.status = Status::Ended(Event::BellyContact);
         }
         let scale = radius * self.step_size / wheels.len() as f64;
-        self.window.rim_travel += wheels.iter().map(|wheel| wheel.speed.abs()).sum::<f64>() * scale;
-        self.window.rim_progress += wheels.iter().map(|wheel| wheel.speed).sum::<f64>() * scale;
+        let travel = wheels.iter().map(|wheel| wheel.speed.abs()).sum::<f64>() * scale;
+        let progress = wheels.iter().map(|wheel| wheel.speed).sum::<f64>() * scale;
+        if progress * self.window.rim_progress < 0.0 && progress.abs() > 0.5 * travel {
+            // The wheels have reversed together: the way back is not lost progress.
+            self.window = Window { start_x: self.state.position[0], ..Window::default() };
+        }
+        self.window.rim_travel += travel;
+        self.window.rim_progress += progress;
         if self.window.rim_travel >= STUCK_WINDOW * radius {
             // Progress counts in the direction of driving: sliding back while driving on is being stuck.
             let way = self.state.position[0] - self.window.start_x;

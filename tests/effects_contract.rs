@@ -25,6 +25,8 @@ const STEP: f64 = 2e-3;
 const STEEPEST: f64 = 20.0;
 /// Half the step makes half the change; a square root would make 0.71 of it, a jump all of it.
 const HALVING: f64 = 0.62;
+/// The same for an effect that starts like a square root: theta_2 = -acos(1 - lambda z/r) over lambda at 0.
+const HALVING_OF_A_ROOT: f64 = 0.75;
 /// Changes below this are rounding and quadrature (1e-6 of a force), of which halving says nothing.
 const FLOOR: f64 = 2e-6;
 /// Draws for each effect, and for all effects at once.
@@ -103,7 +105,9 @@ fn property_neutral_changes_nothing_bit_for_bit() {
     let none = Settings::new();
     let steady = carriage(&none).unwrap();
     let drives = DRIVES.map(|kind| drive(kind, &none).unwrap());
-    assert!(drives.iter().all(|record| record.event.is_none()), "the baseline drives through");
+    for (kind, record) in DRIVES.iter().zip(&drives) {
+        assert_eq!(record.event, None, "the baseline drives through, {kind:?}: {:?}", record.signal("x"));
+    }
     for (id, _) in EFFECTS {
         // Whatever is not free of an effect counts only where the effect is at work; nor does the place of a patch.
         let aside = |name: &str, role: Role| {
@@ -169,12 +173,12 @@ fn property_all_effects_at_once_are_finite_within_their_bounds() {
 }
 
 /// Fails where the record jumps or is steep at `share` of the way.
-fn assert_continuous(what: &str, share: f64, record: &dyn Fn(f64) -> Record) {
+fn assert_continuous(what: &str, share: f64, halving: f64, record: &dyn Fn(f64) -> Record) {
     let here = record(share);
     let [whole, half] = [STEP, 0.5 * STEP].map(|step| record(share + step).largest_change(&here));
     assert!(whole < STEEPEST * STEP, "{what} at {share}: a step of {STEP} changes the signals by {whole}");
     assert!(
-        half < HALVING * whole + FLOOR,
+        half < halving * whole + FLOOR,
         "{what} at {share}: half a step changes them by {half}, a whole by {whole}"
     );
 }
@@ -183,12 +187,14 @@ fn assert_continuous(what: &str, share: f64, record: &dyn Fn(f64) -> Record) {
 fn property_signals_are_continuous_in_the_parameters() {
     for (id, _) in EFFECTS {
         for share in [0.0, 0.4, 0.9] {
-            assert_continuous(&format!("{id} on a carriage"), share, &|share| {
+            let root = *id == "exit_angle" && share == 0.0;
+            let halving = if root { HALVING_OF_A_ROOT } else { HALVING };
+            assert_continuous(&format!("{id} on a carriage"), share, halving, &|share| {
                 carriage(&on_the_way(id, share)).unwrap()
             });
             for (kind, _) in expectation(id).drives {
                 let what = format!("{id}, {kind:?}");
-                assert_continuous(&what, share, &|share| drive(*kind, &on_the_way(id, share)).unwrap());
+                assert_continuous(&what, share, halving, &|share| drive(*kind, &on_the_way(id, share)).unwrap());
             }
         }
     }

@@ -16,6 +16,9 @@ use bekker::wheel::Wheel;
 const SAME: f64 = 1e-9;
 /// The quadrature along the rim: 1e-6 of the normal force, as stated at `rolling`.
 const QUADRATURE: f64 = 1e-6;
+/// Gains read off a figure to 1 N of 15 N in both curves; the soil of the figure is not fitted, and its slip-sinkage is
+/// left out.
+const READ_OFF: f64 = 0.2;
 /// A drive has come to its steady state to this share after 6 s.
 const STEADY: f64 = 1e-4;
 
@@ -78,7 +81,7 @@ fn analytic_bulldozing_is_the_passive_pressure_on_a_blade() {
         let travel = speed.signum() * ratio / ratio.hypot(1.0);
         let expected = 1.3 * 0.12 * pressure * travel / travel.hypot(0.1);
         assert!(close(plain.drawbar_pull - pushed.drawbar_pull, expected, SAME), "slip {slip}: {expected} N");
-        assert!((0.3..6.0).contains(&expected.abs()), "a few newtons: {expected}");
+        assert!((0.3..10.0).contains(&expected.abs()), "newtons: {expected}");
         assert!(close(plain.torque, pushed.torque, SAME) && close(plain.sinkage, pushed.sinkage, SAME));
     }
 }
@@ -188,8 +191,9 @@ fn analytic_a_rim_that_slides_loses_its_share_of_the_shear() {
 
 #[test]
 fn published_lugs_pull_more_in_the_direction_and_size_of_ding() {
-    // HIT-LSS1 and a wheel of r = 0.157 m, b = 0.165 m at 80 N (Ding et al. 2011): lugs of 10 mm raise the drawbar pull
-    // clearly, on small wheels by up to 60 % at a slip of 0.5.
+    // HIT-LSS1 and a wheel of r = 0.157 m, b = 0.165 m at 80 N (Ding et al. 2011, figure 9): lugs of 10 mm raise the
+    // drawbar pull from 15.0 N to 23.0 N at a slip of 0.4 and to 24.5 N at 0.6, the torque from 5.0 to 6.3 N m and from
+    // 5.3 to 7.2 N m.
     let mut rig = rig();
     rig.wheel = Wheel { radius: 0.157, width: 0.165, ..Wheel::default() };
     rig.soil = Soil {
@@ -206,8 +210,9 @@ fn published_lugs_pull_more_in_the_direction_and_size_of_ding() {
     rig.effects.grousers.height = 0.01;
     let lugged = pull(&rig);
     let gain = lugged.drawbar_pull / smooth.drawbar_pull - 1.0;
-    assert!((0.1..0.6).contains(&gain), "drawbar pull grows by {gain}");
-    assert!(lugged.torque > 1.1 * smooth.torque, "and the torque with it");
+    let torque_gain = lugged.torque / smooth.torque - 1.0;
+    assert!((gain - 0.58).abs() < READ_OFF, "drawbar pull grows by {gain}");
+    assert!((torque_gain - 0.31).abs() < READ_OFF, "torque grows by {torque_gain}");
 }
 
 #[test]

@@ -13,7 +13,7 @@ const DIFFERENCES: f64 = 2e-5;
 
 fn moving(rover: &Rover) -> State {
     let mut state = rover.settled_at(0.9).expect("settles");
-    state.rate[0] = 0.18;
+    state.rate[0] = 0.1;
     state.rate[2] = 0.05;
     for (k, wheel) in state.wheels.iter_mut().enumerate() {
         wheel.spin = 2.4 + 0.1 * k as f64;
@@ -56,7 +56,7 @@ fn switch_on(effects: &mut Effects) {
     effects.soft_patch.centre = 1.05;
     effects.soft_patch.half_width = 0.25;
     effects.slope_strength.beta = 0.1;
-    effects.rim_adhesion.loss = 0.4;
+    effects.rim_adhesion.loss = 0.6;
     effects.coulomb_friction.torque = 0.05;
     effects.viscous_friction.coefficient = 0.02;
     effects.drag.force = 1.0;

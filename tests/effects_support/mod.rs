@@ -102,8 +102,8 @@ pub fn carriage(settings: &Settings) -> Result<Record, SteadyError> {
     let mut rig = Rig::of(&rover);
     settings.iter().for_each(|(name, value)| rig.set(name, *value).unwrap());
     let mut columns = ["drawbar_pull", "torque", "sinkage"].map(|name| (name.to_owned(), Vec::new()));
-    for load in [25.0, 60.0] {
-        for (slip, speed) in [(-0.2, 0.5), (0.05, 0.5), (0.3, 0.5), (0.3, 2.0), (0.7, 1.0), (-1.0, 0.0), (0.3, -0.5)] {
+    for load in [20.0, 40.0] {
+        for (slip, speed) in [(-0.2, 0.5), (0.05, 0.5), (0.3, 0.5), (0.3, 2.0), (0.7, 1.0), (-0.6, 0.5), (0.3, -0.5)] {
             let point = steady_point(&rig, load, slip, speed)?;
             let values = [point.drawbar_pull, point.torque, point.sinkage];
             columns.iter_mut().zip(values).for_each(|((_, column), value)| column.push(value));
