@@ -174,8 +174,8 @@ fn property_all_effects_at_once_are_finite_within_their_bounds() {
 
 /// Fails where the record jumps or is steep at `share` of the way.
 fn assert_continuous(what: &str, share: f64, halving: f64, record: &dyn Fn(f64) -> Record) {
-    let here = record(share);
-    let [whole, half] = [STEP, 0.5 * STEP].map(|step| record(share + step).largest_change(&here));
+    let (here, on) = (record(share), record(1.0));
+    let [whole, half] = [STEP, 0.5 * STEP].map(|step| here.largest_change(&record(share + step), &on));
     assert!(whole < STEEPEST * STEP, "{what} at {share}: a step of {STEP} changes the signals by {whole}");
     assert!(
         half < halving * whole + FLOOR,

@@ -80,18 +80,29 @@ impl Record {
         self.signals.iter().flat_map(|(_, values)| values.iter().map(|value| value.to_bits())).collect()
     }
 
-    /// Root mean square of the change of a signal over the largest size that it has in `self`.
-    pub fn change(&self, other: &Self, name: &str) -> f64 {
+    /// Largest size of a signal, and no less than rounding can make it.
+    fn size(&self, name: &str) -> f64 {
+        self.signal(name).iter().fold(1e-6_f64, |most, value| most.max(value.abs()))
+    }
+
+    /// Root mean square of the change of a signal.
+    fn distance(&self, other: &Self, name: &str) -> f64 {
         let (a, b) = (self.signal(name), other.signal(name));
         let rows = a.len().min(b.len());
         let squares: f64 = a[..rows].iter().zip(&b[..rows]).map(|(a, b)| (a - b).powi(2)).sum();
-        let size = a.iter().fold(1e-6_f64, |most, value| most.max(value.abs()));
-        (squares / rows as f64).sqrt() / size
+        (squares / rows as f64).sqrt()
     }
 
-    /// The largest of [`Record::change`].
-    pub fn largest_change(&self, other: &Self) -> f64 {
-        self.signals.iter().fold(0.0, |most, (name, _)| most.max(self.change(other, name)))
+    /// The change of a signal over its size in `self`.
+    pub fn change(&self, other: &Self, name: &str) -> f64 {
+        self.distance(other, name) / self.size(name)
+    }
+
+    /// The largest change of all signals, each over its size in `self` or `on`: an energy may be nothing without the
+    /// effect.
+    pub fn largest_change(&self, other: &Self, on: &Self) -> f64 {
+        let change = |name: &str| self.distance(other, name) / self.size(name).max(on.size(name));
+        self.signals.iter().fold(0.0, |most, (name, _)| most.max(change(name)))
     }
 }
 
@@ -151,8 +162,8 @@ pub fn drive(kind: Drive, settings: &Settings) -> Result<Record, RunError> {
     let steps = (PERIOD / run.step_size()).round() as u64;
     for row in 0..FORWARD + BACK {
         let command = match (kind, row < FORWARD) {
-            (Drive::Torque, true) => 2.2,
-            (Drive::Torque, false) => -2.2,
+            (Drive::Torque, true) => 1.4,
+            (Drive::Torque, false) => -1.4,
             (_, true) => 2.5,
             (_, false) => -2.5,
         };
