@@ -6,10 +6,12 @@
 #[path = "effects_support/mod.rs"]
 mod support;
 
-use bekker::diagnosis::SteadyError;
+use bekker::diagnosis::{Rig, SteadyError, steady_point};
 use bekker::effects::EFFECTS;
 use bekker::model::RunError;
-use bekker::modeldescription::Role;
+use bekker::modeldescription::{Parameters, Role};
+use bekker::rover::Rover;
+use bekker::scalar::Dual;
 use bekker::simulation::StepError;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -29,6 +31,11 @@ const HALVING: f64 = 0.62;
 const HALVING_OF_A_ROOT: f64 = 0.75;
 /// Changes below this are rounding and quadrature (1e-6 of a force), of which halving says nothing.
 const FLOOR: f64 = 2e-6;
+/// Half the distance of a difference, as a share of a parameter's range, and the error of its curvature.
+const SHIFT: f64 = 1e-4;
+const DIFFERENCE: f64 = 1e-5;
+/// Both points of a difference are solved to this share of the load.
+const ROUNDING: f64 = 1e-11;
 /// Draws for each effect, and for all effects at once.
 const DRAWS: usize = 4;
 const DRAWS_OF_ALL: usize = 40;
@@ -196,6 +203,41 @@ fn property_signals_are_continuous_in_the_parameters() {
                 let what = format!("{id}, {kind:?}");
                 assert_continuous(&what, share, halving, &|share| drive(*kind, &on_the_way(id, share)).unwrap());
             }
+        }
+    }
+}
+
+/// Drawbar pull, torque and sinkage of a wheel with an effect switched on, and their derivatives in one parameter.
+fn with_derivatives(id: &str, name: &str, shift: f64) -> [Dual<1>; 3] {
+    let mut rover = Rover::two_wheeled();
+    rover.soil.shear_modulus = 0.01;
+    let mut rig = Rig::of(&rover).map(&Dual::<1>::from);
+    let on = switched_on(id);
+    rig.visit("", &mut |variable, place| {
+        if let Some((_, value)) = on.iter().find(|(own, _)| *own == variable.name) {
+            *place = Dual::from(*value);
+        }
+        if variable.name == name {
+            *place = (*place + shift * (variable.max - variable.min)).derivative(0);
+        }
+    });
+    let point = steady_point(&rig, 30.0, 0.4, 1.0).unwrap();
+    [point.drawbar_pull, point.torque, point.sinkage]
+}
+
+#[test]
+fn agreement_derivatives_at_a_steady_point_are_those_of_differences() {
+    for variable in free_parameters() {
+        let name = &variable.name;
+        let id = name.split('.').next().unwrap_or_default();
+        let exact = with_derivatives(id, name, 0.0);
+        let [above, below] = [SHIFT, -SHIFT].map(|shift| with_derivatives(id, name, shift));
+        for k in 0..3 {
+            let slope = exact[k].eps.0.map_or(0.0, |all| all[0]);
+            let difference = (above[k].re - below[k].re) / (2.0 * SHIFT * (variable.max - variable.min));
+            let rounding = ROUNDING * exact[k].re.abs() / (SHIFT * (variable.max - variable.min));
+            let error = (slope - difference).abs();
+            assert!(error < DIFFERENCE * slope.abs() + rounding, "{name}, signal {k}: {slope} and {difference}");
         }
     }
 }

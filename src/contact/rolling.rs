@@ -141,21 +141,10 @@ pub fn rolling_on<S: Scalar>(
         let rim_speed = wheel.radius * spin;
         let speed = norm(velocity, rim_speed);
         if speed.value() > 0.0 {
-            forces.drawbar -= against_travel(surface.resistance, velocity / speed).0;
+            forces.drawbar -= surface.against_travel(velocity / speed).0;
         }
     }
     forces
-}
-
-/// Share of the motion that is travel over which the resistance of the soil ahead turns with the travel's direction. A
-/// wheel that spins on the spot pushes nothing; at a slip of 0.9 it still meets 0.7 of the resistance.
-const TURNING_TRAVEL: f64 = 0.1;
-
-/// The resistance of the soil ahead at the component `travel` of the direction of motion, and its slope in it.
-pub(super) fn against_travel<S: Scalar>(resistance: S, travel: S) -> (S, S) {
-    let squared = travel * travel + TURNING_TRAVEL * TURNING_TRAVEL;
-    let norm = squared.sqrt();
-    (resistance * travel / norm, resistance * (TURNING_TRAVEL * TURNING_TRAVEL) / (squared * norm))
 }
 
 /// Length of a vector, and 0 with zero slope at the origin.

@@ -2,6 +2,10 @@
 
 use crate::scalar::Scalar;
 
+/// Share of the motion that is travel over which the resistance of the soil ahead turns with the travel's direction. A
+/// wheel that spins on the spot pushes nothing; at a slip of 0.9 it still meets 0.7 of the resistance.
+const TURNING_TRAVEL: f64 = 0.1;
+
 /// How a rim meets the soil, beyond radius and width. The default is the smooth rigid rim of Wong and Reece, on
 /// which soil shears on soil.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,5 +47,12 @@ impl<S: Scalar> Surface<S> {
     #[must_use]
     pub fn smooth(exit_ratio: S) -> Self {
         Self { exit_ratio, ..Self::default() }
+    }
+
+    /// The resistance of the soil ahead at the component `travel` of the direction of motion, and its slope in it.
+    pub(super) fn against_travel(&self, travel: S) -> (S, S) {
+        let squared = travel * travel + TURNING_TRAVEL * TURNING_TRAVEL;
+        let norm = squared.sqrt();
+        (self.resistance * travel / norm, self.resistance * (TURNING_TRAVEL * TURNING_TRAVEL) / (squared * norm))
     }
 }

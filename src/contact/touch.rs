@@ -11,7 +11,7 @@
 //! The stresses are taken at e = (d h + t v)/(d + t |v|) with a time t: internal damping of the standing
 //! contact, and above the speed d/t (5 cm/s) the direction of motion itself, without lag.
 
-use super::rolling::{Forces, Rolling, against_travel, norm, rolling_share, slip};
+use super::rolling::{Forces, Rolling, norm, rolling_share, slip};
 use super::surface::Surface;
 use crate::scalar::{Scalar, smooth_step};
 use crate::soil::Soil;
@@ -166,7 +166,7 @@ fn at_direction<S: Scalar>(
         by_spin: rolling.by_spin.scaled(length / wheel.radius).plus(excess.scaled(along(turn))),
     };
     if !surface.resistance.is_exactly(0.0) {
-        let (resistance, slope) = against_travel(surface.resistance, travel);
+        let (resistance, slope) = surface.against_travel(travel);
         direction.forces.drawbar -= resistance;
         direction.by_velocity.drawbar -= slope;
     }
