@@ -2,7 +2,7 @@
 //!
 //! The peer in the same run is the contact alone: as many contact evaluations as the steps make.
 
-use bekker::contact::{Hold, Motion, touch};
+use bekker::contact::{Hold, Motion, Surface, touch};
 use bekker::model::Model;
 use bekker::modeldescription::Lookup;
 use bekker::rover::Rover;
@@ -87,7 +87,7 @@ fn contacts_of_two_wheels(bencher: Bencher) {
     let motion = Motion { sinkage: 0.015, normal_velocity: 0.0, velocity: 0.2, spin: 2.4, hold: Hold::default() };
     bencher.counter(ItemsCount::new(STEPS)).bench(|| {
         for _ in 0..4 * STEPS {
-            black_box(touch(&rover.wheel, &rover.soil, 0.0, black_box(&motion)));
+            black_box(touch(&rover.wheel, &rover.soil, &Surface::default(), black_box(&motion)));
         }
     });
 }

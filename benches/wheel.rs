@@ -1,6 +1,6 @@
 //! Wheel force evaluations: `cargo bench --bench wheel`.
 
-use bekker::contact::{Hold, Motion, rolling, touch};
+use bekker::contact::{Hold, Motion, Surface, rolling, touch};
 use bekker::{soil::Soil, wheel::Wheel};
 use divan::{Bencher, black_box};
 
@@ -26,6 +26,7 @@ fn skidding(bencher: Bencher) {
 #[divan::bench]
 fn dynamic_contact(bencher: Bencher) {
     let (wheel, soil) = (Wheel::default(), Soil::default());
+    let surface = Surface::default();
     let motion = Motion { sinkage: 0.01, normal_velocity: 0.0, velocity: 0.2, spin: 2.5, hold: Hold::default() };
-    bencher.bench(|| touch(black_box(&wheel), black_box(&soil), 0.0, black_box(&motion)));
+    bencher.bench(|| touch(black_box(&wheel), black_box(&soil), &surface, black_box(&motion)));
 }

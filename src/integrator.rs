@@ -145,6 +145,9 @@ impl<S: Scalar> Integrator<S> {
         std::mem::swap(state, &mut self.predicted);
         for (wheel, evaluation) in state.wheels.iter_mut().zip(&self.now.wheels) {
             wheel.spin = evaluation.spin;
+            if evaluation.sinkage.value() > 0.0 {
+                wheel.track.extend(evaluation.foot_x);
+            }
         }
         Ok(())
     }

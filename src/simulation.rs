@@ -243,8 +243,14 @@ impl<S: Scalar> Simulation<S> {
             self.status = Status::Ended(Event::BellyContact);
         }
         let scale = radius * self.step_size / wheels.len() as f64;
-        self.window.rim_travel += wheels.iter().map(|wheel| wheel.speed.value().abs()).sum::<f64>() * scale;
-        self.window.rim_progress += wheels.iter().map(|wheel| wheel.speed.value()).sum::<f64>() * scale;
+        let travel = wheels.iter().map(|wheel| wheel.speed.value().abs()).sum::<f64>() * scale;
+        let progress = wheels.iter().map(|wheel| wheel.speed.value()).sum::<f64>() * scale;
+        if progress * self.window.rim_progress < 0.0 && progress.abs() > 0.5 * travel {
+            // The wheels have reversed together: the way back is not lost progress.
+            self.window = Window { start_x: x, ..Window::default() };
+        }
+        self.window.rim_travel += travel;
+        self.window.rim_progress += progress;
         if self.window.rim_travel >= STUCK_WINDOW * radius {
             // Progress counts in the direction of driving: sliding back while driving on is being stuck.
             let way = x - self.window.start_x;

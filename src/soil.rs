@@ -40,6 +40,12 @@ impl<S: Scalar> Soil<S> {
         self.modulus(width) * depth.power(self.exponent)
     }
 
+    /// Multiplies Bekker's moduli k_c and k_phi by `factor`.
+    pub(crate) fn scale_moduli(&mut self, factor: S) {
+        self.k_c *= factor;
+        self.k_phi *= factor;
+    }
+
     /// Reece's moduli (k_1, k_2) of p = (k_1 + k_2 b)(z/b)^n (2.3) as Bekker's, for one width b:
     /// k_c/b + k_phi = (k_1 + k_2 b) b^-n, all of it put into k_phi (errata 15).
     #[must_use]

@@ -80,12 +80,12 @@ fn analytic_recorded_slip_is_reckoned_with_the_nominal_radius() {
 #[test]
 fn analytic_a_rig_feels_radius_and_payload() {
     let plain = Rig::of(&Rover::two_wheeled());
-    let mut effective = plain;
+    let mut effective = plain.clone();
     effective.effects.radius_scale.deviation = 0.04;
     effective.effects.payload.mass = 0.8;
     for slip in [-0.4, 0.1, 0.5] {
         let here = steady_point(&effective, 50.0, slip, 2.0).expect("a steady point");
-        let mut known = plain;
+        let mut known = plain.clone();
         known.wheel.radius *= 1.04;
         // V/(r omega) of the larger wheel.
         let share = if slip >= 0.0 { 1.0 - slip } else { 1.0 / (1.0 + slip) } / 1.04;

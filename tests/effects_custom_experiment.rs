@@ -48,7 +48,8 @@ fn property_an_effect_of_the_experiment_is_calibrated() {
     let free = folder("free", SOFTENING, "[priors]\n\"softening.a\" = 1000.0\n");
     let experiment = Experiment::read(free).unwrap();
     let model = Model::preset("two_wheeled").unwrap();
-    let comparison = compare(&model, &experiment, &CompareOptions { calibrate: true }).unwrap();
+    let comparison =
+        compare(&model, &experiment, &CompareOptions { calibrate: true, ..CompareOptions::default() }).unwrap();
     let (calibration, fit) = comparison.calibrated.as_ref().unwrap();
     let found: Vec<(&str, f64)> = calibration.parameters.iter().map(|p| (p.variable.name.as_str(), p.value)).collect();
     assert_eq!(found.len(), 1);
@@ -63,8 +64,12 @@ fn property_an_effect_of_the_experiment_is_calibrated() {
 fn property_its_value_may_be_stated() {
     let stated = folder("stated", SOFTENING, &format!("\"softening.a\" = {PLANTED}\n"));
     let experiment = Experiment::read(stated).unwrap();
-    let comparison =
-        compare(&Model::preset("two_wheeled").unwrap(), &experiment, &CompareOptions { calibrate: false }).unwrap();
+    let comparison = compare(
+        &Model::preset("two_wheeled").unwrap(),
+        &experiment,
+        &CompareOptions { calibrate: false, ..CompareOptions::default() },
+    )
+    .unwrap();
     // The files have nine decimals.
     assert!(comparison.fit().rmse.values().all(|error| *error < 1e-9), "{:?}", comparison.fit().rmse);
 }
@@ -81,6 +86,8 @@ fn property_a_bad_effect_is_refused_with_its_line() {
     let other = Experiment::read(folder("other", SOFTENING, "")).unwrap();
     let mut model = Model::preset("two_wheeled").unwrap();
     model.add_effects(&SOFTENING.replace("0.95", "0.5")).unwrap();
-    let message = compare(&model, &other, &CompareOptions { calibrate: false }).unwrap_err().to_string();
+    let message = compare(&model, &other, &CompareOptions { calibrate: false, ..CompareOptions::default() })
+        .unwrap_err()
+        .to_string();
     assert!(message.contains("`softening`") && message.contains("taken"), "{message}");
 }

@@ -84,6 +84,10 @@ impl Unit {
     pub const NEWTON: Unit = unit("N", Exponents { kg: 1, m: 1, s: -2, ..NONE });
     /// Newton a metre.
     pub const NEWTON_PER_METRE: Unit = unit("N/m", Exponents { kg: 1, s: -2, ..NONE });
+    /// Newton a cubic metre, a unit weight.
+    pub const NEWTON_PER_METRE3: Unit = unit("N/m3", Exponents { kg: 1, m: -2, s: -2, ..NONE });
+    /// Metre a newton, a compliance.
+    pub const METRE_PER_NEWTON: Unit = unit("m/N", Exponents { kg: -1, s: 2, ..NONE });
     /// Newton second a metre.
     pub const NEWTON_SECOND_PER_METRE: Unit = unit("N.s/m", Exponents { kg: 1, s: -1, ..NONE });
     /// Newton metre.

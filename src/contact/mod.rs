@@ -8,7 +8,9 @@ mod pieces;
 mod quadrature;
 mod rim;
 mod rolling;
+mod surface;
 mod touch;
 
-pub use rolling::{Forces, rolling, slip};
+pub use rolling::{Forces, rolling, rolling_on, slip};
+pub use surface::Surface;
 pub use touch::{Hold, Motion, Slopes, Touch, touch};

@@ -41,9 +41,16 @@ impl Cuts {
 /// Sums over the whole contact.
 pub(super) fn sums<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
     // A rim that slides fully may carry little load beside its pressure, of which the error is a part: 12 nodes.
-    let Shear::Ratio(ratio) = rim.shear else { return whole(rim, &NODES_12) };
+    let (Shear::Ratio(ratio) | Shear::OnSurface(ratio)) = rim.shear else { return whole(rim, &NODES_12) };
     let displacement = Displacement::new(rim, ratio.value());
     let change = displacement.largest_change();
+    if rim.grip.value() < 1.0 {
+        // The shear has a kink where it meets what the rim transmits: 1 - exp(-|j|/K) = grip.
+        let limit = -(1.0 - rim.grip.value()).ln();
+        let limit = limit.min(BUILT_UP);
+        let nodes: &[(f64, f64)] = if change <= MORE_NODES { &NODES_12 } else { &NODES_16 };
+        return pieces(rim, &displacement.cuts(&[0.0, limit, -limit]), nodes);
+    }
     if displacement.changes_sign() {
         return match change {
             ..=FEW_NODES_BOTH_SIGNS => pieces(rim, &displacement.cuts(&[0.0]), &NODES_8),
@@ -89,7 +96,10 @@ struct Displacement {
     theta_1: f64,
     theta_m: f64,
     theta_2: f64,
-    sin_1: f64,
+    /// Where the shear starts, its sine, and the radius of shear over that of the arc.
+    theta_s: f64,
+    sin_s: f64,
+    shear_radius: f64,
     /// r/K.
     rate: f64,
     /// theta_1, the places where dj/dtheta = 0, theta_2: j is monotone between them.
@@ -102,11 +112,11 @@ struct Displacement {
 impl Displacement {
     fn new<S: Scalar>(rim: &Rim<S>, ratio: f64) -> Self {
         let [theta_1, theta_m, theta_2, cos_1] = [rim.theta_1, rim.theta_m, rim.theta_2, rim.cos_1].map(|a| a.value());
-        let rate = rim.shear_rate.value();
+        let (rate, shear_radius) = (rim.shear_rate.value(), rim.shear_radius.value());
         let (mut turns, mut turns_len) = ([theta_1; 4], 1);
-        // dj/dtheta = -r (1 - ratio cos theta) vanishes at +-acos(1/ratio).
-        if ratio > 1.0 {
-            let turn = (1.0 / ratio).acos();
+        // dj/dtheta = -(r_s - r ratio cos theta) vanishes at +-acos(r_s/(r ratio)).
+        if ratio > shear_radius {
+            let turn = (shear_radius / ratio).acos();
             for angle in [turn, -turn] {
                 if angle < theta_1 && angle > theta_2 {
                     turns[turns_len] = angle;
@@ -115,15 +125,16 @@ impl Displacement {
             }
         }
         turns[turns_len] = theta_2;
-        let slope = |cos: f64| (1.0 - ratio * cos).abs();
+        let slope = |cos: f64| (shear_radius - ratio * cos).abs();
         let steepest = rate * slope(cos_1).max(slope(1.0)).max(slope(theta_2.cos()));
-        let sin_1 = rim.sin_1.value();
-        Self { ratio, theta_1, theta_m, theta_2, sin_1, rate, turns, turns_len: turns_len + 1, steepest }
+        let (theta_s, sin_s) = (rim.theta_s.value(), rim.sin_s.value());
+        let turns_len = turns_len + 1;
+        Self { ratio, theta_1, theta_m, theta_2, theta_s, sin_s, shear_radius, rate, turns, turns_len, steepest }
     }
 
     /// j/K.
     fn at(&self, theta: f64) -> f64 {
-        self.rate * (self.theta_1 - theta - self.ratio * (self.sin_1 - theta.sin()))
+        self.rate * (self.shear_radius * (self.theta_s - theta) - self.ratio * (self.sin_s - theta.sin()))
     }
 
     /// A bound on the change of j/K over either zone.
@@ -131,9 +142,10 @@ impl Displacement {
         self.steepest * (self.theta_1 - self.theta_m).max(self.theta_m - self.theta_2)
     }
 
-    /// Whether j may change its sign: it does not where it is monotone.
+    /// Whether j may change its sign: it does not where it is monotone from zero on. Lugs have begun to shear before
+    /// theta_1, so that j is not zero there.
     fn changes_sign(&self) -> bool {
-        self.turns_len > 2
+        self.turns_len > 2 || (self.shear_radius != 1.0 && self.at(self.theta_1) * self.at(self.theta_2) < 0.0)
     }
 
     /// The ends of the zones and the places where j/K passes one of the `levels`.
@@ -163,7 +175,7 @@ impl Displacement {
             } else {
                 high = theta
             }
-            let next = theta - value / (self.rate * (self.ratio * theta.cos() - 1.0));
+            let next = theta - value / (self.rate * (self.ratio * theta.cos() - self.shear_radius));
             let next = if next > low && next < high { next } else { 0.5 * (low + high) };
             if (next - theta).abs() < CUT {
                 return next;

@@ -6,6 +6,7 @@
 //! at both ends for n < 1. Since (2.6) maps the rear zone onto the front one, the normal stress is the
 //! same function of s in both and is computed once.
 
+use super::surface::Surface;
 use crate::scalar::Scalar;
 use crate::soil::Soil;
 use crate::wheel::Wheel;
@@ -15,6 +16,8 @@ use crate::wheel::Wheel;
 pub(super) enum Shear<S> {
     /// Rolling with this V/(r omega) >= 0 (2.2).
     Ratio(S),
+    /// The same with lugs or a grip below the soil's strength: kept apart, since most wheels have neither.
+    OnSurface(S),
     /// Sliding everywhere, |j| -> infinity, shear of this sign.
     Full(f64),
 }
@@ -25,8 +28,13 @@ pub(super) struct Rim<S> {
     pub(super) theta_1: S,
     pub(super) theta_m: S,
     pub(super) theta_2: S,
-    pub(super) sin_1: S,
     pub(super) cos_1: S,
+    /// Where the shear starts, its sine, and the radius of shear over that of the arc: theta_1 and 1 without lugs.
+    pub(super) theta_s: S,
+    pub(super) sin_s: S,
+    pub(super) shear_radius: S,
+    /// The most shear stress over the soil's strength.
+    pub(super) grip: S,
     radius: S,
     modulus: S,
     exponent: S,
@@ -56,8 +64,16 @@ impl<S: Scalar> Sums<S> {
 }
 
 impl<S: Scalar> Rim<S> {
-    pub fn new(wheel: &Wheel<S>, soil: &Soil<S>, exit_ratio: S, sinkage: S, shear: Shear<S>, established: S) -> Self {
-        let depth = sinkage / wheel.radius;
+    pub fn new(
+        wheel: &Wheel<S>,
+        soil: &Soil<S>,
+        surface: &Surface<S>,
+        sinkage: S,
+        shear: Shear<S>,
+        established: S,
+    ) -> Self {
+        let (radius, exit_ratio) = (wheel.radius * surface.arc, surface.exit_ratio);
+        let depth = sinkage / radius;
         // A wheel sunk to its axle is an event; the clamp only keeps the formula finite until then.
         let theta_1 = (S::from(1.0) - depth.smaller(S::from(1.5))).acos();
         let theta_2 = if exit_ratio.value() > 0.0 {
@@ -65,26 +81,40 @@ impl<S: Scalar> Rim<S> {
         } else {
             S::from(0.0)
         };
+        let plain = surface.shear_radius.is_exactly(1.0) && surface.grip.is_exactly(1.0);
+        let shear = match shear {
+            Shear::Ratio(ratio) if !plain => Shear::OnSurface(ratio),
+            shear => shear,
+        };
         let slip_size = match shear {
-            Shear::Ratio(ratio) if ratio.value() <= 1.0 => S::from(1.0) - ratio,
-            Shear::Ratio(ratio) => S::from(1.0) - ratio.recip(),
+            Shear::Ratio(ratio) | Shear::OnSurface(ratio) if ratio.value() <= 1.0 => S::from(1.0) - ratio,
+            Shear::Ratio(ratio) | Shear::OnSurface(ratio) => S::from(1.0) - ratio.recip(),
             Shear::Full(_) => S::from(1.0),
         };
         let share = (soil.c1 + soil.c2 * slip_size * established).larger(S::from(0.05)).smaller(S::from(0.95));
         let (sin_1, cos_1) = theta_1.sin_cos();
+        let (theta_s, sin_s) = if surface.shear_radius.is_exactly(1.0) {
+            (theta_1, sin_1)
+        } else {
+            let theta_s = (cos_1 / surface.shear_radius).acos();
+            (theta_s, theta_s.sin())
+        };
         Self {
             shear,
             theta_1,
             theta_m: share * theta_1,
             theta_2,
-            sin_1,
             cos_1,
-            radius: wheel.radius,
+            theta_s,
+            sin_s,
+            shear_radius: surface.shear_radius,
+            grip: surface.grip,
+            radius,
             modulus: soil.modulus(wheel.width),
             exponent: soil.exponent,
-            cohesion: soil.cohesion,
-            tan_phi: soil.friction_angle.tan(),
-            shear_rate: wheel.radius / soil.shear_modulus,
+            cohesion: soil.cohesion * surface.cohesion_gain,
+            tan_phi: soil.friction_angle.tan() * surface.friction_gain,
+            shear_rate: radius / soil.shear_modulus,
         }
     }
 
@@ -115,14 +145,15 @@ impl<S: Scalar> Rim<S> {
         let (tau, slope) = match self.shear {
             Shear::Ratio(ratio) => {
                 // j/r = theta_1 - theta - V/(r omega) (sin theta_1 - sin theta)
-                let lift = self.sin_1 - sin;
+                let lift = self.sin_s - sin;
                 let j = self.theta_1 - theta - ratio * lift;
                 let decay = (-(j.abs() * self.shear_rate)).exp();
                 let size = strength * (S::from(1.0) - decay);
                 let tau = if j.value() < 0.0 { -size } else { size };
                 (tau, -(strength * decay * self.shear_rate * lift))
             }
-            Shear::Full(sign) => (strength * sign, S::from(0.0)),
+            Shear::OnSurface(ratio) => self.on_surface(ratio, theta, sin, strength),
+            Shear::Full(sign) => (strength * self.grip * sign, S::from(0.0)),
         };
         let (sigma, tau, slope) = (sigma * d_theta, tau * d_theta, slope * d_theta);
         sums.sigma_cos += sigma * cos;
@@ -133,5 +164,21 @@ impl<S: Scalar> Rim<S> {
         sums.slope_cos += slope * cos;
         sums.slope_sin += slope * sin;
         sums.slope += slope;
+    }
+
+    /// Shear stress and its slope with lugs or a limited grip.
+    #[inline(never)]
+    fn on_surface(&self, ratio: S, theta: S, sin: S, strength: S) -> (S, S) {
+        // j/r = (r_s/r)(theta_s - theta) - V/(r omega) (sin theta_s - sin theta)
+        let lift = self.sin_s - sin;
+        let j = self.shear_radius * (self.theta_s - theta) - ratio * lift;
+        let decay = (-(j.abs() * self.shear_rate)).exp();
+        let built_up = S::from(1.0) - decay;
+        let (size, slope) = if built_up.value() > self.grip.value() {
+            (strength * self.grip, S::from(0.0))
+        } else {
+            (strength * built_up, -(strength * decay * self.shear_rate * lift))
+        };
+        (if j.value() < 0.0 { -size } else { size }, slope)
     }
 }

@@ -4,6 +4,7 @@
 
 use super::pieces::sums;
 use super::rim::{Rim, Shear};
+use super::surface::Surface;
 use crate::scalar::{Scalar, smooth_step, smooth_step_slope};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
@@ -123,7 +124,33 @@ pub fn rolling<S: Scalar>(
     velocity: S,
     spin: S,
 ) -> Forces<S> {
-    rolling_share(wheel, soil, exit_ratio, sinkage, velocity, spin, S::from(1.0)).0.forces
+    rolling_on(wheel, soil, &Surface::smooth(exit_ratio), sinkage, velocity, spin)
+}
+
+/// [`rolling()`] on any [`Surface`] of the rim.
+pub fn rolling_on<S: Scalar>(
+    wheel: &Wheel<S>,
+    soil: &Soil<S>,
+    surface: &Surface<S>,
+    sinkage: S,
+    velocity: S,
+    spin: S,
+) -> Forces<S> {
+    let mut forces = rolling_share(wheel, soil, surface, sinkage, velocity, spin, S::from(1.0)).0.forces;
+    if !surface.resistance.is_exactly(0.0) && sinkage.value() > 0.0 {
+        let rim_speed = wheel.radius * spin;
+        let speed = norm(velocity, rim_speed);
+        if speed.value() > 0.0 {
+            forces.drawbar -= surface.against_travel(velocity / speed).0;
+        }
+    }
+    forces
+}
+
+/// Length of a vector, and 0 with zero slope at the origin.
+pub(super) fn norm<S: Scalar>(x: S, y: S) -> S {
+    let squared = x * x + y * y;
+    if squared.value() > 0.0 { squared.sqrt() } else { S::from(0.0) }
 }
 
 /// [`rolling()`] with the slopes of the forces, in a contact of which only the `share` (0..1) of the slip
@@ -131,7 +158,7 @@ pub fn rolling<S: Scalar>(
 pub(super) fn rolling_share<S: Scalar>(
     wheel: &Wheel<S>,
     soil: &Soil<S>,
-    exit_ratio: S,
+    surface: &Surface<S>,
     sinkage: S,
     velocity: S,
     spin: S,
@@ -140,7 +167,7 @@ pub(super) fn rolling_share<S: Scalar>(
     if sinkage.value() <= 0.0 {
         return (Rolling::sliding(Forces::zero()), S::from(0.0));
     }
-    let contact = Contact { wheel, soil, exit_ratio, sinkage, share };
+    let contact = Contact { wheel, soil, surface, sinkage, share };
     let backward = velocity.value() < 0.0 || (velocity.value() == 0.0 && spin.value() < 0.0);
     if backward {
         // The contact is mirrored: evaluate with (-V, -omega) and negate DP and T.
@@ -154,15 +181,15 @@ pub(super) fn rolling_share<S: Scalar>(
 struct Contact<'a, S> {
     wheel: &'a Wheel<S>,
     soil: &'a Soil<S>,
-    exit_ratio: S,
+    surface: &'a Surface<S>,
     sinkage: S,
     share: S,
 }
 
 impl<S: Scalar> Contact<'_, S> {
     fn at(&self, shear: Shear<S>) -> Integrals<S> {
-        let rim = Rim::new(self.wheel, self.soil, self.exit_ratio, self.sinkage, shear, self.share);
-        integrate(&rim, self.wheel)
+        let rim = Rim::new(self.wheel, self.soil, self.surface, self.sinkage, shear, self.share);
+        integrate(&rim, self.wheel, self.surface)
     }
 
     /// Forces for `velocity >= 0`.
@@ -214,13 +241,14 @@ struct Integrals<S> {
 }
 
 /// The integrals (2.7)-(2.9) over one rim, and their slopes in V/(r omega).
-fn integrate<S: Scalar>(rim: &Rim<S>, wheel: &Wheel<S>) -> Integrals<S> {
+fn integrate<S: Scalar>(rim: &Rim<S>, wheel: &Wheel<S>, surface: &Surface<S>) -> Integrals<S> {
     let sums = sums(rim);
-    let area = wheel.radius * wheel.width;
+    let area = wheel.radius * surface.arc * wheel.width;
+    let lugs = surface.shear_radius;
     let forces = |sigma_cos: S, sigma_sin: S, tau_cos: S, tau_sin: S, tau: S| Forces {
-        normal: area * (sigma_cos + tau_sin),  // (2.7)
-        drawbar: area * (tau_cos - sigma_sin), // (2.8)
-        torque: area * wheel.radius * tau,     // (2.9)
+        normal: area * (sigma_cos + tau_sin * lugs),       // (2.7)
+        drawbar: area * (tau_cos * lugs - sigma_sin),      // (2.8)
+        torque: area * wheel.radius * tau * (lugs * lugs), // (2.9)
     };
     let zero = S::from(0.0);
     Integrals {

@@ -11,7 +11,8 @@
 //! The stresses are taken at e = (d h + t v)/(d + t |v|) with a time t: internal damping of the standing
 //! contact, and above the speed d/t (5 cm/s) the direction of motion itself, without lag.
 
-use super::rolling::{Forces, Rolling, rolling_share, slip};
+use super::rolling::{Forces, Rolling, norm, rolling_share, slip};
+use super::surface::Surface;
 use crate::scalar::{Scalar, smooth_step};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
@@ -114,14 +115,8 @@ pub struct Touch<S = f64> {
     pub slopes: Slopes<S>,
 }
 
-/// Length of a vector, and 0 with zero slope at the origin.
-fn norm<S: Scalar>(x: S, y: S) -> S {
-    let squared = x * x + y * y;
-    if squared.value() > 0.0 { squared.sqrt() } else { S::from(0.0) }
-}
-
-/// Forces on a wheel in `motion`. `exit_ratio` is lambda of the exit angle, see [`super::rolling()`].
-pub fn touch<S: Scalar>(wheel: &Wheel<S>, soil: &Soil<S>, exit_ratio: S, motion: &Motion<S>) -> Touch<S> {
+/// Forces on a wheel in `motion` with this `surface` of its rim.
+pub fn touch<S: Scalar>(wheel: &Wheel<S>, soil: &Soil<S>, surface: &Surface<S>, motion: &Motion<S>) -> Touch<S> {
     let distance = soil.hold_displacement;
     let (hold, rim_speed) = (motion.hold, wheel.radius * motion.spin);
     let speed = norm(motion.velocity, rim_speed);
@@ -143,7 +138,7 @@ pub fn touch<S: Scalar>(wheel: &Wheel<S>, soil: &Soil<S>, exit_ratio: S, motion:
         return Touch { forces: Forces::zero(), rate, slopes };
     }
     let ([travel, turn], scale) = motion.direction(rim_speed, speed, distance);
-    let direction = at_direction(wheel, soil, exit_ratio, motion.sinkage, travel, turn);
+    let direction = at_direction(wheel, soil, surface, motion.sinkage, travel, turn);
     slopes.follow(&direction, [travel, turn], heading, (distance * scale, scale * HOLD_DAMPING_TIME), wheel.radius);
     let mut touch = Touch { forces: direction.forces, rate, slopes };
     add_damping(&mut touch, soil, motion);
@@ -155,21 +150,27 @@ pub fn touch<S: Scalar>(wheel: &Wheel<S>, soil: &Soil<S>, exit_ratio: S, motion:
 fn at_direction<S: Scalar>(
     wheel: &Wheel<S>,
     soil: &Soil<S>,
-    exit_ratio: S,
+    surface: &Surface<S>,
     sinkage: S,
     travel: S,
     turn: S,
 ) -> Rolling<S> {
     let length = norm(travel, turn);
-    let (rolling, pressure) = rolling_share(wheel, soil, exit_ratio, sinkage, travel, turn / wheel.radius, length);
+    let (rolling, pressure) = rolling_share(wheel, soil, surface, sinkage, travel, turn / wheel.radius, length);
     let symmetric = Forces { normal: pressure, drawbar: S::from(0.0), torque: S::from(0.0) };
     let excess = rolling.forces.plus(symmetric.scaled(S::from(-1.0)));
     let along = |component: S| if length.value() > 0.0 { component / length } else { S::from(0.0) };
-    Rolling {
+    let mut direction = Rolling {
         forces: symmetric.plus(excess.scaled(length)),
         by_velocity: rolling.by_velocity.scaled(length).plus(excess.scaled(along(travel))),
         by_spin: rolling.by_spin.scaled(length / wheel.radius).plus(excess.scaled(along(turn))),
+    };
+    if !surface.resistance.is_exactly(0.0) {
+        let (resistance, slope) = surface.against_travel(travel);
+        direction.forces.drawbar -= resistance;
+        direction.by_velocity.drawbar -= slope;
     }
+    direction
 }
 
 impl<S: Scalar> Slopes<S> {

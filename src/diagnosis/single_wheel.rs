@@ -1,6 +1,6 @@
 //! A wheel on a carriage: the steady point at a load, a slip and a wheel speed.
 
-use crate::contact::{self, Forces, rolling};
+use crate::contact::{self, Forces, rolling_on};
 use crate::effects::{BodyMotion, Effects, ExpressionFailure, Local, Place};
 use crate::motor;
 use crate::rover::{Environment, Rover};
@@ -35,7 +35,7 @@ pub struct SteadyPoint<S = f64> {
     pub drawbar_pull: S,
     /// Torque of the drive as it is recorded, wheel side of the gear, its losses included, N m.
     pub torque: S,
-    /// Sinkage, m.
+    /// Sinkage of the soil, m.
     pub sinkage: S,
 }
 
@@ -95,20 +95,31 @@ impl<S: Scalar> Rig<S> {
     }
 
     /// Forces at a sinkage, through the same hooks as in the rover's equations of motion; the torque is the drive's as recorded and
-    /// the drawbar pull what is left after resistances at the carriage.
-    fn forces(&self, sinkage: S, velocity: S, spin: S, slip: S) -> Result<Forces<S>, ExpressionFailure> {
+    /// the drawbar pull what is left after resistances at the carriage. Also the sinkage of the soil, which a flexible wheel's
+    /// outline exceeds.
+    fn forces(&self, sinkage: S, velocity: S, spin: S, slip: S) -> Result<(Forces<S>, S), ExpressionFailure> {
         let zero = S::from(0.0);
-        let place = Place { wheel: 0, x: zero, contact_angle: zero, slip, sinkage, normal_velocity: zero, velocity };
-        let mut local = Local { wheel: self.true_wheel(), soil: self.soil, exit_ratio: zero };
+        let place = Place {
+            wheel: 0,
+            x: None,
+            passes: zero,
+            contact_angle: zero,
+            slip,
+            sinkage,
+            normal_velocity: zero,
+            velocity,
+        };
+        let mut local = Local::new(self.true_wheel(), self.soil);
         self.effects.contact(&place, &mut local)?;
-        let mut forces = rolling(&local.wheel, &local.soil, local.exit_ratio, sinkage, velocity, spin);
+        let sunk = sinkage - local.deflection;
+        let mut forces = rolling_on(&local.wheel, &local.soil, &local.surface, sunk, velocity, spin);
         self.effects.forces(&place, &local, &mut forces)?;
         forces.torque = motor::torque_behind(&self.effects, spin, forces.torque)?;
         if let Some(gain) = self.effects.torque_gain() {
             forces.torque /= gain;
         }
         forces.drawbar += self.effects.body_force(&BodyMotion { travelled: zero, velocity })?;
-        Ok(forces)
+        Ok((forces, sunk))
     }
 
     /// The wheel as it is.
@@ -166,13 +177,13 @@ pub fn steady_point<S: Scalar>(
     let (load, slip) = (rig.true_load(load), rig.true_slip(velocity, spin, slip));
     let real = rig.map(&|s| s.value());
     let (sinkage, by_sinkage) = balance(&real, load.value(), slip.value(), velocity.value(), wheel_speed)?;
-    let here = rig.forces(S::from(sinkage), velocity, spin, slip)?;
+    let (here, sunk) = rig.forces(S::from(sinkage), velocity, spin, slip)?;
     // The real part of this step is rounding; its derivatives are dz/dp.
-    let step = -(here.normal - load) / by_sinkage.normal;
+    let step = -(here.normal - load) / by_sinkage.forces.normal;
     Ok(SteadyPoint {
-        drawbar_pull: here.drawbar + step * by_sinkage.drawbar,
-        torque: here.torque + step * by_sinkage.torque,
-        sinkage: step + sinkage,
+        drawbar_pull: here.drawbar + step * by_sinkage.forces.drawbar,
+        torque: here.torque + step * by_sinkage.forces.torque,
+        sinkage: sunk + step * by_sinkage.sunk,
     })
 }
 
@@ -189,27 +200,34 @@ fn carriage_speed_over_radius(slip: f64, wheel_speed: f64) -> Result<f64, Steady
     Ok(if slip >= 0.0 { wheel_speed * (1.0 - slip) } else { wheel_speed / (1.0 + slip) })
 }
 
-/// Sinkage at which the normal force is `load`, and the slopes of the forces in the sinkage there.
+/// Slopes in the sinkage of the wheel's outline.
+struct BySinkage {
+    forces: Forces,
+    /// Of the sinkage of the soil.
+    sunk: f64,
+}
+
+/// Sinkage of the wheel's outline at which the normal force is `load`, and the slopes in it there.
 ///
 /// Newton's method on ln N over ln z (N is nearly a power of z), kept within a shrinking bracket.
-fn balance(rig: &Rig, load: f64, slip: f64, velocity: f64, spin: f64) -> Result<(f64, Forces), SteadyError> {
+fn balance(rig: &Rig, load: f64, slip: f64, velocity: f64, spin: f64) -> Result<(f64, BySinkage), SteadyError> {
     let lifted = rig.map(&Dual::<1>::from);
     let at = |z: f64| {
         lifted.forces(Dual::<1>::from(z).derivative(0), Dual::from(velocity), Dual::from(spin), Dual::from(slip))
     };
     let (mut low, mut high) = (0.0, rig.true_wheel().radius);
-    let carried = rig.forces(high, velocity, spin, slip)?.normal;
+    let carried = rig.forces(high, velocity, spin, slip)?.0.normal;
     if carried.is_nan() || carried < load {
         return Err(SteadyError::SunkToAxle { load, slip, carried });
     }
     // N is about proportional to z^(n + 1/2) (4.18).
     let mut z = high * (load / carried).powf((rig.soil.exponent + 0.5).recip());
     for _ in 0..MAX_STEPS {
-        let forces = at(z)?;
+        let (forces, sunk) = at(z)?;
         let (normal, slope) = (forces.normal.re, partial(&forces.normal, 0));
         if (normal - load).abs() <= LOAD_TOLERANCE * load || (high - low) <= f64::EPSILON * high {
             let (drawbar, torque) = (partial(&forces.drawbar, 0), partial(&forces.torque, 0));
-            return Ok((z, Forces { normal: slope, drawbar, torque }));
+            return Ok((z, BySinkage { forces: Forces { normal: slope, drawbar, torque }, sunk: partial(&sunk, 0) }));
         }
         if normal < load {
             low = z

@@ -14,6 +14,6 @@ parameters! {
 
 impl<S: Scalar> Effect<S> for ExitAngle<S> {
     fn contact(&self, _place: &Place<S>, local: &mut Local<S>) {
-        local.exit_ratio += self.lambda;
+        local.surface.exit_ratio += self.lambda;
     }
 }

@@ -4,12 +4,19 @@
 //! on is setting its parameters, the same act in every door. A new effect is one file and one line in
 //! the table below. What the library lacks a user can add as an expression, see [`custom`].
 
+mod bulldozing;
 pub mod custom;
 mod drag;
 mod drive_friction;
 mod exit_angle;
+mod flexible_wheel;
 mod gear_efficiency;
+mod grousers;
+mod local_strength;
+mod multi_pass;
 mod radius_scale;
+mod rate;
+mod rim_adhesion;
 mod sensors;
 mod slip_sinkage;
 mod suspension_friction;
@@ -18,7 +25,7 @@ mod unmodelled_mass;
 mod voltage_limit;
 mod winding_heat;
 
-use crate::contact::Forces;
+use crate::contact::{Forces, Surface};
 use crate::motor::Motor;
 use crate::rover::Body;
 use crate::scalar::Scalar;
@@ -28,12 +35,19 @@ use crate::wheel::Wheel;
 use bekker_modeldescription::{Parameters, Variable, join};
 use custom::CustomEffects;
 
+pub use bulldozing::Bulldozing;
 pub use custom::{DefinitionError, EffectDefinition, ExpressionFailure};
 pub use drag::{Drag, Tether};
 pub use drive_friction::{CoulombFriction, ViscousFriction};
 pub use exit_angle::ExitAngle;
+pub use flexible_wheel::FlexibleWheel;
 pub use gear_efficiency::GearEfficiency;
+pub use grousers::Grousers;
+pub use local_strength::{Moisture, SlopeStrength, SoftPatch};
+pub use multi_pass::MultiPass;
 pub use radius_scale::RadiusScale;
+pub use rate::Rate;
+pub use rim_adhesion::RimAdhesion;
 pub use sensors::{PitchBias, SensorLag};
 pub use slip_sinkage::SlipSinkage;
 pub use suspension_friction::SuspensionFriction;
@@ -47,13 +61,15 @@ pub use winding_heat::WindingHeat;
 pub struct Place<S = f64> {
     /// Wheel, 0 at the rear.
     pub wheel: usize,
-    /// Position of the contact foot along x, m.
-    pub x: S,
+    /// Position of the contact foot along x, m; none on a carriage, whose ground is the same everywhere.
+    pub x: Option<S>,
+    /// Wheels that have passed this ground, see [`crate::rover::Track`]; 0 where no effect remembers.
+    pub passes: S,
     /// Contact angle, uphill positive, rad.
     pub contact_angle: S,
     /// Slip as far as it is established, see [`crate::contact::Motion::established_slip`].
     pub slip: S,
-    /// Sinkage, m.
+    /// Sinkage of the wheel's undeformed outline, m.
     pub sinkage: S,
     /// Velocity of the wheel centre along the normal, m/s.
     pub normal_velocity: S,
@@ -68,8 +84,18 @@ pub struct Local<S = f64> {
     pub wheel: Wheel<S>,
     /// The soil under it.
     pub soil: Soil<S>,
-    /// lambda of the exit angle theta_2 = -acos(1 - lambda z/r).
-    pub exit_ratio: S,
+    /// How the rim meets the soil.
+    pub surface: Surface<S>,
+    /// Deflection of the wheel along the normal, m: what the outline sinks deeper than the soil.
+    pub deflection: S,
+}
+
+impl<S: Scalar> Local<S> {
+    /// A smooth rigid wheel.
+    #[must_use]
+    pub fn new(wheel: Wheel<S>, soil: Soil<S>) -> Self {
+        Self { wheel, soil, surface: Surface::default(), deflection: S::from(0.0) }
+    }
 }
 
 /// Motion of the chassis reference point.
@@ -97,6 +123,16 @@ pub trait Effect<S: Scalar>: Parameters<S> {
     /// Changes wheel and soil at a contact, before the stresses are integrated.
     fn contact(&self, place: &Place<S>, local: &mut Local<S>) {
         let _ = (place, local);
+    }
+
+    /// Changes how the rim meets the soil, after all effects have changed wheel and soil.
+    fn surface(&self, place: &Place<S>, local: &mut Local<S>) {
+        let _ = (place, local);
+    }
+
+    /// Whether the effect needs to know which ground has been passed.
+    fn remembers(&self) -> bool {
+        false
     }
 
     /// Changes the forces of a contact, after the stresses are integrated.
@@ -201,9 +237,17 @@ macro_rules! effects {
 
         /// Sums of the hooks over the library and the user's own effects.
         impl<S: Scalar> Effects<S> {
+            /// What a contact sees of wheel, soil and rim.
             pub(crate) fn contact(&self, place: &Place<S>, local: &mut Local<S>) -> Result<(), ExpressionFailure> {
                 $(self.$id.contact(place, local);)*
-                self.custom.contact(place, local)
+                self.custom.contact(place, local)?;
+                $(self.$id.surface(place, local);)*
+                Ok(())
+            }
+
+            /// Whether an effect needs to know which ground has been passed.
+            pub(crate) fn remember(&self) -> bool {
+                false $(|| self.$id.remembers())*
             }
 
             pub(crate) fn forces(
@@ -289,6 +333,22 @@ effects! {
     slip_sinkage: SlipSinkage,
     /// Exit angle: the soil rebounds behind the wheel.
     exit_angle: ExitAngle,
+    /// Multi-pass: wheels compact the ground for those that follow.
+    multi_pass: MultiPass,
+    /// Grousers: lugs shear the soil at a larger radius.
+    grousers: Grousers,
+    /// Bulldozing: the wheel pushes soil ahead.
+    bulldozing: Bulldozing,
+    /// Flexible wheel: it flattens under its load.
+    flexible_wheel: FlexibleWheel,
+    /// Rate: the soil resists fast penetration more.
+    rate: Rate,
+    /// Moisture: the cohesion grows with the water content that each run records.
+    moisture: Moisture,
+    /// Soft patch: weaker ground around one place.
+    soft_patch: SoftPatch,
+    /// Slope-dependent strength: the friction angle falls with the slope.
+    slope_strength: SlopeStrength,
     /// Dry friction of the drive.
     coulomb_friction: CoulombFriction,
     /// Viscous friction of the drive.
@@ -317,6 +377,8 @@ effects! {
     sensor_lag: SensorLag,
     /// Dry friction of the passive joints.
     suspension_friction: SuspensionFriction,
+    /// Adhesion at the rim: it transmits less shear than the soil bears.
+    rim_adhesion: RimAdhesion,
 }
 
 impl Effects {

@@ -2,8 +2,9 @@
 
 use super::kinematics::{Frames, turn_jacobian};
 use super::linear::{Factors, Matrix, Vector, add_outer, add_scaled, dot, zeros};
+use super::track::passes;
 use super::{Rover, State};
-use crate::contact::{Motion, Touch, slip, touch};
+use crate::contact::{Motion, Surface, Touch, slip, touch};
 use crate::effects::{BodyMotion, ExpressionFailure, Local, Place};
 use crate::motor::{self, Motor};
 use crate::scalar::Scalar;
@@ -49,6 +50,8 @@ pub(crate) struct WheelEvaluation<S> {
     pub contact_angle: S,
     /// The motor as it is, warm or not of its data sheet.
     pub motor: Motor<S>,
+    /// Position of the contact foot along x, m.
+    pub foot_x: S,
     /// Torque of the motor and of the rim, both on the wheel's side of the gear.
     pub motor_torque: S,
     pub rim_torque: S,
@@ -204,11 +207,8 @@ impl<S: Scalar> Evaluation<S> {
             Drive::Speed => (S::from(command.values[k]) - body_rate, S::from(command.values[k])),
         };
         let true_wheel = rover.true_wheel();
-        let mut local = Local {
-            wheel: true_wheel,
-            soil: rover.terrain.soil(&rover.soil, foot.position[0]),
-            exit_ratio: S::from(0.0),
-        };
+        let x = foot.position[0];
+        let mut local = Local::new(true_wheel, rover.terrain.soil(&rover.soil, x));
         let mut motion = Motion {
             sinkage: true_wheel.radius - foot.distance,
             normal_velocity: wheel.normal_velocity,
@@ -218,7 +218,8 @@ impl<S: Scalar> Evaluation<S> {
         };
         let place = Place {
             wheel: k,
-            x: foot.position[0],
+            x: Some(x),
+            passes: if rover.effects.remember() { passes(&state.wheels, x) } else { S::from(0.0) },
             contact_angle: foot.angle,
             slip: motion.established_slip(&local.wheel, &local.soil),
             sinkage: motion.sinkage,
@@ -227,10 +228,11 @@ impl<S: Scalar> Evaluation<S> {
         };
         rover.effects.contact(&place, &mut local)?;
         wheel.slip = slip(wheel.velocity, rover.effects.recorded_radius(local.wheel.radius) * wheel.spin);
-        wheel.sinkage = local.wheel.radius - foot.distance;
+        wheel.sinkage = local.wheel.radius - foot.distance - local.deflection;
         wheel.contact_angle = foot.angle;
+        wheel.foot_x = x;
         motion.sinkage = wheel.sinkage;
-        wheel.touch = touch(&local.wheel, &local.soil, local.exit_ratio, &motion);
+        wheel.touch = touch(&local.wheel, &local.soil, &local.surface, &motion);
         rover.effects.forces(&place, &local, &mut wheel.touch.forces)?;
         wheel.motor = rover.motor;
         rover.effects.motor(state.wheels[k].winding_rise, &mut wheel.motor);
@@ -312,7 +314,7 @@ impl<S: Scalar> WheelEvaluation<S> {
         let o = S::from(0.0);
         let motion = Motion { sinkage: o, normal_velocity: o, velocity: o, spin: o, hold: Default::default() };
         Self {
-            touch: touch(&Default::default(), &Default::default(), o, &motion),
+            touch: touch(&Default::default(), &Default::default(), &Surface::default(), &motion),
             normal: zeros(),
             tangent: zeros(),
             turn,
@@ -324,6 +326,7 @@ impl<S: Scalar> WheelEvaluation<S> {
             sinkage: o,
             contact_angle: o,
             motor,
+            foot_x: o,
             motor_torque: o,
             rim_torque: o,
             current: o,

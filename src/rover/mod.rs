@@ -6,6 +6,7 @@ pub(crate) mod linear;
 mod presets;
 mod rate;
 mod settle;
+mod track;
 
 use crate::contact::Hold;
 use crate::effects::Effects;
@@ -20,6 +21,7 @@ pub use dynamics::DynamicsError;
 pub use linear::MAX_COORDINATES;
 pub use rate::StateRate;
 pub use settle::SettleError;
+pub use track::Track;
 
 /// Most wheels of a rover.
 pub const MAX_WHEELS: usize = 8;
@@ -204,6 +206,8 @@ pub struct WheelState<S = f64> {
     pub hold: Hold<S>,
     /// How much warmer than its surroundings the motor's winding is, K.
     pub winding_rise: S,
+    /// Ground that the wheel has covered.
+    pub track: Track<S>,
 }
 
 /// Moving data of a rover: everything that a step changes.
@@ -238,7 +242,10 @@ impl<S: Scalar> State<S> {
         Self {
             rate: vec![zero; position.len()],
             position,
-            wheels: vec![WheelState { spin: zero, hold: Hold::default(), winding_rise: zero }; rover.wheels.len()],
+            wheels: vec![
+                WheelState { spin: zero, hold: Hold::default(), winding_rise: zero, track: Track::default() };
+                rover.wheels.len()
+            ],
             start_x: x,
         }
     }

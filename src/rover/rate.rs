@@ -1,7 +1,7 @@
 //! The explicit right-hand side x' = f(x, u, p), for callers that integrate or differentiate it themselves.
 
 use super::dynamics::{DynamicsError, Evaluation};
-use super::{Rover, State};
+use super::{Rover, State, Track};
 use crate::contact::Hold;
 use crate::scalar::Scalar;
 use crate::signals::Command;
@@ -47,6 +47,7 @@ impl<S: Scalar> State<S> {
             spin: f(wheel.spin),
             hold: Hold { travel: f(wheel.hold.travel), turn: f(wheel.hold.turn) },
             winding_rise: f(wheel.winding_rise),
+            track: Track { low: f(wheel.track.low), high: f(wheel.track.high) },
         };
         State {
             position: self.position.iter().map(|&x| f(x)).collect(),

@@ -2,7 +2,7 @@
 
 use super::dynamics::{DynamicsError, Evaluation};
 use super::linear::{Factors, MAX_COORDINATES, Vector, zeros};
-use super::{Rover, State};
+use super::{Rover, State, Track};
 use crate::contact::Hold;
 use crate::integrator::Integrator;
 use crate::scalar::{Dual, Scalar};
@@ -125,6 +125,7 @@ impl Rover<f64> {
             integrator.evaluate(self, &mut state, &command)?;
         }
         state.rate.iter_mut().for_each(|rate| *rate = 0.0);
+        state.wheels.iter_mut().for_each(|wheel| wheel.track = Track::default());
         Ok(state)
     }
 }

@@ -265,7 +265,15 @@ impl<S: Scalar> CustomEffects<S> {
 
 fn contact_signals<S: Scalar>(place: &Place<S>) -> [S; 7] {
     let wheel = S::from((place.wheel + 1) as f64);
-    [wheel, place.x, place.contact_angle, place.slip, place.sinkage, place.normal_velocity, place.velocity]
+    [
+        wheel,
+        place.x.unwrap_or(S::from(0.0)),
+        place.contact_angle,
+        place.slip,
+        place.sinkage,
+        place.normal_velocity,
+        place.velocity,
+    ]
 }
 
 impl CustomEffects {

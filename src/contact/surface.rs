@@ -1,0 +1,58 @@
+//! What distinguishes a real rim from a smooth, rigid and perfectly rough one.
+
+use crate::scalar::Scalar;
+
+/// Share of the motion that is travel over which the resistance of the soil ahead turns with the travel's direction. A
+/// wheel that spins on the spot pushes nothing; at a slip of 0.9 it still meets 0.7 of the resistance.
+const TURNING_TRAVEL: f64 = 0.1;
+
+/// How a rim meets the soil, beyond radius and width. The default is the smooth rigid rim of Wong and Reece, on
+/// which soil shears on soil.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface<S = f64> {
+    /// lambda of the exit angle theta_2 = -acos(1 - lambda z/r); 0 ends the contact at the bottom of the wheel.
+    pub exit_ratio: S,
+    /// Radius of the arc in contact over the wheel's radius: above 1 on a wheel that flattens. The rim moves over the
+    /// arc at r omega, and the shear turns the axle at the arm r.
+    pub arc: S,
+    /// Radius at which the soil is sheared over that of the arc: above 1 where lugs hold soil between them.
+    pub shear_radius: S,
+    /// Factor on the cohesion in the shear along the rim.
+    pub cohesion_gain: S,
+    /// Factor on tan phi in the shear along the rim.
+    pub friction_gain: S,
+    /// The most shear that the rim transmits, over the soil's strength; 1 on a rim as rough as the soil.
+    pub grip: S,
+    /// Force of the soil ahead against the wheel's motion, along the ground, N.
+    pub resistance: S,
+}
+
+impl<S: From<f64>> Default for Surface<S> {
+    fn default() -> Self {
+        let (zero, one) = (|| S::from(0.0), || S::from(1.0));
+        Self {
+            exit_ratio: zero(),
+            arc: one(),
+            shear_radius: one(),
+            cohesion_gain: one(),
+            friction_gain: one(),
+            grip: one(),
+            resistance: zero(),
+        }
+    }
+}
+
+impl<S: Scalar> Surface<S> {
+    /// A smooth rigid rim with this exit ratio.
+    #[must_use]
+    pub fn smooth(exit_ratio: S) -> Self {
+        Self { exit_ratio, ..Self::default() }
+    }
+
+    /// The resistance of the soil ahead at the component `travel` of the direction of motion, and its slope in it.
+    pub(super) fn against_travel(&self, travel: S) -> (S, S) {
+        let squared = travel * travel + TURNING_TRAVEL * TURNING_TRAVEL;
+        let norm = squared.sqrt();
+        (self.resistance * travel / norm, self.resistance * (TURNING_TRAVEL * TURNING_TRAVEL) / (squared * norm))
+    }
+}

@@ -1,0 +1,31 @@
+//! Lugs on the rim.
+
+use super::{Effect, Local, Place};
+use crate::scalar::Scalar;
+use bekker_modeldescription::{Unit, parameters};
+use std::f64::consts::FRAC_PI_2;
+
+parameters! {
+    /// Lugs hold the soil between them, so it is sheared at r + lambda h (Ding et al. 2011), and along the lugs' sides:
+    /// Bekker's c (1 + 2 h/b) and tan phi (1 + 0.64 (h/b) acot(h/b)) (Bekker 1956, for spuds of a track).
+    pub struct Grousers {
+        /// Height h of the lugs.
+        height: [Unit::METRE] = 0.0, 0.0..=0.03, Effect, "vehicle drawing: 5-15 mm on small wheels";
+        /// Share lambda of the height at which the soil is sheared.
+        share: [Unit::ONE] = 1.0, 0.0..=1.0, Fixed, "Ding et al. 2011, J. Terramechanics 48: up to 1 where the lugs stand close";
+    }
+}
+
+impl<S: Scalar> Effect<S> for Grousers<S> {
+    fn surface(&self, _place: &Place<S>, local: &mut Local<S>) {
+        if self.height.is_exactly(0.0) {
+            return;
+        }
+        let slenderness = self.height / local.wheel.width;
+        let acot = -slenderness.atan() + FRAC_PI_2;
+        let surface = &mut local.surface;
+        surface.shear_radius *= self.share * self.height / local.wheel.radius + 1.0;
+        surface.cohesion_gain *= slenderness * 2.0 + 1.0;
+        surface.friction_gain *= slenderness * acot * 0.64 + 1.0;
+    }
+}
