@@ -45,7 +45,7 @@ FORMS = [
     Form("bulldozing", "passive", 0.6, 1.5, BOTH, library=True),
     Form("bulldozing", "hegedus", 0.6, 1.5, BOTH),
     Form("flexible_wheel", "load", 2e-3, 6e-3, BOTH, library=True),
-    Form("flexible_wheel", "circle", 2e-5, 2e-4, BOTH),
+    Form("flexible_wheel", "circle", 2e-6, 2e-5, BOTH),
     Form("rate", "grahn", 0.2, 0.4, BOTH, library=True),
     Form("rate", "logarithm", 0.15, 0.3, BOTH),
     Form("soft_patch", "smooth", 0.5, 0.8, R, library=True),

@@ -73,31 +73,29 @@ def ripple(p, turned):
     return 0.0 if s is None else s * np.sin(turned)
 
 
-def sensor_lag(p, step, signal):
-    """Signal (samples along axis 0, `step` s apart) after the lag of its sensor, s."""
+def sensor_lag(p, time, signal):
+    """Signal (sample, run, channel) at these times after the lag of its sensor, s."""
     if (s := on(p, "sensor_lag.first_order")) is not None:
-        signal = first_order(signal, np.maximum(np.asarray(s), 1e-9), step)
+        signal = first_order(signal, np.maximum(np.asarray(s), 1e-9), time)
     if (s := on(p, "sensor_lag.dead_time")) is not None:
-        signal = delayed(signal, np.asarray(s) / step)
+        signal = delayed(signal, np.broadcast_to(np.asarray(s).ravel(), signal.shape[1:2]), time)
     return signal
 
 
-def first_order(signal, lag, step):
+def first_order(signal, lag, time):
     """y' = (u - y)/lag, exact for an input that is straight from sample to sample."""
-    decay = np.exp(-step / lag)
     lagged = np.array(signal, float)
     for k in range(1, len(lagged)):
+        step = time[k] - time[k - 1]
         slope = (signal[k] - signal[k - 1]) / step
-        steady = signal[k] - lag * slope
-        lagged[k] = steady + (lagged[k - 1] - signal[k - 1] + lag * slope) * decay
+        start = signal[k - 1] - lag * slope
+        lagged[k] = signal[k] - lag * slope + (lagged[k - 1] - start) * np.exp(-step / lag)
     return lagged
 
 
-def delayed(signal, steps):
-    """Linear interpolation `steps` (may be a fraction) samples earlier."""
-    steps = np.broadcast_to(steps, signal.shape[1:])
-    at = np.maximum(np.arange(len(signal)).reshape((-1,) + (1,) * steps.ndim) - steps, 0.0)
-    low = np.minimum(at.astype(int), len(signal) - 1)
-    high = np.minimum(low + 1, len(signal) - 1)
-    take = lambda index: np.take_along_axis(signal, index, axis=0)
-    return take(low) + (at - low) * (take(high) - take(low))
+def delayed(signal, lag, time):
+    """The signal `lag` seconds earlier (one a run), straight between samples."""
+    shifted = np.empty_like(signal)
+    for run, channel in np.ndindex(signal.shape[1:]):
+        shifted[:, run, channel] = np.interp(time - lag[run], time, signal[:, run, channel])
+    return shifted
