@@ -22,10 +22,13 @@ REDUCED = (FULL[0], FULL[2], FULL[5], FULL[1])
 POOR = ((0.0, 0.0, 1.0, 0.0, 2.0, 2.0),)
 TIMES = {"full": (24.0, 0.2), "reduced": (9.0, 0.1)}  # s a run, s a row
 PARTS = {"full": (0.05, 0.1, 0.2, 0.3, 0.35), "reduced": (0.1, 0.2, 0.3, 0.4)}  # steps from row to row
-COARSE = (0.1, 0.2, 0.3, 0.4)
+COARSE = (0.3, 0.7)  # while signatures are compared
 REPLICATES = {"full": 3, "reduced": 2}
 RISE = 2.0  # s, over which a speed is reached
-NODES = 12  # a zone while signatures are compared
+SKIP = 0.6  # s at the start of a run, where contacts break loose: recorded, but not counted as detectable
+LEAST_WAY = 0.25  # of what the rims roll: a rover that slips more is stuck
+DEEPEST = 0.05  # m, sinkage: beyond it the belly comes near the ground
+NODES = 8  # a zone while signatures are compared
 
 
 def commands(first, second, rows, row_time):
@@ -44,6 +47,7 @@ class RoverBench:
         self.size_name, self.replicates = size, REPLICATES[size]
         self.duration, self.row_time = TIMES[size]
         self.conditions = POOR if poor else FULL if size == "full" else REDUCED
+        self.skip = round(SKIP / self.row_time)
         self.rows = round(self.duration / self.row_time) + 1
         slope, height, length, added, first, second = np.array(self.conditions).T
         self.slope, self.height, self.length = np.tan(np.radians(slope)), height, length
@@ -52,7 +56,7 @@ class RoverBench:
         self.commands = np.repeat(one[..., None], 2, axis=-1)
         rng = np.random.default_rng([seed, 1])
         self.extra = {"patch_from": 0.9, "patch_to": 1.5, "hump_at": 0.12, "hump_width": 0.03}
-        for _ in range(20):
+        for _ in range(200):
             self.soil_name, self.soil = soils.draw(rng, VEHICLE["width"], firm=True)
             if self.climbs():
                 return
@@ -69,11 +73,12 @@ class RoverBench:
         """What the rims roll, m."""
         return VEHICLE["radius"] * self.row_time * self.commands[:, :, 0].sum(axis=0)
 
-    def simulate(self, changes, nodes=None, parts=None):
-        """Clean signals for each dict of changed parameters: (change, run, row, signal)."""
+    def simulate(self, changes, coarse=False, parts=None):
+        """Clean signals for each dict of changed parameters: (change, run, row, signal); NaN in runs that get stuck.
+
+        `coarse` takes larger steps and fewer nodes, for differences between simulations."""
         runs, tries = len(self.conditions), len(changes)
-        coarse = tries > 3
-        nodes = nodes or (NODES if coarse else contact.NODES)
+        nodes = NODES if coarse else contact.NODES
         parts = parts or (COARSE if coarse else PARTS[self.size_name])
         repeat = lambda value: np.tile(value, tries)
         p = {**VEHICLE, **self.soil, **self.extra, "mass": repeat(self.mass)}
@@ -83,6 +88,8 @@ class RoverBench:
         orders = np.tile(self.commands, (1, tries, 1))
         with np.errstate(all="ignore"):
             y = traverse.drive_runs(p, profile, orders, self.row_time, parts, nodes)
+        stuck = ~(y[-1, :, 0] > LEAST_WAY * repeat(self.way())) | np.any(y[..., 7:9] > DEEPEST, axis=(0, 2))
+        y[:, stuck] = np.nan
         return y.reshape(self.rows, tries, runs, -1).transpose(1, 2, 0, 3)
 
     def size(self, clean):

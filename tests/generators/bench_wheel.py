@@ -11,6 +11,7 @@ SLIPS = (0.02, 0.06, 0.12, 0.20, 0.30, 0.40, 0.50, 0.60, 0.70)
 class WheelBench:
     kind = "single_wheel"
     signals = carriage.SIGNALS
+    skip = 0  # rows of a run that do not count for what can be detected
 
     def __init__(self, seed, poor=False):
         rng = np.random.default_rng([seed, 1])
@@ -41,8 +42,8 @@ class WheelBench:
             "turned": rng.uniform(0.0, 2.0 * np.pi, groups)[:, None] + 2.2 * np.arange(rows)[None, :],
         }
 
-    def simulate(self, changes):
-        """Clean signals for each dict of changed parameters: (change, group, row, signal)."""
+    def simulate(self, changes, coarse=False):
+        """Clean signals for each dict of changed parameters: (change, group, row, signal); it is as exact when `coarse`."""
         names = {name for change in changes for name in change}
         p = {**self.rig, **self.soil, **self.extra}
         for name in names:

@@ -6,6 +6,8 @@ standard deviations by which the effect stands out: 5 give 80 % power at p = 0.0
 asks for at least 1.5 times that. The cosine of two such signatures says how alike two effects are.
 """
 
+import copy
+
 import numpy as np
 
 import noise
@@ -14,53 +16,81 @@ from soils import CALIBRATED
 DETECTABLE = 5.0  # standard deviations
 TIE = 0.8  # cosine from which two effects are an honest tie
 STEP = 1e-3  # of a soil parameter, relative
-GRID = (1 / 64, 1 / 32, 1 / 16, 1 / 8, 1 / 4, 1 / 2, 1.0)  # strengths tried, of the bound
+SEARCHES = 8  # strengths tried
 
 
 class Detector:
     """Signatures at one bench (rig, soil, conditions). `bench.simulate` takes a list of changed parameters."""
 
     def __init__(self, bench, noise_level, replicates, rivals):
-        self.bench, self.rivals = bench, rivals
+        self.bench, self.rivals, self.level = bench, rivals, noise_level
         soil = [{name: bench.soil[name] * (1.0 + STEP)} for name in CALIBRATED]
         effects = [{f.key: f.probe} for f in rivals]
-        clean, *changed = bench.simulate([{}] + soil + effects)
+        clean, *changed = bench.simulate([{}] + soil + effects, coarse=True)
         self.clean = clean
         self.deviation = noise_level * bench.size(clean)
-        self.weight = np.sqrt(replicates) * noise.whitener(clean.shape[1])
+        self.weight = np.sqrt(replicates) * noise.whitener(clean.shape[1] - bench.skip)
         soil_part = [self.white(y - clean) / STEP for y in changed[: len(soil)]]
         self.basis = orthonormal(np.stack(soil_part, axis=1))
         self.signatures = [self.free(self.white(y - clean)) for y in changed[len(soil) :]]
 
+    def with_noise(self, level):
+        """The same bench under another level of noise."""
+        other = copy.copy(self)
+        factor = level / self.level
+        other.level, other.deviation = level, self.deviation * factor
+        other.signatures = [s / factor for s in self.signatures]
+        return other
+
     def white(self, difference):
         """Whitened and flat; runs, rows, signals in."""
-        return np.einsum("ij,gjs->gis", self.weight, difference / self.deviation).ravel()
+        return np.einsum("ij,gjs->gis", self.weight, difference[:, self.bench.skip :] / self.deviation).ravel()
 
     def free(self, signature):
         """Without what the soil parameters take up."""
         return signature - self.basis @ (self.basis.T @ signature)
 
     def strength_at(self, form, sign, target, other=None):
-        """The strength whose signature is `target` deviations long; the bound and what it reaches where that is less.
-
-        Also sets `strongest`, the largest strength that can be simulated. `other` is a second effect's whitened signature that may vary freely too.
+        """The strength whose signature is `target` deviations long, and the length reached: less where the bound of the
+        form comes first, or the rig no longer runs. `other` is a second effect's signature that may vary freely too.
         """
-        tries = [sign * share * form.bound for share in GRID]
-        lengths = np.array([np.linalg.norm(self.without(self.signature(y), other)) for y in self.effects(form, tries)])
-        # Beyond the last strength with which the rig still runs there is nothing to measure.
-        runs = len(tries) if np.all(np.isfinite(lengths)) else int(np.argmin(np.isfinite(lengths)))
-        tries, lengths = tries[:runs], lengths[:runs]
-        if not tries:
-            raise ValueError(f"{form.key}: the rig does not run even with {sign * GRID[0] * form.bound:.3g}")
-        self.strongest = abs(tries[-1])
-        if not np.any(lengths >= target):
-            return tries[-1], float(lengths[-1])
-        first = int(np.argmax(lengths >= target))
-        if first == 0:
-            return tries[0] * target / lengths[0], float(target)
-        low, high = np.log(np.maximum(lengths[first - 1], 1e-9)), np.log(lengths[first])
-        share = (np.log(target) - low) / (high - low)
-        return float(tries[first - 1] * (tries[first] / tries[first - 1]) ** share), float(target)
+        tried = {}
+
+        def length(size):
+            if size not in tried:
+                signals = self.effect(form, sign * size)
+                tried[size] = float(np.linalg.norm(self.without(self.signature(signals), other)))
+            return tried[size]
+
+        runs, at = 0.0, form.probe
+        limit = form.bound
+        for _ in range(SEARCHES):
+            reached = length(at)
+            if not np.isfinite(reached):
+                limit = at  # the rig does not run there
+                at = 0.5 * (runs + at)
+                continue
+            runs = max(runs, at)
+            if abs(reached / target - 1.0) < 0.02 or (reached < target and at > 0.99 * limit):
+                break
+            at = min(at * self.factor(tried, at, reached, target), limit if limit == form.bound else 0.5 * (runs + limit))
+        best = min((size for size in tried if np.isfinite(tried[size])), key=lambda size: abs(tried[size] - target), default=None)
+        if best is None:
+            raise ValueError(f"{form.key}: the rig does not run even with {sign * at:.3g}")
+        return sign * best, tried[best]
+
+    def factor(self, tried, at, reached, target):
+        """By how much to change the strength: the length is nearly a power of it."""
+        other = [size for size in tried if size != at and np.isfinite(tried[size]) and tried[size] > 0.0]
+        power = 1.0
+        if other and reached > 0.0:
+            near = min(other, key=lambda size: abs(np.log(size / at)))
+            power = np.log(tried[near] / reached) / np.log(near / at)
+        return float(np.clip((target / max(reached, 1e-9)) ** (1.0 / np.clip(power, 0.5, 4.0)), 1e-3, 1e2))
+
+    def effect(self, form, strength):
+        """Signals with one effect; NaN where the rig does not run."""
+        return self.bench.simulate([{form.key: strength}], coarse=True)[0]
 
     def without(self, signature, other):
         if other is None:

@@ -50,14 +50,20 @@ def choose(detector, forms, rng, multiple):
         other = None
         if len(forms) == 2:
             partner = forms[1 - k]
-            other = detector.signature(detector.effects(partner, [0.2 * partner.typical])[0])
-        wanted = DETECTABLE * (multiple if multiple else 1.5)
+            other = detector.signature(detector.effect(partner, 0.2 * partner.typical))
+        wanted = 1.02 * DETECTABLE * (multiple if multiple else 1.5)  # the search meets it to 2 %
         strength, reached = detector.strength_at(form, sign, wanted, other)
-        usual = min(form.typical, detector.strongest)
-        if not multiple and abs(strength) < usual:
+        signals, least = detector.effect(form, strength), abs(strength)
+        if not multiple and least < form.typical:
             share = rng.uniform()
-            strength = sign * abs(strength) ** (1.0 - share) * usual**share
-        signature = detector.signature(detector.effects(form, [strength])[0])
+            for _ in range(4):  # weaker where the rig does not run
+                wished = sign * least ** (1.0 - share) * form.typical**share
+                stronger = detector.effect(form, wished)
+                if np.all(np.isfinite(stronger)):
+                    strength, signals = wished, stronger
+                    break
+                share *= 0.5
+        signature = detector.signature(signals)
         reached = float(np.linalg.norm(detector.without(signature, other)))
         chosen.append((form, strength, reached, signature))
     return chosen

@@ -130,7 +130,7 @@ class Rover:
         return force / self.mass
 
     def settle(self, x0):
-        """At rest with the reference point above x0, held on a slope by locked wheels: unknown are the share of the
+        """At rest with the reference point above x0, held on a slope by locked wheels (NaN where it cannot stand): unknown are the share of the
         friction that holds, z and the pitch."""
         runs = self.mass.shape[:-1]
         height, slope, _ = self.profile.at(np.full(runs, x0))
@@ -150,11 +150,10 @@ class Rover:
                 break
             steps = 1e-6 * np.eye(3)
             slopes = np.stack([(left(unknown + d)[0] - residual) / 1e-6 for d in steps], axis=-1)
-            change = np.linalg.solve(slopes, residual[..., None])[..., 0]
+            change = (np.linalg.pinv(np.nan_to_num(slopes)) @ np.nan_to_num(residual)[..., None])[..., 0]
             limit = np.abs(change) / np.array([0.5, 0.01, 0.05])
             unknown = unknown - change / np.maximum(np.max(limit, axis=-1, keepdims=True), 1.0)
-        if not np.all(np.abs(residual[..., 1:]) < 1e-3):
-            raise ValueError("the rover does not settle")
+        q = np.where(np.all(np.abs(residual[..., 1:]) < 1e-3, axis=-1)[..., None], q, np.nan)
         self.start = np.full(runs, float(x0))
         _, arm_x, *_ = self.geometry(q, still)
         self.lead = q[..., 0] + arm_x[..., 1]
@@ -181,6 +180,7 @@ class Rover:
         for _ in range(ITERATIONS):
             if slopes.get("span") != h:
                 columns = (residual(v + 1e-6 * np.eye(3)[:, None, :]) - left) / 1e-6
+                columns = np.where(np.isfinite(columns), columns, np.eye(3)[:, None, :])
                 slopes["inverse"], slopes["span"] = np.linalg.inv(np.moveaxis(columns, 0, -1)), h
             change = np.clip(np.einsum("...ij,...j->...i", slopes["inverse"], left), -0.2, 0.2)
             before, (v, left) = np.sum(left**2, axis=-1), (v - change, residual(v - change))

@@ -18,6 +18,10 @@ SIGNALS = (
     "wheel[2].sinkage",
     "power",
 )
+# Steps of the first rows, as shares of a row: there the contacts break loose.
+FIRST_ROWS = 4
+FIRST = (0.02, 0.03, 0.05, 0.1, 0.2, 0.3, 0.3)
+
 DECIMALS = dict.fromkeys(SIGNALS, 6)
 
 
@@ -31,20 +35,21 @@ def drive_runs(p, profile, commands, row_time, parts, nodes, x0=0.0):
     q, u, hold = rover.settle(x0)
     a = np.zeros_like(u)
     turned = np.zeros(u.shape[:-1] + (2,))
-    states, slopes = [], {}
+    states, slopes, time, at = [], {}, [0.0], []
     command = np.zeros_like(turned)
     for row in range(len(commands)):
-        for part in parts if row else ():
+        for part in () if row == 0 else FIRST if row <= FIRST_ROWS else parts:
             dt = part * row_time
+            time.append(time[-1] + dt)
             q, u, a, hold = rover.step(q, u, hold, command, dt, slopes)
             turned = turned + dt * command
             states.append(read(rover, q, u, hold, command, a, turned))
         if row == 0:
             states.append(read(rover, q, u, hold, command, a, turned))
+        at.append(len(states) - 1)
         command = commands[row]
         slopes.clear()
-    time = np.concatenate([[0.0], np.add.outer(np.arange(len(commands) - 1), np.cumsum(parts)).ravel()]) * row_time
-    return sensors(p, np.stack(states), time)[:: len(parts)]
+    return sensors(p, np.stack(states), np.array(time))[at]
 
 
 def read(rover, q, u, hold, command, acceleration, turned):
