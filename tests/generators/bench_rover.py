@@ -55,7 +55,7 @@ class RoverBench:
         one = np.stack([commands(a, b, self.rows, self.row_time) for a, b in zip(first, second)], axis=1)
         self.commands = np.repeat(one[..., None], 2, axis=-1)
         rng = np.random.default_rng([seed, 1])
-        self.extra = {"patch_from": 0.9, "patch_to": 1.5, "hump_at": 0.12, "hump_width": 0.03}
+        self.extra = {"patch_at": 1.2, "patch_half": 0.3, "hump_at": 0.12, "hump_width": 0.03}
         for _ in range(200):
             self.soil_name, self.soil = soils.draw(rng, VEHICLE["width"], firm=True)
             if self.climbs():

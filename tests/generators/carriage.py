@@ -29,9 +29,10 @@ def steady_points(p, load, slip, wheel_speed):
         place = ground.place_at(slip, velocity, sinkage, load)
         soil = ground.local_soil(p, place)
         # What slips is the true rim.
-        place["slip"] = contact.slip_of(velocity, soil["radius"] * wheel_speed)
+        place["slip"] = contact.slip_of(velocity, soil.get("true_radius", p["radius"]) * wheel_speed)
         soil = ground.local_soil(p, place)
-        return sinkage, place, contact.forces(soil, sinkage, velocity, wheel_speed)
+        rim = soil.get("true_radius", p["radius"]) * wheel_speed
+        return sinkage, place, contact.forces(soil, sinkage, velocity, rim / soil["radius"])
 
     sunk = at(high)[2][0] < load
     for _ in range(BISECTIONS):

@@ -75,7 +75,10 @@ def forces(soil, sinkage, velocity, spin, share=1.0, nodes=NODES):
     sigma = pressure(soil, depth, column)
     sigma = np.concatenate([sigma, sigma], axis=-1)
 
-    shear = radius_of_shear(soil, column) * (entry_ - theta - column(ratio) * (np.sin(entry_) - np.sin(theta)))
+    # Lugs shear the soil on a larger circle, which enters it earlier.
+    outer = soil.get("shear_radius", soil["radius"])
+    begin = column(np.arccos(np.clip(np.cos(entry) * soil["radius"] / outer, -1.0, 1.0))) if "shear_radius" in soil else entry_
+    shear = column(outer) * (begin - theta) - radius * column(ratio) * (np.sin(begin) - np.sin(theta))
     grown = 1.0 - np.exp(-np.abs(shear) / column(soil["shear_modulus"]))
     grown = np.where(column(sliding), -1.0, np.sign(shear) * grown)
     tau = shear_stress(soil, sigma, grown, column)
@@ -83,9 +86,10 @@ def forces(soil, sinkage, velocity, spin, share=1.0, nodes=NODES):
     sin, cos = np.sin(theta), np.cos(theta)
     area = soil["radius"] * soil["width"]
     carried = area * np.sum(d_theta * sigma * cos, axis=-1)
-    normal = carried + area * np.sum(d_theta * tau * sin, axis=-1)
-    pull = area * np.sum(d_theta * (tau * cos - sigma * sin), axis=-1)
-    torque = area * np.sum(d_theta * tau, axis=-1) * soil.get("torque_arm", soil["radius"])
+    sheared = soil["width"] * outer
+    normal = carried + sheared * np.sum(d_theta * tau * sin, axis=-1)
+    pull = sheared * np.sum(d_theta * tau * cos, axis=-1) - area * np.sum(d_theta * sigma * sin, axis=-1)
+    torque = sheared * outer * np.sum(d_theta * tau, axis=-1)
     touching = sinkage > 0.0
     zero = lambda x, sign=1.0: np.where(touching, sign * x, 0.0)
     return zero(normal), zero(pull, side), zero(torque, side), zero(carried)
@@ -96,11 +100,6 @@ def pressure(soil, depth, column):
     if "sinkage_factor" in soil:
         depth = depth / column(soil["sinkage_factor"])
     return column(soil["modulus"]) * depth ** column(soil["exponent"])
-
-
-def radius_of_shear(soil, column):
-    """Radius at which the soil is sheared: that of the lugs where there are any (Ding et al. 2011)."""
-    return column(soil.get("shear_radius", soil["radius"]))
 
 
 def shear_stress(soil, sigma, grown, column):

@@ -7,7 +7,7 @@ from ground import on
 REVERSAL = 0.01  # rad/s, over which dry friction changes its sign
 STRIBECK = 0.6  # rad/s
 COPPER = 0.0039  # 1/K
-MAGNET = 0.001  # 1/K, share that K_t loses
+MAGNET = 0.0011  # 1/K, share that K_t loses
 
 
 def motor_torque(p, rim_torque, speed):
@@ -55,16 +55,22 @@ def resistance(p, velocity, travelled):
     return force
 
 
-def windings(p, time):
-    """Factors on resistance and torque constant as the windings warm up; s is the final rise in 10 K."""
-    rise = 0.0 * np.asarray(time)
-    if (s := on(p, "winding_heat.warming")) is not None:
-        rise = rise + 10.0 * s * (1.0 - np.exp(-time / 15.0))
-    if (s := on(p, "winding_heat.constant")) is not None:
-        rise = rise + 10.0 * s
-    if (s := on(p, "winding_heat.ramp")) is not None:
-        rise = rise + 10.0 * s * time / 20.0
+def windings(p, time, loss):
+    """Factors on resistance and torque constant as the windings warm up; `loss` is R I^2 of each cold winding, W."""
+    rise = 0.0 * loss
+    if (s := on(p, "winding_heat.loss")) is not None:  # dT' = (R_th R I^2 - dT)/tau, s = R_th in K/W
+        rise = rise + warmed(time, s * loss, 100.0)
+    if (s := on(p, "winding_heat.ramp")) is not None:  # heated from outside as well (the sun): steadily, s K in 24 s
+        rise = rise + s * np.reshape(time, (-1,) + (1,) * (loss.ndim - 1)) / 24.0
     return 1.0 + COPPER * rise, 1.0 - MAGNET * rise
+
+
+def warmed(time, final, constant):
+    """First-order warming towards `final` (samples along axis 0)."""
+    rise = np.zeros_like(final)
+    for k in range(1, len(final)):
+        rise[k] = final[k] + (rise[k - 1] - final[k]) * np.exp(-(time[k] - time[k - 1]) / constant)
+    return rise
 
 
 def ripple(p, turned):

@@ -6,9 +6,8 @@ turns parameters and the place of a contact into what contact.forces sums; `adde
 
 import numpy as np
 
-RATE_SPEED = 0.1  # m/s, reference speed of the rate laws
-GRAVITY_OF_SOIL = 15e3  # N/m^3, unit weight of sand
-LUG_HEIGHT = 0.01  # m, of the radius forms of grousers
+RATE_SPEED = 0.01  # m/s, reference speed of the rate laws
+GRAVITY_OF_SOIL = 16e3  # N/m^3, unit weight of sand
 
 
 def on(p, key):
@@ -51,18 +50,20 @@ def local_soil(p, at):
 
 
 def radius(p, at, soil):
+    """The true radius, and the larger arc of a flexible wheel; both keep the sinkage that of the soil."""
     if (s := on(p, "radius_scale.scale")) is not None:
-        soil["radius"] = soil["radius"] * (1.0 + s)
+        soil["radius"] = soil["true_radius"] = soil["radius"] * (1.0 + s)
     # Worn on the tread: the width of the worn rim shrinks with it, a third as fast.
     if (s := on(p, "radius_scale.worn")) is not None:
-        soil["radius"] = soil["radius"] * (1.0 + s)
+        soil["radius"] = soil["true_radius"] = soil["radius"] * (1.0 + s)
         soil["width"] = soil["width"] * (1.0 + s / 3.0)
-    # A larger circle that touches along the flattened arc (Wong; after Schmid): deflection d = W/k_t at a sinkage z.
-    if (s := on(p, "flexible_wheel.circle")) is not None:
-        ratio = s * at["load"] / np.maximum(at["sinkage"], 1e-3)
-        soil["radius"] = soil["radius"] * (np.sqrt(1.0 + ratio) + np.sqrt(ratio)) ** 2
-    if (s := on(p, "flexible_wheel.load")) is not None:
-        soil["radius"] = soil["radius"] * (1.0 + s * at["load"])
+    # Deflection f = C W; the arc enters the soil where the round outline does: r* = r (z + f)/z.
+    if (s := on(p, "flexible_wheel.arc")) is not None:
+        soil["deflection"] = s * at["load"]
+        soil["radius"] = soil["radius"] * (1.0 + soil["deflection"] / np.maximum(at["sinkage"], 5e-4))
+    if (s := on(p, "flexible_wheel.load")) is not None:  # an effective radius that grows with the load, s/5 mm a 1e-4 m/N
+        soil["deflection"] = s * at["load"]
+        soil["radius"] = soil["radius"] * (1.0 + 0.5 * soil["deflection"] / 0.005)
 
 
 def slip_sinkage(p, at, soil):
@@ -83,20 +84,20 @@ def rebound(p, at, soil):
 
 
 def lugs(p, at, soil):
-    # Equivalent radius r + lambda h for everything that shears (Ding et al. 2011); s is lambda h over 1 cm.
-    if (s := on(p, "grousers.radius")) is not None:
-        soil["shear_radius"] = soil["radius"] + s * LUG_HEIGHT
-        soil["torque_arm"] = soil["radius"] + s * LUG_HEIGHT
-    # Bekker's surcharge of lugs of height h = s: c (1 + 2 h/b), tan phi (1 + 0.64 (h/b) acot(h/b)).
-    if (s := on(p, "grousers.bekker")) is not None:
-        ratio = np.maximum(s, 0.0) / p["width"]
-        soil["cohesion"] = soil["cohesion"] * (1.0 + 2.0 * ratio)
-        soil["tan_phi"] = soil["tan_phi"] * (1.0 + 0.64 * ratio * np.arctan2(1.0, ratio))
+    """Lugs of height h = s hold the soil between them: it is sheared at r + h (Ding et al. 2011)."""
+    for form in ("lugs", "radius"):
+        if (s := on(p, f"grousers.{form}")) is None:
+            continue
+        soil["shear_radius"] = soil["radius"] + s
+        if form == "lugs":  # and along their sides: Bekker's c (1 + 2 h/b), tan phi (1 + 0.64 (h/b) acot(h/b))
+            ratio = np.maximum(s, 0.0) / p["width"]
+            soil["cohesion"] = soil["cohesion"] * (1.0 + 2.0 * ratio)
+            soil["tan_phi"] = soil["tan_phi"] * (1.0 + 0.64 * ratio * np.arctan2(1.0, ratio))
 
 
 def rate(p, at, soil):
     entry = np.arccos(1.0 - np.clip(at["sinkage"] / p["radius"], 0.0, 1.0))
-    speed = np.maximum(at["speed"] * np.sin(entry), 1e-4) / RATE_SPEED
+    speed = np.maximum(at["speed"] * np.tan(0.5 * entry), 1e-4) / RATE_SPEED
     if (s := on(p, "rate.grahn")) is not None:  # p = k z^n v^m, v the penetration speed (Grahn 1991)
         soil["modulus"] = soil["modulus"] * speed**s
     if (s := on(p, "rate.logarithm")) is not None:
@@ -126,12 +127,11 @@ def multi_pass(p, at, soil):
 
 
 def soft_patch(p, at, soil):
-    if (s := on(p, "soft_patch.smooth")) is not None:
-        inside = 0.25 * (1.0 + np.tanh((at["x"] - p["patch_from"]) / 0.05)) * (1.0 - np.tanh((at["x"] - p["patch_to"]) / 0.05))
-        soil["modulus"] = soil["modulus"] * (1.0 - s * inside)
+    away = (at["x"] - p.get("patch_at", 0.0)) / p.get("patch_half", 1.0)
+    if (s := on(p, "soft_patch.window")) is not None:
+        soil["modulus"] = soil["modulus"] * (1.0 - s / (1.0 + away**4))
     if (s := on(p, "soft_patch.bell")) is not None:
-        middle, width = 0.5 * (p["patch_from"] + p["patch_to"]), 0.35 * (p["patch_to"] - p["patch_from"])
-        soil["modulus"] = soil["modulus"] * (1.0 - s * np.exp(-0.5 * ((at["x"] - middle) / width) ** 2))
+        soil["modulus"] = soil["modulus"] * (1.0 - s * np.exp(-0.7 * away**2))
 
 
 def slope_strength(p, at, angle):

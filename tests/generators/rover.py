@@ -97,9 +97,10 @@ class Rover:
         place = ground.place_at(nominal, along, p["radius"] - distance, load, angle, foot, passed, nominal[..., 1:2])
         soil = ground.local_soil(p, place)
         if soil["radius"] is not p["radius"]:
-            # A true radius other than the nominal one: sinkage and rim follow it.
-            place["sinkage"] = soil["radius"] - distance
-            turn = turn * soil["radius"] / p["radius"]
+            # A true radius other than the nominal one: sinkage and rim follow it; a flexible wheel descends further.
+            true = soil.get("true_radius", p["radius"])
+            place["sinkage"] = true - distance - soil.get("deflection", 0.0)
+            turn = turn * true / p["radius"]
             place["slip"] = contact.slip_of(travel, turn) * length
             soil = ground.local_soil(p, place)
         sinkage = place["sinkage"]
@@ -109,7 +110,7 @@ class Rover:
         normal = np.where(
             sinkage > 0.0, np.maximum(normal - p["damping"] * smooth(sinkage / DAMPING_DEPTH) * up, 0.0), 0.0
         )
-        slip = contact.slip_of(along, soil["radius"] * spin)
+        slip = contact.slip_of(along, soil.get("true_radius", p["radius"]) * spin)
         return normal, pull, torque, (arm_x, arm_z, cos, sin), (memory, sinkage, slip, spin)
 
     def acceleration(self, q, u, hold, command, held):

@@ -78,7 +78,8 @@ def sensors(p, states, time):
     body, torque, sinkage = states[..., :3].copy(), states[..., 3:5], states[..., 5:7]
     speed, turned = states[..., 7:9], states[..., 9:11]
     motor = drive.motor_torque(per_wheel, torque, speed) + drive.ripple(per_wheel, turned)
-    heat, magnet = drive.windings(per_wheel, clock)
+    cold = p["resistance"] * (motor / (p["gear"] * p["torque_constant"])) ** 2
+    heat, magnet = drive.windings(per_wheel, time, cold)
     current = motor / (p["gear"] * p["torque_constant"] * magnet)
     power = np.sum(p["resistance"] * heat * current**2, axis=-1, keepdims=True)
     shown = drive.recorded_torque(per_wheel, motor)
