@@ -17,6 +17,8 @@ DETECTABLE = 5.0  # standard deviations
 TIE = 0.8  # cosine from which two effects are an honest tie
 STEP = 1e-3  # of a soil parameter, relative
 SEARCHES = 8  # strengths tried
+REFITS = 2
+SMALL_SHIFT = 0.01  # of a soil parameter, relative, for which the projection is exact enough
 
 
 class Detector:
@@ -31,7 +33,8 @@ class Detector:
         self.deviation = noise_level * bench.size(clean)
         self.weight = np.sqrt(replicates) * noise.whitener(clean.shape[1] - bench.skip)
         soil_part = [self.white(y - clean) / STEP for y in changed[: len(soil)]]
-        self.basis = orthonormal(np.stack(soil_part, axis=1))
+        self.slopes = np.stack(soil_part, axis=1)
+        self.basis = orthonormal(self.slopes)
         self.signatures = [self.free(self.white(y - clean)) for y in changed[len(soil) :]]
 
     def with_noise(self, level):
@@ -40,6 +43,7 @@ class Detector:
         factor = level / self.level
         other.level, other.deviation = level, self.deviation * factor
         other.signatures = [s / factor for s in self.signatures]
+        other.slopes = self.slopes / factor
         return other
 
     def white(self, difference):
@@ -102,7 +106,21 @@ class Detector:
         return self.bench.simulate([{form.key: s} for s in strengths])
 
     def signature(self, signals):
-        return self.free(self.white(signals - self.clean))
+        """What is left of the difference to the clean signals after the soil is refitted to it: Gauss-Newton steps with the
+        slopes at the true soil while they are large and help, the rest by projection."""
+        left = self.white(signals - self.clean)
+        best, shift = self.free(left), np.zeros(len(CALIBRATED))
+        for _ in range(REFITS):
+            step = np.linalg.lstsq(self.slopes, left, rcond=1e-7)[0] if np.all(np.isfinite(left)) else np.zeros_like(shift)
+            if np.max(np.abs(step)) < SMALL_SHIFT:
+                break
+            shift = np.clip(shift + step, -0.5, 0.5)
+            soil = {name: self.bench.soil[name] * (1.0 + s) for name, s in zip(CALIBRATED, shift)}
+            left = self.white(signals - self.bench.simulate([soil], coarse=True)[0])
+            if not np.all(np.isfinite(left)) or np.linalg.norm(self.free(left)) >= np.linalg.norm(best):
+                break
+            best = self.free(left)
+        return best
 
     def alike(self, signature):
         """Cosine of this signature with that of every rival, {case: cosine}, and the rivals that one cannot see at all."""
