@@ -1,0 +1,128 @@
+"""The rover bench: a soil, and runs over planes up and down and over hills, with two masses and changing speeds."""
+
+import numpy as np
+
+import carriage
+import contact
+import soils
+import terrain
+import traverse
+from rover import VEHICLE
+
+# Slope of the plane (deg), height and length of the hills (m), added mass (kg), first and second wheel speed (rad/s).
+FULL = (
+    (0.0, 0.08, 2.0, 0.0, 1.5, 3.0),
+    (0.0, 0.08, 2.0, 3.0, 3.0, 1.5),
+    (8.0, 0.0, 1.0, 0.0, 3.0, 1.5),
+    (8.0, 0.0, 1.0, 3.0, 1.5, 2.2),
+    (-8.0, 0.0, 1.0, 0.0, 1.5, 2.2),
+    (-8.0, 0.0, 1.0, 3.0, 3.0, 1.5),
+)
+REDUCED = (FULL[0], FULL[2], FULL[5], FULL[1])
+POOR = ((0.0, 0.0, 1.0, 0.0, 2.0, 2.0),)
+TIMES = {"full": (24.0, 0.2), "reduced": (9.0, 0.1)}  # s a run, s a row
+PARTS = {"full": (0.05, 0.1, 0.2, 0.3, 0.35), "reduced": (0.1, 0.2, 0.3, 0.4)}  # steps from row to row
+COARSE = (0.3, 0.7)  # while signatures are compared
+REPLICATES = {"full": 3, "reduced": 2}
+RISE = 2.0  # s, over which a speed is reached
+SKIP = 0.6  # s at the start of a run, where contacts break loose: recorded, but not counted as detectable
+LEAST_WAY = 0.25  # of what the rims roll: a rover that slips more is stuck
+DEEPEST = 0.05  # m, sinkage: beyond it the belly comes near the ground
+NODES = 8  # a zone while signatures are compared
+
+
+def commands(first, second, rows, row_time):
+    """Wheel speed row by row: up from rest over two seconds, to the second speed at 45 % and back half way at 75 %."""
+    time = row_time * np.arange(rows)
+    rise = lambda start: np.clip((time - start) / RISE, 0.0, 1.0)
+    end = time[-1]
+    return first * rise(-row_time) + (second - first) * (rise(0.45 * end) - 0.5 * rise(0.75 * end))
+
+
+class RoverBench:
+    kind = "traverse"
+    signals = traverse.SIGNALS
+
+    def __init__(self, seed, size="full", poor=False):
+        self.size_name, self.replicates = size, REPLICATES[size]
+        self.duration, self.row_time = TIMES[size]
+        self.conditions = POOR if poor else FULL if size == "full" else REDUCED
+        self.skip = round(SKIP / self.row_time)
+        self.rows = round(self.duration / self.row_time) + 1
+        slope, height, length, added, first, second = np.array(self.conditions).T
+        self.slope, self.height, self.length = np.tan(np.radians(slope)), height, length
+        self.mass = VEHICLE["mass"] + added
+        one = np.stack([commands(a, b, self.rows, self.row_time) for a, b in zip(first, second)], axis=1)
+        self.commands = np.repeat(one[..., None], 2, axis=-1)
+        rng = np.random.default_rng([seed, 1])
+        self.extra = {"patch_at": 1.2, "patch_half": 0.3, "hump_at": 0.12, "hump_width": 0.03}
+        for _ in range(200):
+            self.soil_name, self.soil = soils.draw(rng, VEHICLE["width"], firm=True)
+            if self.climbs():
+                return
+        raise RuntimeError("no soil carries the rover over these slopes")
+
+    def climbs(self):
+        """Whether a wheel under half of the heaviest rover climbs the steepest slope with less than 45 % slip."""
+        load = 0.5 * self.mass.max() * VEHICLE["gravity"]
+        rise = max(np.max(self.slope), np.max(np.pi * self.height / self.length), 0.0)
+        pull, *_ = carriage.steady_points({**VEHICLE, **self.soil}, load, 0.45, 2.0)
+        return bool(pull > load * rise)
+
+    def way(self):
+        """What the rims roll, m."""
+        return VEHICLE["radius"] * self.row_time * self.commands[:, :, 0].sum(axis=0)
+
+    def simulate(self, changes, coarse=False, parts=None):
+        """Clean signals for each dict of changed parameters: (change, run, row, signal); NaN in runs that get stuck.
+
+        `coarse` takes larger steps and fewer nodes, for differences between simulations."""
+        runs, tries = len(self.conditions), len(changes)
+        nodes = NODES if coarse else contact.NODES
+        parts = parts or (COARSE if coarse else PARTS[self.size_name])
+        repeat = lambda value: np.tile(value, tries)
+        p = {**VEHICLE, **self.soil, **self.extra, "mass": repeat(self.mass)}
+        for name in {name for change in changes for name in change}:
+            p[name] = np.repeat([change.get(name, self.soil.get(name, 0.0)) for change in changes], runs)
+        profile = terrain.Profile(repeat(self.slope), repeat(self.height), repeat(self.length))
+        orders = np.tile(self.commands, (1, tries, 1))
+        with np.errstate(all="ignore"):
+            y = traverse.drive_runs(p, profile, orders, self.row_time, parts, nodes)
+        stuck = ~(y[-1, :, 0] > LEAST_WAY * repeat(self.way())) | np.any(y[..., 7:9] > DEEPEST, axis=(0, 2))
+        y[:, stuck] = np.nan
+        return y.reshape(self.rows, tries, runs, -1).transpose(1, 2, 0, 3)
+
+    def size(self, clean):
+        """RMS of each signal over the experiment."""
+        return np.sqrt(np.mean(clean**2, axis=(0, 1)))
+
+    def parameters(self):
+        return {}
+
+    def write(self, folder, runs):
+        """Writes the CSV files; `runs` is (group, replicate, signals). Gives the lines of experiment.toml."""
+        lines, grounds = [], {}
+        (folder / "runs").mkdir(parents=True, exist_ok=True)
+        time = self.row_time * np.arange(self.rows)
+        profile = terrain.Profile(self.slope, self.height, self.length)
+        for group, replicate, measured in runs:
+            slope, height, length, added, first, second = self.conditions[group]
+            label = f"slope{slope:g}_hill{100 * height:g}_add{added:g}_speed{first:g}_{second:g}"
+            ground = f"slope{slope:g}_hill{100 * height:g}.csv"
+            if ground not in grounds and (slope or height):
+                x, z = profile.rows(group, -2.0, self.way().max() + 2.0)
+                rows = ["x,z"] + [f"{a:.4f},{b:.9f}" for a, b in zip(x, z)]
+                (folder / ground).write_text("\n".join(rows) + "\n", encoding="ascii", newline="\n")
+                grounds[ground] = True
+            rows = [",".join(("time", "wheel[1].speed_command", "wheel[2].speed_command") + self.signals)]
+            for t, (rear, front), values in zip(time, self.commands[:, group], measured):
+                cells = [f"{v:.{traverse.DECIMALS[name]}f}" for name, v in zip(self.signals, values)]
+                rows.append(",".join([f"{t:.3f}", f"{rear:.6g}", f"{front:.6g}"] + cells))
+            name = f"runs/{label}_{'abcdef'[replicate]}.csv"
+            (folder / name).write_text("\n".join(rows) + "\n", encoding="ascii", newline="\n")
+            lines += ["", "[[run]]", f'file = "{name}"', f'group = "{label}"', "x0 = 0.0"]
+            if slope or height:
+                lines.append(f'terrain = "{ground}"')
+            if added:
+                lines.append(f'parameters = {{ "rover.mass" = {VEHICLE["mass"] + added:g} }}')
+        return lines

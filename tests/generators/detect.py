@@ -1,0 +1,146 @@
+"""How strong a hidden effect must be to be seen, and what it can be confused with.
+
+The signature of an effect is what it changes in the clean signals. Whitened with the true noise and freed of everything
+that the calibrated soil parameters can take up (their sensitivities by finite differences), its length is the number of
+standard deviations by which the effect stands out: 5 give 80 % power at p = 0.01 corrected for the candidates, and a test
+asks for at least 1.5 times that. The cosine of two such signatures says how alike two effects are.
+"""
+
+import copy
+
+import numpy as np
+
+import noise
+from soils import CALIBRATED
+
+DETECTABLE = 5.0  # standard deviations
+TIE = 0.8  # cosine from which two effects are an honest tie
+STEP = 1e-3  # of a soil parameter, relative
+SEARCHES = 8  # strengths tried
+REFITS = 2
+SMALL_SHIFT = 0.01  # of a soil parameter, relative, for which the projection is exact enough
+
+
+class Detector:
+    """Signatures at one bench (rig, soil, conditions). `bench.simulate` takes a list of changed parameters."""
+
+    def __init__(self, bench, noise_level, replicates, rivals):
+        self.bench, self.rivals, self.level = bench, rivals, noise_level
+        soil = [{name: bench.soil[name] * (1.0 + STEP)} for name in CALIBRATED]
+        effects = [{f.key: f.probe} for f in rivals]
+        clean, *changed = bench.simulate([{}] + soil + effects, coarse=True)
+        self.clean = clean
+        self.deviation = noise_level * bench.size(clean)
+        self.weight = np.sqrt(replicates) * noise.whitener(clean.shape[1] - bench.skip)
+        soil_part = [self.white(y - clean) / STEP for y in changed[: len(soil)]]
+        self.slopes = np.stack(soil_part, axis=1)
+        self.basis = orthonormal(self.slopes)
+        self.signatures = [self.free(self.white(y - clean)) for y in changed[len(soil) :]]
+
+    def with_noise(self, level):
+        """The same bench under another level of noise."""
+        other = copy.copy(self)
+        factor = level / self.level
+        other.level, other.deviation = level, self.deviation * factor
+        other.signatures = [s / factor for s in self.signatures]
+        other.slopes = self.slopes / factor
+        return other
+
+    def white(self, difference):
+        """Whitened and flat; runs, rows, signals in."""
+        return np.einsum("ij,gjs->gis", self.weight, difference[:, self.bench.skip :] / self.deviation).ravel()
+
+    def free(self, signature):
+        """Without what the soil parameters take up."""
+        return signature - self.basis @ (self.basis.T @ signature)
+
+    def strength_at(self, form, sign, target, other=None):
+        """The strength whose signature is `target` deviations long, and the length reached: less where the bound of the
+        form comes first, or the rig no longer runs. `other` is a second effect's signature that may vary freely too.
+        """
+        tried = {}
+
+        def length(size):
+            if size not in tried:
+                signals = self.effect(form, sign * size)
+                tried[size] = float(np.linalg.norm(self.without(self.signature(signals), other)))
+            return tried[size]
+
+        runs, at = 0.0, form.probe
+        limit = form.bound
+        for _ in range(SEARCHES):
+            reached = length(at)
+            if not np.isfinite(reached):
+                limit = at  # the rig does not run there
+                at = 0.5 * (runs + at)
+                continue
+            runs = max(runs, at)
+            if abs(reached / target - 1.0) < 0.02 or (reached < target and at > 0.99 * limit):
+                break
+            at = min(at * self.factor(tried, at, reached, target), limit if limit == form.bound else 0.5 * (runs + limit))
+        best = min((size for size in tried if np.isfinite(tried[size])), key=lambda size: abs(tried[size] - target), default=None)
+        if best is None:
+            raise ValueError(f"{form.key}: the rig does not run even with {sign * at:.3g}")
+        return sign * best, tried[best]
+
+    def factor(self, tried, at, reached, target):
+        """By how much to change the strength: the length is nearly a power of it."""
+        other = [size for size in tried if size != at and np.isfinite(tried[size]) and tried[size] > 0.0]
+        power = 1.0
+        if other and reached > 0.0:
+            near = min(other, key=lambda size: abs(np.log(size / at)))
+            power = np.log(tried[near] / reached) / np.log(near / at)
+        return float(np.clip((target / max(reached, 1e-9)) ** (1.0 / np.clip(power, 0.5, 4.0)), 1e-3, 1e2))
+
+    def effect(self, form, strength):
+        """Signals with one effect; NaN where the rig does not run."""
+        return self.bench.simulate([{form.key: strength}], coarse=True)[0]
+
+    def without(self, signature, other):
+        if other is None:
+            return signature
+        return signature - other * (other @ signature) / (other @ other)
+
+    def effects(self, form, strengths):
+        """Signals at several strengths; NaN where the soil no longer carries the wheel."""
+        return self.bench.simulate([{form.key: s} for s in strengths])
+
+    def signature(self, signals):
+        """What is left of the difference to the clean signals after the soil is refitted to it: Gauss-Newton steps with the
+        slopes at the true soil while they are large and help, the rest by projection."""
+        left = self.white(signals - self.clean)
+        best, shift = self.free(left), np.zeros(len(CALIBRATED))
+        for _ in range(REFITS):
+            step = np.linalg.lstsq(self.slopes, left, rcond=1e-7)[0] if np.all(np.isfinite(left)) else np.zeros_like(shift)
+            if np.max(np.abs(step)) < SMALL_SHIFT:
+                break
+            shift = np.clip(shift + step, -0.5, 0.5)
+            soil = {name: self.bench.soil[name] * (1.0 + s) for name, s in zip(CALIBRATED, shift)}
+            left = self.white(signals - self.bench.simulate([soil], coarse=True)[0])
+            if not np.all(np.isfinite(left)) or np.linalg.norm(self.free(left)) >= np.linalg.norm(best):
+                break
+            best = self.free(left)
+        return best
+
+    def alike(self, signature):
+        """Cosine of this signature with that of every rival, {case: cosine}, and the rivals that one cannot see at all."""
+        length = np.linalg.norm(signature)
+        cosines = {}
+        for form, rival in zip(self.rivals, self.signatures):
+            size = np.linalg.norm(rival)
+            cosines[form.case] = float(rival @ signature / (size * length)) if size > 0.0 and length > 0.0 else 0.0
+        return cosines
+
+
+def orthonormal(columns):
+    """Orthonormal basis of the columns; directions that nothing depends on are left out."""
+    size = np.linalg.norm(columns, axis=0)
+    columns = columns[:, size > 0.0] / size[size > 0.0]
+    left, values, _ = np.linalg.svd(columns, full_matrices=False)
+    return left[:, values > 1e-7 * values[0]]
+
+
+def ties(cosines, case, signed):
+    """Cases that count as right when they are named or tied: their signature cannot be told from the hidden one."""
+    alike = lambda name, c: abs(c) if name in signed else c
+    return sorted(name for name, c in cosines.items() if name != case and alike(name, c) > TIE)

@@ -1,0 +1,172 @@
+#!/usr/bin/env python3
+"""Makes an experiment with something hidden in it, and a file that tells what.
+
+    python3 tests/generators/hidden.py --kind single_wheel --case slip_sinkage --form lyasko --noise 0.02 --seed 17 FOLDER
+
+FOLDER gets experiment.toml, the CSV files and truth.json: case, form, strength, its size in standard deviations, what it may
+be confused with. `--case a+b` hides two effects, `--case clean` none. See README.md here. Needs numpy only.
+"""
+
+import argparse
+import json
+import pathlib
+import sys
+import zlib
+
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+import cases  # noqa: E402
+import noise as noises  # noqa: E402
+from bench_wheel import WheelBench  # noqa: E402
+from detect import DETECTABLE, Detector, ties  # noqa: E402
+
+REPLICATES = 3
+
+
+def make_bench(kind, seed, size, poor):
+    if kind == cases.WHEEL:
+        return WheelBench(seed, poor)
+    from bench_rover import RoverBench
+
+    return RoverBench(seed, size, poor)
+
+
+def hidden_forms(kind, case, form):
+    if case == "clean" or case in cases.CAUTION:
+        return []
+    names, forms = case.split("+"), (form or "").split("+")
+    forms += [""] * (len(names) - len(forms))
+    return [cases.find(kind, name, f or None) for name, f in zip(names, forms)]
+
+
+def choose(detector, forms, rng, multiple):
+    """Strengths of the hidden effects: from 1.5 times the smallest detectable to what is usual, drawn in logarithms."""
+    chosen = []
+    for k, form in enumerate(forms):
+        sign = float(rng.choice([-1.0, 1.0])) if form.signed else 1.0
+        # The partner of a pair may take up what it can: its signature at typical strength is free as well.
+        other = None
+        if len(forms) == 2:
+            partner = forms[1 - k]
+            other = detector.signature(detector.effect(partner, 0.2 * partner.typical))
+        wanted = 1.02 * DETECTABLE * (multiple if multiple else 1.5)  # the search meets it to 2 %
+        strength, reached = detector.strength_at(form, sign, wanted, other)
+        signals, least = detector.effect(form, strength), abs(strength)
+        if not multiple and least < form.typical:
+            share = rng.uniform()
+            for _ in range(4):  # weaker where the rig does not run
+                wished = sign * least ** (1.0 - share) * form.typical**share
+                stronger = detector.effect(form, wished)
+                if np.all(np.isfinite(stronger)):
+                    strength, signals = wished, stronger
+                    break
+                share *= 0.5
+        signature = detector.signature(signals)
+        reached = float(np.linalg.norm(detector.without(signature, other)))
+        chosen.append((form, strength, reached, signature))
+    return chosen
+
+
+def describe(detector, chosen):
+    signed = {f.case for f in cases.FORMS if f.signed}
+    effects = []
+    for form, strength, reached, signature in chosen:
+        cosines = detector.alike(signature)
+        effects.append(
+            {
+                "case": form.case,
+                "form": form.form,
+                "library_form": form.library,
+                "outside": form.outside,
+                "strength": strength,
+                "deviations": reached,
+                "visible": bool(reached >= 1.5 * DETECTABLE * 0.999),
+                "allowed_ties": ties(cosines, form.case, signed),
+                "cosines": {name: round(c, 4) for name, c in sorted(cosines.items(), key=lambda kv: -abs(kv[1]))},
+            }
+        )
+    return effects
+
+
+def make(folder, kind, case, form=None, level=0.02, seed=17, multiple=None, size="full", detector=None):
+    """Writes the experiment and returns the truth. `level` 0 gives clean signals."""
+    folder = pathlib.Path(folder)
+    poor = case == "poor"
+    bench = detector.bench if detector else make_bench(kind, seed, size, poor)
+    replicates = 1 if case in ("noise_half", "noise_double") else REPLICATES if kind == cases.WHEEL else bench.replicates
+    rng = np.random.default_rng([seed, 2, zlib.crc32(f"{case}/{form}/{level}".encode())])
+    forms = hidden_forms(kind, case, form)
+    if case == "poor":
+        forms = [cases.find(kind, "slip_sinkage")]
+    chosen, strengths = [], {}
+    if forms:
+        detector = detector or Detector(bench, level or 0.02, replicates, cases.library(kind))
+        chosen = choose(detector, forms, rng, multiple)
+        strengths = {f.key: strength for f, strength, *_ in chosen}
+    clean = bench.simulate([strengths])[0]
+    deviation = level * bench.size(clean)
+    groups, rows, signals = clean.shape
+    error = noises.draw(rng, groups * replicates, rows, signals) * deviation
+    runs = [(g, r, clean[g] + error[g * replicates + r]) for g in range(groups) for r in range(replicates)]
+    folder.mkdir(parents=True, exist_ok=True)
+    truth = {
+        "kind": kind,
+        "case": case,
+        "size": size,
+        "noise": level,
+        "seed": seed,
+        "effects": describe(detector, chosen) if chosen else [],
+        "soil": {f"soil.{name}": value for name, value in bench.soil.items()},
+        "soil_name": bench.soil_name,
+        "deviation": dict(zip(bench.signals, map(float, deviation))),
+    }
+    write_settings(folder, bench, truth, case, rng, bench.write(folder, runs))
+    text = json.dumps(truth, indent=1, sort_keys=True)
+    (folder / "truth.json").write_text(text + "\n", encoding="ascii", newline="\n")
+    return truth
+
+
+def write_settings(folder, bench, truth, case, rng, run_lines):
+    parameters, priors, stated = dict(bench.parameters()), {}, {}
+    if case == "wrong_prior":
+        # A separate test of a soil parameter that is off by five of its own standard deviations.
+        name = str(rng.choice(["soil.friction_angle", "soil.cohesion", "soil.exponent"]))
+        true = truth["soil"][name]
+        share = {"soil.friction_angle": 0.03, "soil.cohesion": 0.1, "soil.exponent": 0.03}[name]
+        sign = float(rng.choice([-1.0, 1.0]))
+        parameters[name], priors[name] = true * (1.0 + 5.0 * sign * share), true * share
+        truth["wrong_prior"] = {"parameter": name, "deviations": 5.0 * sign}
+    factor = {"noise_half": 0.5, "noise_double": 2.0}.get(case)
+    if factor:
+        stated = {name: factor * value for name, value in truth["deviation"].items()}
+    lines = [f'name = "seed {truth["seed"]}"', f'kind = "{bench.kind}"', "", "[parameters]"]
+    lines += [f'"{name}" = {value!r}' for name, value in parameters.items()]
+    for title, table in (("priors", priors), ("noise", stated)):
+        if table:
+            lines += ["", f"[{title}]"] + [f'"{name}" = {float(f"{value:.6g}")!r}' for name, value in table.items()]
+    text = "\n".join(["# Made by tests/generators/hidden.py; do not edit."] + lines + run_lines)
+    (folder / "experiment.toml").write_text(text + "\n", encoding="ascii", newline="\n")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--kind", choices=(cases.WHEEL, cases.ROVER), default=cases.WHEEL)
+    parser.add_argument("--case", default="clean", help="an effect, two joined by +, clean, wrong_prior, noise_half, noise_double, poor")
+    parser.add_argument("--form", help="form of the effect(s), joined by + for a pair; default: the library's")
+    parser.add_argument("--noise", type=float, default=0.02, help="share of a signal's RMS; 0 is none")
+    parser.add_argument("--seed", type=int, default=17)
+    parser.add_argument("--multiple", type=float, help="of the smallest detectable strength; default: drawn, at least 1.5")
+    parser.add_argument("--size", choices=("full", "reduced"), default="full", help="of a traverse experiment")
+    parser.add_argument("folder", metavar="FOLDER")
+    a = parser.parse_args()
+    truth = make(a.folder, a.kind, a.case, a.form, a.noise, a.seed, a.multiple, a.size)
+    for effect in truth["effects"]:
+        seen = "" if effect["visible"] else " (this experiment cannot see it)"
+        tied = f"; may be taken for {', '.join(effect['allowed_ties'])}" if effect["allowed_ties"] else ""
+        print(f"{effect['case']}.{effect['form']} = {effect['strength']:.4g}: {effect['deviations']:.1f} deviations{seen}{tied}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,225 @@
+"""Checks of the generators against facts in closed form and against themselves. `python3 -m pytest tests/generators`."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+import bench_rover  # noqa: E402
+import bench_wheel  # noqa: E402
+import carriage  # noqa: E402
+import cases  # noqa: E402
+import contact  # noqa: E402
+import detect  # noqa: E402
+import ground  # noqa: E402
+import hidden  # noqa: E402
+import noise  # noqa: E402
+import rover  # noqa: E402
+import single_wheel  # noqa: E402
+import soils  # noqa: E402
+import terrain  # noqa: E402
+import traverse  # noqa: E402
+
+# A hundredth of the smallest noise that is ever added (2 % of a signal).
+QUADRATURE = 2e-4
+RIG = {"radius": 0.1, "width": 0.12}
+
+
+def parameters(**changes):
+    return {**rover.VEHICLE, **soils.thesis(), **changes}
+
+
+def forces(sinkage, velocity, spin, **changes):
+    p = parameters(**changes)
+    arrays = [np.array([v], float) for v in (sinkage, velocity, spin)]
+    place = ground.place_at(contact.slip_of(arrays[1], p["radius"] * arrays[2]), arrays[1], arrays[0], 50.0)
+    return [float(f[0]) for f in contact.forces(ground.local_soil(p, place), *arrays)]
+
+
+def test_analytic_frictionless_soil_pushes_towards_the_axle():
+    # Without shear the stress is radial: no torque, and N, DP are integrals of the pressure alone. With n = 1 and the
+    # peak near the bottom the front zone gives them in closed form.
+    entry = 0.5
+    sinkage = 0.1 * (1.0 - np.cos(entry))
+    normal, pull, torque, _ = forces(sinkage, 0.1, 2.0, cohesion=0.0, friction_angle=0.0, c1=0.05, c2=0.0)
+    peak = 0.05 * entry
+    k, r, b = 850e3, 0.1, 0.15
+    wedge = lambda a: 0.5 * a + 0.25 * np.sin(2 * a) - np.cos(entry) * np.sin(a)  # of (cos - cos entry) cos
+    shove = lambda a: -0.25 * np.cos(2 * a) + np.cos(entry) * np.cos(a)  # of (cos - cos entry) sin
+    front_normal = r * b * k * r * (wedge(entry) - wedge(peak))
+    front_pull = -r * b * k * r * (shove(entry) - shove(peak))
+    # The rear zone, a twentieth of the contact, carries at its mean stress: sigma runs through the same values.
+    mean = np.mean(np.cos(np.linspace(peak, entry, 20001)) - np.cos(entry))
+    rear_normal = r * b * k * r * mean * peak
+    assert torque == 0.0
+    assert normal == pytest.approx(front_normal + rear_normal, rel=1e-3)
+    assert pull == pytest.approx(front_pull, rel=1e-2)
+
+
+def test_analytic_full_slip_on_purely_cohesive_soil():
+    # Spinning on the spot with K -> 0 mobilises c everywhere: T = r^2 b c (theta_1 - theta_2).
+    entry = 0.6
+    _, _, torque, _ = forces(0.1 * (1 - np.cos(entry)), 0.0, 2.0, friction_angle=0.0, shear_modulus=1e-7)
+    assert torque == pytest.approx(0.1**2 * 0.15 * 1000.0 * entry, rel=1e-3)
+
+
+def test_agreement_with_the_slow_wheel():
+    # single_wheel.py sums 2000 midpoints a zone and bisects point by point.
+    sand = single_wheel.SAND
+    p = {**RIG, "cohesion": sand["c"], "friction_angle": sand["phi"], "k_phi": sand["k_c"] / 0.12 + sand["k_phi"]}
+    p |= {"exponent": sand["n"], "shear_modulus": sand["K"], "c1": 0.4, "c2": 0.2, "slip_sinkage.ding": np.array(0.35)}
+    slow = np.array([single_wheel.steady_point(40.0, i) for i in single_wheel.SLIPS])
+    fast = carriage.steady_points(p, 40.0, np.array(single_wheel.SLIPS), 0.2)
+    assert np.max(np.abs(fast - slow) / np.max(np.abs(slow), axis=0)) < 1e-5
+
+
+def test_agreement_of_the_nodes_over_the_soils():
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        _, soil = soils.draw(rng, 0.12)
+        p = {**RIG, **soil}
+        sinkage, velocity = np.full(9, 0.015), 0.2 * (1.0 - np.array([-0.3, -0.1, -0.02, 0.0, 0.02, 0.1, 0.3, 0.6, 0.9]))
+        place = ground.place_at(1.0 - velocity / 0.2, velocity, sinkage, 40.0)
+        local = ground.local_soil(p, place)
+        few, many = (np.array(contact.forces(local, sinkage, velocity, np.full(9, 2.0), nodes=n)) for n in (contact.NODES, 400))
+        assert np.max(np.abs(few[:2] - many[:2])) < QUADRATURE * many[0].max()
+        assert np.max(np.abs(few[2] - many[2])) < QUADRATURE * many[0].max() * 0.1
+
+
+def test_property_mirrored_motion():
+    for velocity, spin in ((0.1, 2.0), (0.3, 2.0), (0.1, -1.0), (0.0, 1.0)):
+        n, d, t, _ = forces(0.01, velocity, spin)
+        mirrored = forces(0.01, -velocity, -spin)
+        assert mirrored[:3] == pytest.approx([n, -d, -t], rel=1e-12)
+
+
+@pytest.mark.parametrize("form", cases.FORMS, ids=lambda f: f.key)
+def test_property_each_form_is_neutral_at_zero_and_shows(form):
+    if cases.WHEEL in form.kinds:
+        bench = bench_wheel.WheelBench(3)
+        plain, zero, some = bench.simulate([{}, {form.key: 0.0}, {form.key: form.probe}])
+        assert np.array_equal(plain, zero)
+        assert not np.allclose(plain, some, rtol=1e-9, atol=0.0)
+
+
+def short_rover(seed=3, rows=25):
+    bench = bench_rover.RoverBench(seed, "reduced")
+    bench.rows, bench.commands = rows, bench.commands[:rows]
+    return bench
+
+
+def test_analytic_rest_carries_the_weight():
+    profile = terrain.Profile([0.0, 0.1], [0.0, 0.0], [1.0, 1.0])
+    vehicle = rover.Rover(parameters(), profile)
+    q, u, hold = vehicle.settle(0.0)
+    normal, pull, _, (_, _, cos, sin), _ = vehicle.touch(q, u, hold, np.zeros((2, 2)), 0.0)
+    weight = 10.0 * 9.81
+    assert (normal * cos + pull * sin).sum(-1) == pytest.approx([weight] * 2, rel=1e-6)
+    assert (pull * cos - normal * sin).sum(-1) == pytest.approx([0.0] * 2, abs=1e-5)
+    # Parked for a second it stays.
+    start, slopes = q.copy(), {}
+    for _ in range(25):
+        q, u, _, hold = vehicle.step(q, u, hold, np.zeros((2, 2)), 0.04, slopes)
+    assert np.max(np.abs(q - start)) < 1e-5
+
+
+def test_analytic_steady_climb_balances_the_slope():
+    # After a second at constant speed the pulls carry the slope's share of the weight (to what the speed still changes).
+    profile = terrain.Profile([0.1], [0.0], [1.0])
+    vehicle = rover.Rover(parameters(shear_modulus=0.01), profile)
+    q, u, hold = vehicle.settle(0.0)
+    slopes, command = {}, np.full((1, 2), 1.5)
+    for _ in range(100):
+        q, u, a, hold = vehicle.step(q, u, hold, command, 0.02, slopes)
+    normal, pull, *_ = vehicle.touch(q, u, hold, command, 0.0)
+    angle = np.arctan(0.1)
+    assert pull.sum() == pytest.approx(98.1 * np.sin(angle), rel=1e-3)
+    assert normal.sum() == pytest.approx(98.1 * np.cos(angle), rel=1e-3)
+
+
+def test_property_steps_have_converged():
+    bench = short_rover()
+    usual = bench.simulate([{}])[0]
+    fine = bench.simulate([{}], parts=(0.02, 0.05, 0.08) + (0.085,) * 10)[0]
+    size = bench.size(fine)
+    # A twentieth of the noise, apart from the first rows, where the rover starts to move.
+    assert np.max(np.abs(usual - fine)[:, 3:] / size) < 0.02
+    assert np.all(np.sqrt(np.mean((usual - fine) ** 2, axis=(0, 1))) < 0.002 * size)
+
+
+@pytest.mark.parametrize("form", [f for f in cases.FORMS if cases.WHEEL not in f.kinds], ids=lambda f: f.key)
+def test_property_each_form_of_the_rover_is_neutral_at_zero_and_shows(form):
+    bench = short_rover(rows=60)
+    plain, zero, some = bench.simulate([{}, {form.key: 0.0}, {form.key: form.probe}], coarse=True)
+    assert np.array_equal(plain, zero)
+    assert np.max(np.abs(plain - some) / bench.size(plain)) > 1e-6
+
+
+def test_property_foot_is_the_nearest_point():
+    profile = terrain.Profile([0.05], [0.08], [2.0])
+    centre = np.array([[0.7, 1.3]]), np.array([[0.2, 0.25]])
+    at, distance, *_ = profile.foot(*centre)
+    x = np.linspace(0.0, 2.0, 200001)
+    z = profile.rows(0, 0.0, 2.0)
+    heights = 0.05 * x + 0.04 * (1.0 - np.cos(np.pi * x))
+    for k in range(2):
+        all_distances = np.hypot(x - centre[0][0, k], heights - centre[1][0, k])
+        assert distance[0, k] == pytest.approx(all_distances.min(), abs=1e-8)
+        assert at[0, k] == pytest.approx(x[all_distances.argmin()], abs=2e-5)
+    assert np.all(np.diff(z[0]) > 0)
+
+
+def test_property_noise_has_its_covariance():
+    drawn = noise.draw(np.random.default_rng(1), 40000, 4, 1)[..., 0]
+    assert np.cov(drawn.T) == pytest.approx(noise.covariance(4), abs=0.03)
+    white = drawn @ noise.whitener(4).T
+    assert np.cov(white.T) == pytest.approx(np.eye(4), abs=0.03)
+
+
+def test_property_strength_is_as_asked(tmp_path):
+    for name in ("coulomb_friction", "slip_sinkage"):
+        truth = hidden.make(tmp_path, cases.WHEEL, name, None, 0.02, 5, multiple=2.0)
+        effect = truth["effects"][0]
+        assert effect["deviations"] == pytest.approx(10.2, rel=0.03)
+        assert effect["cosines"][name] > 0.99
+        assert json.loads((tmp_path / "truth.json").read_text())["effects"] == truth["effects"]
+
+
+def test_property_the_signature_is_what_a_fit_leaves():
+    # The soil refitted by Gauss-Newton steps leaves as many deviations as the linear projection says.
+    bench = bench_wheel.WheelBench(5)
+    detector = detect.Detector(bench, 0.02, 3, cases.library(cases.WHEEL))
+    form = cases.find(cases.WHEEL, "coulomb_friction")
+    strength, reached = detector.strength_at(form, 1.0, 10.0)
+    measured = bench.simulate([{form.key: strength}])[0]
+    soil = dict(bench.soil)
+    for _ in range(4):
+        changes = [soil] + [{**soil, name: soil[name] * 1.001} for name in soils.CALIBRATED]
+        y = [detector.white(measured - s) for s in bench.simulate(changes)]
+        slopes = np.stack([(y[0] - one) / 0.001 for one in y[1:]], axis=1)
+        step = np.linalg.lstsq(slopes, y[0], rcond=None)[0]
+        soil = {name: soil[name] * (1.0 + s) for name, s in zip(soils.CALIBRATED, step)}
+    assert np.linalg.norm(y[0]) == pytest.approx(reached, rel=0.05)
+
+
+def test_regress_same_seed_same_bytes(tmp_path):
+    for folder in ("a", "b"):
+        hidden.make(tmp_path / folder, cases.WHEEL, "slip_sinkage", "lyasko", 0.05, 9)
+    files = sorted(p.relative_to(tmp_path / "a") for p in (tmp_path / "a").rglob("*") if p.is_file())
+    assert len(files) == 20
+    assert all((tmp_path / "a" / f).read_bytes() == (tmp_path / "b" / f).read_bytes() for f in files)
+
+
+def test_regress_the_shipped_experiment_keeps_its_bytes(tmp_path):
+    single_wheel.write_experiment(tmp_path)
+    shipped = single_wheel.FOLDER
+    for path in [shipped / "experiment.toml", *(shipped / "runs").iterdir()]:
+        assert (tmp_path / path.relative_to(shipped)).read_bytes() == path.read_bytes()
+
+
+def test_property_signals_have_decimals_enough():
+    assert set(traverse.DECIMALS) == set(traverse.SIGNALS)

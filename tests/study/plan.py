@@ -1,0 +1,82 @@
+"""Which experiments a study consists of."""
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "generators"))
+
+import cases  # noqa: E402
+
+FIRST_SEED = {"development": 1000, "report": 5000}
+
+PAIRS = {
+    cases.WHEEL: (
+        "slip_sinkage+coulomb_friction",
+        "slip_sinkage+rate",
+        "rate+drag",
+        "exit_angle+viscous_friction",
+        "bulldozing+coulomb_friction",
+    ),
+    cases.ROVER: (
+        "multi_pass+coulomb_friction",
+        "slip_sinkage+centre_of_mass",
+        "soft_patch+drag",
+        "tether+pitch_bias",
+        "payload+viscous_friction",
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Job:
+    set_name: str
+    kind: str
+    size: str
+    case: str
+    form: str
+    noise: float
+    seed: int
+
+    @property
+    def name(self):
+        size = "" if self.kind == cases.WHEEL else f"_{self.size}"
+        return f"{self.set_name}_{self.kind}{size}_{self.case}_{self.form or 'none'}_{self.noise:g}_{self.seed}"
+
+
+def form_for(set_name, kind, case):
+    """The library's form for the development, another one of the literature for the report (where there is one)."""
+    parts = []
+    for one in case.split("+"):
+        known = [f for f in cases.FORMS if f.case == one and kind in f.kinds]
+        if not known:
+            return ""
+        others = [f for f in known if not f.library]
+        parts.append((others if set_name == "report" and others else known)[0].form)
+    return "+".join(parts)
+
+
+def all_cases(kind):
+    return ["clean", *cases.cases_of(kind), *PAIRS[kind], *cases.CAUTION]
+
+
+def jobs(set_name, kinds, size, wanted, noises, seeds, first_seed=None):
+    first = FIRST_SEED[set_name] if first_seed is None else first_seed
+    return [
+        Job(set_name, kind, size, case, form_for(set_name, kind, case), noise, seed)
+        for kind in kinds
+        for seed in range(first, first + seeds)
+        for case in (wanted or all_cases(kind))
+        if case in all_cases(kind)
+        for noise in noises
+    ]
+
+
+def quick():
+    """The small fixed part that CI runs: library forms, fixed seeds."""
+    wheel = ("clean", "slip_sinkage", "coulomb_friction", "drag", "rate", "hump")
+    made = [Job("development", cases.WHEEL, "full", c, form_for("development", cases.WHEEL, c), 0.02, 1000) for c in wheel]
+    rover = ("multi_pass",)
+    return made + [
+        Job("development", cases.ROVER, "reduced", c, form_for("development", cases.ROVER, c), 0.02, 1000) for c in rover
+    ]

@@ -1,0 +1,93 @@
+"""What a diagnosis is worth, given the truth: the rules of the study."""
+
+# A member of a tie whose signature is less alike than this is no honest tie: the tie is too broad to help.
+HONEST = 0.6
+CAUTION = ("wrong_prior", "noise_half", "noise_double", "poor")
+
+
+def named(result):
+    """Effects that the diagnosis names."""
+    return list(result.get("effects", [])) if result["verdict"] == "effect_missing" else []
+
+
+def tied(result):
+    """Everything that the diagnosis holds possible: what it names, the candidates that it marks as tied, and what it says
+    that the named ones are confused with."""
+    found = set(result.get("effects", []))
+    found |= {c["effect"] for c in result.get("candidates", []) if c.get("tied")}
+    for pair in result.get("confused_with", []):
+        if found & set(pair):
+            found |= set(pair)
+    return found
+
+
+def outcome(truth, result):
+    """One word. Good are right, right_tie and cautious; bad are wrong and false_alarm; the rest says too little."""
+    case, effects = truth["case"], truth["effects"]
+    if "error" in result:
+        return "error"
+    verdict = result["verdict"]
+    if case == "clean":
+        return "right" if verdict == "explained" else "false_alarm"
+    if case in CAUTION:
+        allowed = {e["case"] for e in effects}
+        return "wrong" if set(named(result)) - allowed else "cautious"
+    if not all(e["visible"] for e in effects):
+        true = {e["case"] for e in effects}
+        return "wrong" if set(named(result)) - true - tied_allowed(effects) else "cautious"
+    if all(e["outside"] for e in effects):
+        return {"unexplained": "right", "effect_missing": "wrong", "explained": "missed"}.get(verdict, "undecided")
+    return single(effects[0], result) if len(effects) == 1 else pair(effects, result)
+
+
+def tied_allowed(effects):
+    return {name for e in effects for name in e["allowed_ties"]}
+
+
+def single(effect, result):
+    true, verdict = effect["case"], result["verdict"]
+    if verdict == "effect_missing" and set(named(result)) == {true}:
+        return "right"
+    if verdict in ("effect_missing", "undetermined"):
+        possible = tied(result)
+        if true in possible and (verdict == "undetermined" or len(named(result)) == 1):
+            alike = {name for name, c in effect["cosines"].items() if abs(c) > HONEST}
+            return "right_tie" if possible - {true} <= alike else "broad_tie"
+    if verdict == "effect_missing":
+        return "extra" if true in named(result) else "wrong"
+    if verdict == "unexplained":
+        return "partial" if true in result.get("effects", []) else "unexplained"
+    return "missed" if verdict == "explained" else "undecided"
+
+
+def pair(effects, result):
+    true, verdict = {e["case"] for e in effects}, result["verdict"]
+    if verdict == "effect_missing" and set(named(result)) == true:
+        return "right"
+    allowed = true | tied_allowed(effects)
+    if verdict in ("effect_missing", "undetermined") and true <= tied(result) and set(result["effects"]) <= allowed:
+        return "right_tie"
+    if verdict == "effect_missing":
+        if set(named(result)) - allowed:
+            return "wrong"
+        return "one_of_two" if set(named(result)) & true else "wrong"
+    if verdict == "unexplained":
+        return "partial" if set(result.get("effects", [])) & true else "unexplained"
+    return "missed" if verdict == "explained" else "undecided"
+
+
+def removed_share(truth, result):
+    """Share of the removable held-out error (over the true noise, in squares, signals pooled) that the last step removed.
+
+    None where nothing was added or less than half of the noise variance was removable.
+    """
+    steps = result.get("steps", [])
+    if len(steps) < 2 or not truth["effects"]:
+        return None
+    first, last = steps[0].get("heldout_rmse", {}), steps[-1].get("heldout_rmse", {})
+    gone = removable = 0.0
+    for signal, noise in truth["deviation"].items():
+        if noise > 0.0 and first.get(signal) is not None and last.get(signal) is not None:
+            gone += (first[signal] ** 2 - last[signal] ** 2) / noise**2
+            removable += max(first[signal] ** 2 / noise**2 - 1.0, 0.0)
+    return gone / removable if removable > 0.5 else None

@@ -1,0 +1,158 @@
+#!/usr/bin/env python3
+"""The study of diagnoses on hidden effects: makes experiments, has them diagnosed, scores what was said.
+
+    python3 tests/study/study.py --bekker target/release/bekker --set development --seeds 50 --out FOLDER
+
+Thresholds are chosen on `--set development` (the library's forms, seeds from 1000), frozen, and reported once on
+`--set report` (other forms of the literature, seeds from 5000). Results that exist in FOLDER are kept: the study goes on
+where it stopped. `--quick` is the small fixed part for CI; it fails where a case is wrong. Needs numpy only.
+"""
+
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict
+from pathlib import Path
+
+for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(variable, "1")
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+import plan  # noqa: E402
+import table  # noqa: E402
+
+import cases  # noqa: E402  (plan puts the generators on the path)
+import hidden  # noqa: E402
+from detect import Detector  # noqa: E402
+
+LONGEST = 3600.0  # s, of one diagnosis
+
+
+def make(job, folder, detectors):
+    """Writes the experiment of a job; the detector of a bench serves all its cases."""
+    detector = None
+    if job.case != "clean" and job.case not in cases.CAUTION:
+        key = (job.kind, job.size, job.seed)
+        if key not in detectors:
+            detectors.clear()
+            bench = hidden.make_bench(job.kind, job.seed, job.size, False)
+            replicates = hidden.REPLICATES if job.kind == cases.WHEEL else bench.replicates
+            detectors[key] = Detector(bench, job.noise, replicates, cases.library(job.kind))
+        detector = detectors[key].with_noise(job.noise)
+    return hidden.make(folder, job.kind, job.case, job.form or None, job.noise, job.seed, size=job.size, detector=detector)
+
+
+def diagnose(bekker, extra, folder, threads):
+    """The diagnosis as a dict; {"error": ..} where there is none."""
+    output = folder / "diagnosis.json"
+    environment = os.environ | {"RAYON_NUM_THREADS": str(threads)}
+    command = [bekker, "diagnose", str(folder), "--json", str(output), *extra]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=LONGEST, env=environment)
+    except subprocess.TimeoutExpired:
+        return {"error": f"longer than {LONGEST:.0f} s"}
+    if done.returncode != 0 or not output.exists():
+        return {"error": (done.stderr or done.stdout).strip()[-500:] or f"exit code {done.returncode}"}
+    return json.loads(output.read_text(encoding="utf-8"))
+
+
+def run_bench(bench_jobs, arguments):
+    """All jobs of one bench, one after the other; writes one result file a job."""
+    detectors = {}
+    for job in bench_jobs:
+        folder, result_file = arguments.scratch / job.name, arguments.out / "results" / f"{job.name}.json"
+        started = time.perf_counter()
+        try:
+            truth = make(job, folder, detectors)
+        except (ValueError, RuntimeError) as error:
+            print(f"{job.name}: not made: {error}", flush=True)
+            continue
+        made = time.perf_counter()
+        result = diagnose(arguments.bekker, arguments.extra, folder, arguments.threads)
+        record = {"name": job.name, "job": asdict(job), "truth": truth, "result": result}
+        record |= {"seconds": round(time.perf_counter() - made, 3), "seconds_made": round(made - started, 3)}
+        partial = result_file.with_suffix(".part")
+        partial.write_text(json.dumps(record, indent=1), encoding="utf-8")
+        partial.replace(result_file)
+        if not arguments.keep:
+            shutil.rmtree(folder)
+    return len(bench_jobs)
+
+
+def run(jobs, arguments):
+    (arguments.out / "results").mkdir(parents=True, exist_ok=True)
+    done = {path.stem for path in (arguments.out / "results").glob("*.json")}
+    left = [job for job in jobs if job.name not in done]
+    benches = {}
+    for job in left:
+        benches.setdefault((job.kind, job.size, job.seed), []).append(job)
+    print(f"{len(jobs)} experiments, {len(jobs) - len(left)} of them done before", flush=True)
+    started, finished = time.perf_counter(), 0
+    with ProcessPoolExecutor(arguments.jobs) as pool:
+        for future in as_completed([pool.submit(run_bench, some, arguments) for some in benches.values()]):
+            finished += future.result()
+            spent = time.perf_counter() - started
+            print(f"{finished}/{len(left)}, {spent / 60:.1f} min, about {spent / finished * (len(left) - finished) / 60:.0f} left", flush=True)
+
+
+def report(jobs, arguments):
+    wanted = {job.name for job in jobs}
+    paths = sorted((arguments.out / "results").glob("*.json"))
+    records = [json.loads(path.read_text(encoding="utf-8")) for path in paths if path.stem in wanted]
+    table.evaluate(records)
+    title = "Quick study" if arguments.quick else f"Study of diagnoses, set `{arguments.set}`"
+    (arguments.out / "study.md").write_text(table.markdown(records, title), encoding="utf-8")
+    (arguments.out / "study.json").write_text(json.dumps(records, indent=1), encoding="utf-8")
+    table.write_csv(records, arguments.out / "study.csv")
+    print("\n".join(table.summary(records)))
+    print(f"wrote {arguments.out / 'study.md'}, study.csv, study.json")
+    return records
+
+
+def parse():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--bekker", default="bekker", help="the program to test")
+    parser.add_argument("--set", choices=tuple(plan.FIRST_SEED), default="development")
+    parser.add_argument("--kind", choices=(cases.WHEEL, cases.ROVER, "both"), default=cases.WHEEL)
+    parser.add_argument("--size", choices=("full", "reduced"), default="reduced", help="of a traverse experiment")
+    parser.add_argument("--cases", help="only these, separated by commas")
+    parser.add_argument("--seeds", type=int, default=50)
+    parser.add_argument("--noise", type=float, nargs="+", default=[0.02, 0.05])
+    parser.add_argument("--jobs", type=int, default=2, help="experiments at a time")
+    parser.add_argument("--threads", type=int, default=1, help="threads of one diagnosis")
+    parser.add_argument("--out", type=Path, default=Path("study-results"))
+    parser.add_argument("--scratch", type=Path, help="for the experiments; default: OUT/experiments")
+    parser.add_argument("--keep", action="store_true", help="keep the experiments")
+    parser.add_argument("--report-only", action="store_true", help="score what is there")
+    parser.add_argument("--quick", action="store_true", help="the fixed part for CI")
+    parser.add_argument("extra", nargs="*", help="after --: further arguments of `bekker diagnose`")
+    arguments = parser.parse_args()
+    arguments.scratch = arguments.scratch or arguments.out / "experiments"
+    return arguments
+
+
+def main():
+    arguments = parse()
+    if arguments.quick:
+        jobs = plan.quick()
+    else:
+        kinds = (cases.WHEEL, cases.ROVER) if arguments.kind == "both" else (arguments.kind,)
+        wanted = arguments.cases.split(",") if arguments.cases else None
+        jobs = plan.jobs(arguments.set, kinds, arguments.size, wanted, arguments.noise, arguments.seeds)
+    if not arguments.report_only:
+        run(jobs, arguments)
+    records = report(jobs, arguments)
+    if arguments.quick:
+        failed = [r for r in records if r["outcome"] not in table.GOOD]
+        for r in failed:
+            print(f"{r['name']}: {r['outcome']}: {r['result'].get('error') or r['result'].get('verdict')} {r['result'].get('effects', '')}")
+        sys.exit(1 if failed or len(records) < len(jobs) else 0)
+
+
+if __name__ == "__main__":
+    main()

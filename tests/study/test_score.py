@@ -1,0 +1,68 @@
+"""The rules of scoring, on made-up diagnoses. `python3 -m pytest tests/study`."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+import score  # noqa: E402
+import table  # noqa: E402
+
+
+def effect(case, ties=(), outside=False, visible=True):
+    cosines = {case: 1.0, **dict.fromkeys(ties, 0.9)}
+    return {"case": case, "allowed_ties": list(ties), "outside": outside, "visible": visible, "cosines": cosines}
+
+
+def said(verdict, *effects, tied=(), confused=()):
+    candidates = [{"effect": name, "tied": True} for name in tied]
+    return {"verdict": verdict, "effects": list(effects), "candidates": candidates, "confused_with": [list(c) for c in confused]}
+
+
+CASES = [
+    ("clean", [], said("explained"), "right"),
+    ("clean", [], said("effect_missing", "drag"), "false_alarm"),
+    ("clean", [], said("undetermined"), "false_alarm"),
+    ("a", [effect("a")], said("effect_missing", "a"), "right"),
+    ("a", [effect("a")], said("effect_missing", "b"), "wrong"),
+    ("a", [effect("a")], said("effect_missing", "a", "b"), "extra"),
+    ("a", [effect("a", ["b"])], said("effect_missing", "b"), "wrong"),
+    ("a", [effect("a", ["b"])], said("effect_missing", "b", tied=("a", "b")), "right_tie"),
+    ("a", [effect("a", ["b"])], said("effect_missing", "b", confused=[("a", "b")]), "right_tie"),
+    ("a", [effect("a", ["b"])], said("undetermined", tied=("a", "b")), "right_tie"),
+    ("a", [effect("a")], said("undetermined", tied=("a", "b", "c")), "broad_tie"),
+    ("a", [effect("a")], said("undetermined", tied=("b", "c")), "undecided"),
+    ("a", [effect("a")], said("unexplained", "a"), "partial"),
+    ("a", [effect("a")], said("explained"), "missed"),
+    ("a", [effect("a", visible=False)], said("explained"), "cautious"),
+    ("a", [effect("a", visible=False)], said("effect_missing", "b"), "wrong"),
+    ("hump", [effect("hump", outside=True)], said("unexplained", "drag"), "right"),
+    ("hump", [effect("hump", outside=True)], said("effect_missing", "drag"), "wrong"),
+    ("a+b", [effect("a"), effect("b")], said("effect_missing", "b", "a"), "right"),
+    ("a+b", [effect("a"), effect("b")], said("effect_missing", "a"), "one_of_two"),
+    ("a+b", [effect("a"), effect("b")], said("effect_missing", "a", "c"), "wrong"),
+    ("wrong_prior", [], said("effect_missing", "a"), "wrong"),
+    ("wrong_prior", [], said("unexplained"), "cautious"),
+    ("poor", [effect("a")], said("undetermined", tied=("a", "b")), "cautious"),
+    ("a", [effect("a")], {"error": "no diagnosis"}, "error"),
+]
+
+
+@pytest.mark.parametrize("case, effects, result, expected", CASES)
+def test_property_outcome(case, effects, result, expected):
+    assert score.outcome({"case": case, "effects": effects}, result) == expected
+
+
+def test_analytic_removed_share():
+    truth = {"effects": [effect("a")], "deviation": {"x": 1.0}}
+    step = lambda rmse: {"heldout_rmse": {"x": rmse}}
+    assert score.removed_share(truth, {"steps": [step(3.0), step(1.0)]}) == pytest.approx(1.0)
+    assert score.removed_share(truth, {"steps": [step(3.0), step(5.0**0.5)]}) == pytest.approx(0.5)
+    assert score.removed_share(truth, {"steps": [step(1.1), step(1.0)]}) is None
+
+
+def test_published_wilson_interval():
+    # Newcombe 1998, Statistics in Medicine 17: 81 of 263 gives 0.2553 .. 0.3662.
+    assert table.wilson(81, 263) == pytest.approx((0.2553, 0.3662), abs=5e-5)
