@@ -241,6 +241,7 @@ fn experiment() -> Experiment {
     runs[2].measured = vec!["wheel[2].torque".to_owned(), "velocity".to_owned()];
     runs[3].parameters.insert("rover.mass".to_owned(), 12.0);
     Experiment {
+        effects: Vec::new(),
         name: "drives".to_owned(),
         kind: Kind::Traverse,
         folder: "drives".into(),
