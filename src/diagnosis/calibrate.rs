@@ -102,7 +102,7 @@ pub(crate) fn calibrate(weighted: &Weighted, weights: &BTreeMap<String, f64>, ef
     let free = weighted.free;
     let residual = |u: &[f64]| weighted.residual(u);
     let jacobian = |u: &[f64]| weighted.jacobian(u);
-    let problem = least_squares(free, &residual, &jacobian);
+    let problem = least_squares(weighted, &residual, &jacobian);
     let starts = starts(&problem, free, effort);
     search(weighted, &problem, &starts, weights)
 }
@@ -115,19 +115,19 @@ pub(crate) fn calibrate_from(
 ) -> Option<Calibration> {
     let residual = |u: &[f64]| weighted.residual(u);
     let jacobian = |u: &[f64]| weighted.jacobian(u);
-    let problem = least_squares(weighted.free, &residual, &jacobian);
+    let problem = least_squares(weighted, &residual, &jacobian);
     let starts: Vec<Vec<f64>> =
         starts.iter().map(|values| weighted.coordinates(values)).filter(|u| problem.cost_at(u).is_finite()).collect();
     search(weighted, &problem, &starts, weights)
 }
 
 fn least_squares<'a>(
-    free: &[Free],
+    weighted: &Weighted,
     residual: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
     jacobian: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
 ) -> LeastSquares<'a> {
-    let (lower, upper) = free.iter().map(Free::bounds).unzip();
-    LeastSquares { lower, upper, residual, jacobian }
+    let (lower, upper) = weighted.free.iter().map(Free::bounds).unzip();
+    LeastSquares { lower, upper, tolerance: weighted.predict.tolerance(), residual, jacobian }
 }
 
 fn search(
@@ -146,7 +146,7 @@ fn search(
 pub(crate) fn settled(weighted: &Weighted, weights: &BTreeMap<String, f64>, values: &[f64]) -> Option<Calibration> {
     let residual = |u: &[f64]| weighted.residual(u);
     let jacobian = |u: &[f64]| weighted.jacobian(u);
-    let problem = least_squares(weighted.free, &residual, &jacobian);
+    let problem = least_squares(weighted, &residual, &jacobian);
     let x = weighted.coordinates(values);
     let cost = Some(problem.cost_at(&x)).filter(|cost| cost.is_finite())?;
     Some(finished(weighted, &problem, Minimum { x, cost, steps: 0, converged: true }, weights))

@@ -11,9 +11,6 @@ use basin::{
 };
 use std::convert::Infallible;
 
-/// Share by which the cost may still fall between accepted steps when the search stops.
-const COST_TOLERANCE: f64 = 1e-12;
-
 /// Share by which the point may still move between accepted steps when the search stops.
 const STEP_TOLERANCE: f64 = 1e-10;
 
@@ -28,6 +25,8 @@ pub(crate) struct LeastSquares<'a> {
     pub upper: Vec<f64>,
     /// Residuals; infinite where the model has no answer.
     pub residual: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
+    /// Share by which the cost may still fall between accepted steps when the search stops.
+    pub tolerance: f64,
     /// Jacobian of the residuals, row by row.
     pub jacobian: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
 }
@@ -52,7 +51,7 @@ impl LeastSquares<'_> {
     /// Searches from `start`, which must have a finite cost; `None` where the bounds are not an interval each.
     pub fn minimise(&self, start: &[f64]) -> Option<Minimum> {
         let solver = TrustRegionReflective::new()
-            .with_relative_cost_change_tolerance(COST_TOLERANCE)
+            .with_relative_cost_change_tolerance(self.tolerance)
             .with_relative_step_tolerance(STEP_TOLERANCE);
         let result = Executor::from_start(Borrowed(self), solver, start.to_vec()).max_iter(MAX_STEPS).run().ok()?;
         let converged = !matches!(

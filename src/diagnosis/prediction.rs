@@ -86,6 +86,11 @@ pub(crate) trait Predict: Sync {
     /// The modelled values and, for each free parameter, their derivatives in it.
     fn slopes(&self, free: &[f64]) -> Result<(Vec<f64>, Vec<Vec<f64>>), PredictionError>;
 
+    /// Share of the cost below which a further fall of it means nothing to a fit.
+    fn tolerance(&self) -> f64 {
+        1e-12
+    }
+
     /// How [`slopes`](Predict::slopes) obtains the derivatives.
     fn derivatives(&self) -> Derivatives {
         Derivatives::Exact

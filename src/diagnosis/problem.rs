@@ -9,11 +9,15 @@ use super::layout::Layout;
 use super::prediction::{Predict, PredictionError, SingleWheelPrediction};
 use super::single_wheel::Rig;
 use super::traverse::TraversePrediction;
-use crate::measurement::{Experiment, Kind};
-use crate::model::Model;
+use crate::measurement::{Experiment, Kind, Run};
+use crate::model::{ControlKind, Model};
 use bekker_modeldescription::{Lookup, Parameters, Role, Variable};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+
+/// Inner step of a diagnosis where rows allow it, s, and how far off its grid a row may lie, in steps.
+const COARSE: f64 = 0.005;
+const ON_GRID: f64 = 1e-3;
 
 /// An effect that is not in the baseline, with its free parameters at their neutral values.
 #[derive(Clone, Debug)]
@@ -75,6 +79,24 @@ impl<'a> Problem<'a> {
             base,
             library: kept,
         })
+    }
+
+    /// Steps traverses as coarsely as their rows allow, up to 5 ms, where the model's own step is finer: on waves and
+    /// ditches that changes torques by under 1 mN m and sinkage by 4 um, far below any measurement, and a diagnosis
+    /// simulates the experiment hundreds of times. Drives with their own loop keep their step.
+    pub fn coarsen(&mut self) {
+        let on_grid = |run: &Run| {
+            let time = run.data.column("time").unwrap_or_default();
+            time.iter().all(|t| {
+                let steps = (t - time[0]) / COARSE;
+                (steps - steps.round()).abs() < ON_GRID
+            })
+        };
+        if self.experiment.kind == Kind::Traverse && self.experiment.runs.iter().all(on_grid) {
+            for model in self.models.iter_mut().filter(|model| model.control.kind != ControlKind::SpeedLoop) {
+                model.stepping.step_size = model.stepping.step_size.max(COARSE);
+            }
+        }
     }
 
     /// Keeps only the candidates named.

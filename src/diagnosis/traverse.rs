@@ -184,6 +184,11 @@ fn place(mut model: Model, run: &Measured) -> Result<Model, PredictionError> {
 }
 
 impl Predict for TraversePrediction<'_> {
+    /// Hundredths of a unit of chi-square: a search costs seconds, and rounding of the runs is amplified on rough ground.
+    fn tolerance(&self) -> f64 {
+        1e-6
+    }
+
     fn values(&self, free: &[f64]) -> Result<Vec<f64>, PredictionError> {
         let mut values = vec![f64::NAN; self.layout.len()];
         for (run, trace) in self.runs.iter().zip(map_in_order(&self.runs, |run| self.trace(run, free))) {

@@ -66,11 +66,12 @@ impl Condition {
     }
 }
 
-/// Columns in the layout's order, each nonzero in one signal only.
-pub(crate) fn columns(experiment: &Experiment, layout: &Layout) -> Vec<Vec<f64>> {
+/// Columns in the layout's order, each nonzero in one signal only. Position and pitch are taken from the model: measured
+/// ones share the noise of what is to be explained.
+pub(crate) fn columns(experiment: &Experiment, layout: &Layout, modelled: &[f64]) -> Vec<Vec<f64>> {
     let shapes = match experiment.kind {
         Kind::SingleWheel => steady_shapes(experiment),
-        Kind::Traverse => traverse_shapes(experiment),
+        Kind::Traverse => traverse_shapes(experiment, layout, modelled),
     };
     let mut columns = Vec::new();
     for signal in experiment.signals() {
@@ -89,14 +90,18 @@ pub(crate) fn columns(experiment: &Experiment, layout: &Layout) -> Vec<Vec<f64>>
 
 /// Smooth functions of the conditions alone, by run and row, with which the strength of an effect may vary while it
 /// remains the same effect in another form.
-pub(crate) fn modulations(experiment: &Experiment) -> Vec<Vec<Vec<f64>>> {
+pub(crate) fn modulations(experiment: &Experiment, layout: &Layout, modelled: &[f64]) -> Vec<Vec<Vec<f64>>> {
     let columns: &[&str] = match experiment.kind {
         Kind::SingleWheel => &["slip", "load", "wheel_speed"],
         Kind::Traverse => &["pitch", "time"],
     };
     let mut shapes = Vec::new();
     for name in columns {
-        let Some(condition) = recorded(experiment, name) else { continue };
+        let condition = match *name {
+            "pitch" => along_model(experiment, layout, modelled, name),
+            _ => recorded(experiment, name),
+        };
+        let Some(condition) = condition else { continue };
         shapes.push(product(experiment, &|run, row| condition.scaled(run, row)));
         if *name == "slip" || *name == "pitch" {
             shapes.push(product(experiment, &|run, row| condition.scaled(run, row).powi(2)));
@@ -124,6 +129,14 @@ fn recorded(experiment: &Experiment, name: &str) -> Option<Condition> {
     Condition::new(experiment, &|_, run| run.data.column(name).map(<[f64]>::to_vec))
 }
 
+/// A signal as the model gives it, where it was measured.
+fn along_model(experiment: &Experiment, layout: &Layout, modelled: &[f64], name: &str) -> Option<Condition> {
+    Condition::new(experiment, &|k, _| {
+        let block = layout.of_run(k).find(|block| block.signal == name)?;
+        Some(modelled[block.range.clone()].to_vec())
+    })
+}
+
 /// Slip in hats, and its first powers times load and speed.
 fn steady_shapes(experiment: &Experiment) -> Vec<Shape> {
     let slip = recorded(experiment, "slip");
@@ -143,11 +156,20 @@ fn steady_shapes(experiment: &Experiment) -> Vec<Shape> {
             }
         }
     }
+    run_order(experiment, &mut shapes);
     shapes
 }
 
+/// A drift over the list of runs.
+fn run_order(experiment: &Experiment, shapes: &mut Vec<Shape>) {
+    if let Some(order) = Condition::new(experiment, &|k, run| Some(vec![k as f64; run.data.rows()])) {
+        shapes.push(product(experiment, &|run, row| order.scaled(run, row)));
+        shapes.push(product(experiment, &|run, row| order.scaled(run, row).powi(2)));
+    }
+}
+
 /// Hats over time, position, pitch and commanded speed, the place in the list of runs, and one turn of a wheel.
-fn traverse_shapes(experiment: &Experiment) -> Vec<Shape> {
+fn traverse_shapes(experiment: &Experiment, layout: &Layout, modelled: &[f64]) -> Vec<Shape> {
     let mut shapes = Vec::new();
     let elapsed = |run: &Run| {
         let time = run.data.column("time")?;
@@ -156,18 +178,14 @@ fn traverse_shapes(experiment: &Experiment) -> Vec<Shape> {
     let command = |run: &Run| run.data.column(run.inputs.first()?).map(<[f64]>::to_vec);
     let conditions = [
         Condition::new(experiment, &|_, run| elapsed(run)),
-        recorded(experiment, "x"),
-        recorded(experiment, "pitch"),
+        along_model(experiment, layout, modelled, "x"),
+        along_model(experiment, layout, modelled, "pitch"),
         Condition::new(experiment, &|_, run| command(run)),
     ];
     for condition in conditions.iter().flatten() {
         hats(experiment, condition, &mut shapes);
     }
-    let order = Condition::new(experiment, &|k, run| Some(vec![k as f64; run.data.rows()]));
-    if let Some(order) = &order {
-        shapes.push(product(experiment, &|run, row| order.scaled(run, row)));
-        shapes.push(product(experiment, &|run, row| order.scaled(run, row).powi(2)));
-    }
+    run_order(experiment, &mut shapes);
     let angles: Option<Vec<Vec<f64>>> = experiment.runs.iter().map(wheel_angle).collect();
     if let Some(angles) = angles {
         shapes.push(product(experiment, &|run, row| angles[run][row].sin()));

@@ -2,7 +2,6 @@
 
 use super::bootstrap::p_value;
 use super::control::{Control, Progress};
-use super::discrepancy;
 use super::held_out::{Fold, HeldOut, folds, held_out};
 use super::prepare::{Prepared, prepare};
 use super::report_parts as parts;
@@ -33,12 +32,15 @@ pub struct DiagnoseOptions {
 
 impl Default for DiagnoseOptions {
     fn default() -> Self {
-        Self { candidates: None, added: Vec::new(), max_effects: 3, draws: 499 }
+        Self { candidates: None, added: Vec::new(), max_effects: 3, draws: 399 }
     }
 }
 
 /// A rival is refitted in the place of an effect from this cosine of signatures.
 const WORTH_A_SWAP: f64 = 0.5;
+
+/// Single effects that compete on left-out data: the best fits; the others gain nothing worth predicting.
+const COMPETING_SINGLES: usize = 6;
 
 /// Pairs beside the chosen ones that compete in the probabilities.
 const COMPETING_PAIRS: usize = 3;
@@ -60,13 +62,13 @@ pub fn diagnose(
     if let Some(candidates) = &options.candidates {
         problem.keep_candidates(candidates)?;
     }
+    problem.coarsen();
     let clock = Clock { control };
     clock.tell("calibrating the baseline", 0.0);
     let prepared = prepare(&mut problem)?;
     let problem = problem;
     let whitening = prepared.noise.whitening(&problem, &|_, _| true).ok_or(CompareError::NoFit)?;
-    let modulations = discrepancy::modulations(experiment);
-    let mut search = search(&problem, &prepared, &whitening, &modulations, options, control);
+    let mut search = search(&problem, &prepared, &whitening, options, control);
     search.fits.insert(&[], prepared.baseline.clone());
     clock.tell("what noise alone would give", 0.15);
     let stage = search.stage(&[])?.ok_or(CompareError::NoFit)?;
@@ -104,7 +106,6 @@ fn search<'a>(
     problem: &'a Problem<'a>,
     prepared: &'a Prepared,
     whitening: &'a Whitening,
-    modulations: &'a [Vec<Vec<f64>>],
     options: &DiagnoseOptions,
     control: &'a Control<'a>,
 ) -> Search<'a> {
@@ -114,7 +115,7 @@ fn search<'a>(
         whitening,
         repeats: prepared.repeats.as_ref(),
         flexible: &prepared.flexible,
-        modulations,
+        modulations: &prepared.modulations,
         draws: options.draws,
     };
     Search { problem, noise: &prepared.noise, ground, control, fits: Fits::default() }
@@ -209,7 +210,9 @@ fn best_pair(
 /// Left-out predictions of the baseline, the fitted singles, the chosen sets and a few competing pairs.
 fn all_held_out(search: &Search, folds: &[Fold], chosen: &[String]) -> BTreeMap<Vec<String>, HeldOut> {
     let mut sets: Vec<Vec<String>> = vec![Vec::new()];
-    sets.extend(search.fits.of(1).map(|(set, _)| set.clone()));
+    let mut singles: Vec<&Vec<String>> = search.fits.of(1).map(|(set, _)| set).collect();
+    singles.sort_by(|a, b| search.net_gain(b).total_cmp(&search.net_gain(a)));
+    sets.extend(singles.into_iter().take(COMPETING_SINGLES).cloned());
     sets.extend((2..=chosen.len()).map(|count| chosen[..count].to_vec()));
     let mut pairs: Vec<&Vec<String>> = search.fits.of(2).map(|(set, _)| set).collect();
     pairs.sort_by(|a, b| search.net_gain(b).total_cmp(&search.net_gain(a)));

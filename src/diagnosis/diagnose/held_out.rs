@@ -188,6 +188,6 @@ fn linear_optimum(
         (0..rows).map(|i| triangle[(i, n)] + (0..n).map(|k| triangle[(i, k)] * (v[k] - u[k])).sum::<f64>()).collect()
     };
     let jacobian = |_: &[f64]| (0..rows * n).map(|at| triangle[(at / n, at % n)]).collect();
-    let problem = LeastSquares { lower, upper, residual: &at, jacobian: &jacobian };
+    let problem = LeastSquares { lower, upper, tolerance: 1e-10, residual: &at, jacobian: &jacobian };
     Some(problem.minimise(u)?.x)
 }

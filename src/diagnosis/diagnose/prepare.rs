@@ -28,6 +28,8 @@ pub(crate) struct Prepared {
     pub source: FloorSource,
     pub baseline: Calibration,
     pub flexible: Vec<Vec<f64>>,
+    /// Smooth functions of the conditions by which the strength of an effect may vary, by run and row.
+    pub modulations: Vec<Vec<Vec<f64>>>,
     pub invisible: Vec<String>,
     pub cautions: Vec<String>,
 }
@@ -39,19 +41,19 @@ pub(crate) fn prepare(problem: &mut Problem) -> Result<Prepared, CompareError> {
         return Err(CompareError::TooFewMeasurements { values, free: problem.base.len() });
     }
     let repeats = Repeats::new(&problem.experiment);
-    let flexible = discrepancy::columns(&problem.experiment, &problem.layout);
     let mut cautions = Vec::new();
     let measured = problem.layout.measured.clone();
     let mut noise = Noise { models: first_guess(problem, &repeats, &measured), robust: None };
     let first = run(problem, &noise, &problem.task(&[], Vec::new())).ok_or_else(|| no_start(problem))?;
-    let mut residual = residual(problem, &first)?;
+    let predicted = modelled(problem, &first)?;
+    let residual = minus(&measured, &predicted);
+    let flexible = discrepancy::columns(&problem.experiment, &problem.layout, &predicted);
+    let modulations = discrepancy::modulations(&problem.experiment, &problem.layout, &predicted);
     noise.models = from_repeats(problem, &repeats, &residual, &flexible, &mut cautions);
     noise.robust = Some(threshold(problem, &noise, &residual));
     let again = problem.task(&[], vec![first.values()]);
     let baseline = run(problem, &noise, &again).ok_or_else(|| no_start(problem))?;
-    residual = self::residual(problem, &baseline)?;
-    let modelled: Vec<f64> = measured.iter().zip(&residual).map(|(y, e)| y - e).collect();
-    let floors = noise_floors(&problem.experiment, &problem.layout, &modelled);
+    let floors = noise_floors(&problem.experiment, &problem.layout, &modelled(problem, &baseline)?);
     let invisible = prune(problem, &baseline.values())?;
     let source =
         floors.values().map(NoiseFloor::source).max_by_key(|source| *source as u8).unwrap_or(FloorSource::Unknown);
@@ -69,6 +71,7 @@ pub(crate) fn prepare(problem: &mut Problem) -> Result<Prepared, CompareError> {
         source,
         baseline: Calibration { searches: first.searches, agreeing: first.agreeing, ..baseline },
         flexible,
+        modulations,
         invisible,
         cautions,
     })
@@ -82,10 +85,14 @@ fn no_start(problem: &Problem) -> CompareError {
     }
 }
 
-/// Measured minus modelled, in the layout's order.
-fn residual(problem: &Problem, fit: &Calibration) -> Result<Vec<f64>, CompareError> {
-    let modelled = problem.predict(&problem.base, |predict| predict.values(&fit.values()))??;
-    Ok(problem.layout.measured.iter().zip(&modelled).map(|(y, m)| y - m).collect())
+/// What the calibrated baseline gives, in the layout's order.
+fn modelled(problem: &Problem, fit: &Calibration) -> Result<Vec<f64>, CompareError> {
+    Ok(problem.predict(&problem.base, |predict| predict.values(&fit.values()))??)
+}
+
+/// Measured minus modelled.
+fn minus(measured: &[f64], modelled: &[f64]) -> Vec<f64> {
+    measured.iter().zip(modelled).map(|(y, m)| y - m).collect()
 }
 
 /// Noise before any fit: repeats, else what is stated, else the signal's own scatter.

@@ -14,10 +14,11 @@ use std::collections::BTreeSet;
 const SEED: u64 = 1998;
 const DRAWS: usize = 2000;
 
-/// Weights of models from their log predictive densities by fold.
-pub(crate) fn weights(densities: &[&[f64]]) -> Vec<f64> {
+/// Weights of models from their log predictive densities by fold and their prior probabilities.
+pub(crate) fn weights(densities: &[&[f64]], priors: &[f64]) -> Vec<f64> {
     let mut sums = vec![0.0; densities.len()];
     for_each_reweighting(densities, &mut |totals| {
+        let totals: Vec<f64> = totals.iter().zip(priors).map(|(total, prior)| total + prior.ln()).collect();
         let most = totals.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let shares: Vec<f64> = totals.iter().map(|total| (total - most).exp()).collect();
         let all: f64 = shares.iter().sum();

@@ -24,6 +24,10 @@ use std::collections::BTreeMap;
 /// number of candidates.
 pub(crate) const DETECTABLE: f64 = 5.0;
 
+/// Prior probability that the baseline is enough, and that something else than any candidate is missing.
+const PRIOR_ENOUGH: f64 = 0.5;
+const PRIOR_OTHER: f64 = 0.1;
+
 /// A finished search.
 pub(crate) struct Inputs<'a> {
     pub search: &'a Search<'a>,
@@ -247,7 +251,11 @@ fn probabilities(inputs: &Inputs) -> (Share, BTreeMap<String, f64>) {
     let other = something_else(search.problem, noise, &difference, base, &prepared.flexible, inputs.folds);
     let mut densities: Vec<&[f64]> = inputs.held.values().map(|held| held.density.as_slice()).collect();
     densities.extend(other.as_deref());
-    let weights = weights(&densities);
+    // A candidate at its neutral value is the baseline, so many useless candidates must not outvote "enough".
+    let each = (1.0 - PRIOR_ENOUGH - PRIOR_OTHER) / (inputs.held.len() - 1).max(1) as f64;
+    let mut priors: Vec<f64> = inputs.held.keys().map(|set| if set.is_empty() { PRIOR_ENOUGH } else { each }).collect();
+    priors.extend(other.as_ref().map(|_| PRIOR_OTHER));
+    let weights = weights(&densities, &priors);
     let mut inclusion = BTreeMap::new();
     let mut share = Share { enough: 0.0, other: if other.is_some() { weights[weights.len() - 1] } else { 0.0 } };
     for (set, weight) in inputs.held.keys().zip(&weights) {

@@ -116,7 +116,7 @@ pub(crate) fn estimate_near(
     near: &NoiseModel,
 ) -> Option<NoiseModel> {
     let search =
-        Search { centre: [near.run_share, near.correlation], half: 0.3, points: 5, rounds: 3, with_share: true };
+        Search { centre: [near.run_share, near.correlation], half: 0.3, points: 4, rounds: 3, with_share: true };
     search.run(&repeats.contrasts(layout, signal, residual))
 }
 
@@ -171,10 +171,9 @@ impl Search {
 fn deviance(trial: &NoiseModel, strands: &[Strand], count: usize) -> (f64, f64) {
     let (mut squares, mut determinant) = (0.0, 0.0);
     for strand in strands {
-        let mut values = strand.values.clone();
-        trial.whiten(&strand.rows, &mut values);
-        squares += values.iter().map(|value| value * value).sum::<f64>();
-        determinant += trial.log_determinant(&strand.rows);
+        let (length, own) = trial.length_and_determinant(&strand.rows, &strand.values);
+        squares += length;
+        determinant += own;
     }
     let variance = squares / count as f64;
     (count as f64 * variance.ln() + determinant, variance.sqrt())

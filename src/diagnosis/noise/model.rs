@@ -29,19 +29,48 @@ impl NoiseModel {
     /// The AR(1) part goes by differences, the scatter common to the run by a rank-one root:
     /// (I + v v^T)^(-1/2) = I - v v^T (1 - 1/sqrt(1 + v^T v))/(v^T v), with v the whitened common part.
     pub(super) fn whiten(&self, rows: &[usize], values: &mut [f64]) {
-        let own = self.deviation * (1.0 - self.run_share).sqrt();
-        let common = self.whitened_common_part(rows);
+        let own = (self.deviation * (1.0 - self.run_share).sqrt()).recip();
+        let mut sums = Sums::default();
         let mut previous = 0.0;
-        for (k, value) in values.iter_mut().enumerate() {
-            let (raw, (rho, scale)) = (*value, self.step(rows, k));
-            *value = (raw - rho * previous) / (own * scale);
+        self.for_each_step(rows, |k, step| {
+            let raw = values[k];
+            values[k] = (raw - step.correlation * previous) * step.scale * own;
             previous = raw;
+            sums.add(step.common, values[k]);
+        });
+        if sums.common > 0.0 {
+            let factor = sums.along * (1.0 - (1.0 + sums.common).sqrt().recip()) / sums.common;
+            self.for_each_step(rows, |k, step| values[k] -= factor * step.common);
         }
-        let squared: f64 = common.iter().map(|v| v * v).sum();
-        if squared > 0.0 {
-            let along: f64 = common.iter().zip(&*values).map(|(v, value)| v * value).sum();
-            let factor = along * (1.0 - (1.0 + squared).sqrt().recip()) / squared;
-            values.iter_mut().zip(&common).for_each(|(value, v)| *value -= factor * v);
+    }
+
+    /// Squared length of the whitened rows times `deviation^2`, and ln det of their covariance over `deviation^2`.
+    pub(super) fn length_and_determinant(&self, rows: &[usize], values: &[f64]) -> (f64, f64) {
+        let own = (1.0 - self.run_share).sqrt().recip();
+        let (mut sums, mut determinant, mut squares, mut previous) = (Sums::default(), 0.0, 0.0, 0.0);
+        self.for_each_step(rows, |k, step| {
+            let white = (values[k] - step.correlation * previous) * step.scale * own;
+            previous = values[k];
+            squares += white * white;
+            determinant += step.log_variance;
+            sums.add(step.common, white);
+        });
+        // Of the rank-one root only its effect on the length is needed: 1 - 1/(1 + v^T v) along v.
+        let length = squares - sums.along * sums.along / (1.0 + sums.common);
+        (length, determinant + rows.len() as f64 * (1.0 - self.run_share).ln() + sums.common.ln_1p())
+    }
+
+    /// Calls `f` with each entry and how it follows from the one before it.
+    fn for_each_step(&self, rows: &[usize], mut f: impl FnMut(usize, &Follow)) {
+        let size = (self.run_share / (1.0 - self.run_share)).sqrt();
+        // Neighbouring rows, the usual case, share their numbers.
+        let (first, next) = (Follow::new(0.0, size), Follow::new(self.correlation, size));
+        for k in 0..rows.len() {
+            match k.checked_sub(1).map(|before| rows[k] - rows[before]) {
+                None => f(k, &first),
+                Some(1) => f(k, &next),
+                Some(gap) => f(k, &Follow::new(self.correlation.powi(gap as i32), size)),
+            }
         }
     }
 
@@ -58,30 +87,36 @@ impl NoiseModel {
             *value = self.deviation * (common + own * along);
         }
     }
+}
 
-    /// ln det of the covariance of these rows over `deviation^2`.
-    pub(super) fn log_determinant(&self, rows: &[usize]) -> f64 {
-        let own = 1.0 - self.run_share;
-        let along: f64 = (0..rows.len()).map(|k| (own * self.step(rows, k).1.powi(2)).ln()).sum();
-        along + self.whitened_common_part(rows).iter().map(|v| v * v).sum::<f64>().ln_1p()
+/// How an entry of an AR(1) process of unit variance follows from the one before it.
+struct Follow {
+    correlation: f64,
+    /// One over the root of the variance that is left.
+    scale: f64,
+    log_variance: f64,
+    /// The part that a run has in common, whitened.
+    common: f64,
+}
+
+impl Follow {
+    fn new(correlation: f64, size: f64) -> Self {
+        let variance = 1.0 - correlation * correlation;
+        let scale = variance.sqrt().recip();
+        Self { correlation, scale, log_variance: variance.ln(), common: size * (1.0 - correlation) * scale }
     }
+}
 
-    /// The part that a run has in common, after the AR(1) part is made white.
-    fn whitened_common_part(&self, rows: &[usize]) -> Vec<f64> {
-        let size = (self.run_share / (1.0 - self.run_share)).sqrt();
-        let entry = |k| {
-            let (rho, scale) = self.step(rows, k);
-            size * (1.0 - rho) / scale
-        };
-        (0..rows.len()).map(entry).collect()
-    }
+/// v^T v and v^T u of the common part v and whitened values u.
+#[derive(Default)]
+struct Sums {
+    common: f64,
+    along: f64,
+}
 
-    /// Correlation of entry `k` with the one before it, and the root of what is left of its variance.
-    fn step(&self, rows: &[usize], k: usize) -> (f64, f64) {
-        if k == 0 {
-            return (0.0, 1.0);
-        }
-        let rho = if self.correlation == 0.0 { 0.0 } else { self.correlation.powi((rows[k] - rows[k - 1]) as i32) };
-        (rho, (1.0 - rho * rho).sqrt())
+impl Sums {
+    fn add(&mut self, common: f64, value: f64) {
+        self.common += common * common;
+        self.along += common * value;
     }
 }
