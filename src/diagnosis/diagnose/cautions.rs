@@ -22,3 +22,13 @@ pub(crate) fn of_parameters(fit: &Calibration) -> Vec<String> {
     }
     cautions
 }
+
+/// Draws too few to name anything.
+pub(crate) fn of_draws(draws: usize) -> Option<String> {
+    let smallest = 1.0 / (draws as f64 + 1.0);
+    (smallest >= super::verdict::NAMED).then(|| {
+        format!(
+            "{draws} bootstrap draws cannot give a p-value below {smallest:.3}: nothing can be named; take 199 or more"
+        )
+    })
+}

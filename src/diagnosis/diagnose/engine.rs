@@ -26,7 +26,7 @@ pub struct DiagnoseOptions {
     pub added: Vec<String>,
     /// Most effects that are added.
     pub max_effects: usize,
-    /// Bootstrap draws; p-values are not below 1/(draws + 1).
+    /// Bootstrap draws; p-values are not below 1/(draws + 1), so that fewer than 100 can never name an effect.
     pub draws: usize,
 }
 

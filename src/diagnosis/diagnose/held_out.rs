@@ -23,7 +23,8 @@ pub(crate) type Fold = Vec<(usize, usize)>;
 /// How well left-out data were predicted.
 #[derive(Clone, Debug)]
 pub(crate) struct HeldOut {
-    /// Log predictive density of each fold up to a constant of the data, nats.
+    /// Log predictive density of each left-out run (of each fold) up to a constant of the data, nats: runs are
+    /// independent under the noise model.
     pub density: Vec<f64>,
     /// RMS of measured minus predicted by signal.
     pub rmse: BTreeMap<String, f64>,
@@ -103,10 +104,12 @@ pub(crate) fn held_out(
     for (fold, values) in folds.iter().zip(&fitted) {
         let modelled = predict(problem, effects, values, fold)?;
         let inside: BTreeSet<_> = fold.iter().copied().collect();
-        let whitening = noise.whitening(problem, &|run, row| inside.contains(&(run, row)))?;
         let difference: Vec<f64> =
             problem.layout.measured.iter().zip(&modelled).map(|(measured, modelled)| measured - modelled).collect();
-        density.push(-0.5 * whitening.apply(&difference).iter().map(|r| r * r).sum::<f64>());
+        for run in inside.iter().map(|(run, _)| *run).collect::<BTreeSet<_>>() {
+            let whitening = noise.whitening(problem, &|other, row| other == run && inside.contains(&(other, row)))?;
+            density.push(-0.5 * whitening.apply(&difference).iter().map(|r| r * r).sum::<f64>());
+        }
         for block in &problem.layout.blocks {
             let (sum, count) = squares.entry(block.signal.clone()).or_default();
             for (_, row) in fold.iter().filter(|(run, _)| *run == block.run) {

@@ -73,18 +73,19 @@ pub(crate) fn something_else(
             .collect();
         DMatrix::from_columns(&columns)
     };
-    folds
-        .iter()
-        .map(|fold| {
-            let inside: BTreeSet<_> = fold.iter().copied().collect();
-            let kept = noise.whitening(problem, &|run, row| !inside.contains(&(run, row)))?;
-            let left = noise.whitening(problem, &|run, row| inside.contains(&(run, row)))?;
-            let (x, y) = (scaled(&kept), DVector::from_vec(kept.apply(difference)));
-            let coefficients = ridge(&x, &y, base.len())?;
-            let rest = DVector::from_vec(left.apply(difference)) - scaled(&left) * coefficients;
-            Some(-0.5 * rest.norm_squared())
-        })
-        .collect()
+    let mut densities = Vec::new();
+    for fold in folds {
+        let inside: BTreeSet<_> = fold.iter().copied().collect();
+        let kept = noise.whitening(problem, &|run, row| !inside.contains(&(run, row)))?;
+        let (x, y) = (scaled(&kept), DVector::from_vec(kept.apply(difference)));
+        let coefficients = ridge(&x, &y, base.len())?;
+        for run in inside.iter().map(|(run, _)| *run).collect::<BTreeSet<_>>() {
+            let left = noise.whitening(problem, &|other, row| other == run && inside.contains(&(other, row)))?;
+            let rest = DVector::from_vec(left.apply(difference)) - scaled(&left) * &coefficients;
+            densities.push(-0.5 * rest.norm_squared());
+        }
+    }
+    Some(densities)
 }
 
 fn size(column: &[f64]) -> f64 {

@@ -93,6 +93,7 @@ pub(crate) fn assemble(
     let mut cautions = prepared.cautions.clone();
     cautions.extend(finding.cautions.clone());
     cautions.extend(super::cautions::of_parameters(fitted));
+    cautions.extend(super::cautions::of_draws(options.draws));
     Ok(Diagnosis {
         experiment: (*problem.experiment).clone(),
         verdict: finding.verdict,
@@ -107,7 +108,7 @@ pub(crate) fn assemble(
             chi_square: stage.observed.chi_square,
             degrees_of_freedom: prepared.baseline.degrees_of_freedom,
             p_value: all,
-            explainable: stage.structure(&stage.residual, &[]),
+            explainable: stage.structure(&stage.residual, &[]).0,
             p_structure: structure,
         },
         smallest_p: 1.0 / (options.draws as f64 + 1.0),
@@ -118,23 +119,12 @@ pub(crate) fn assemble(
         suggestions: Vec::new(),
         cautions,
         improved: problem.improved(&problem.free(chosen), &fitted.values()),
-        effects: named(&finding),
+        effects: finding.listed(),
         candidates,
         profiles,
         steps,
         interrupted,
     })
-}
-
-/// What the verdict lists: the effects, and those that tie with them.
-fn named(finding: &Finding) -> Vec<String> {
-    let mut effects = finding.effects.clone();
-    for rival in &finding.tied {
-        if !effects.contains(rival) {
-            effects.push(rival.clone());
-        }
-    }
-    effects
 }
 
 fn steps(inputs: &Inputs, chosen: &[String]) -> Result<Vec<Step>, CompareError> {
@@ -192,14 +182,13 @@ fn candidates(
         let gain = if fit.is_some() { search.gain(&set) } else { stage.gains.singles[k].0 };
         let left = match fit {
             Some(fit) => left(search, stage, &set, &whitened_residual(search, &set, &fit.values())?).0,
-            None => (1.0 - gain / stage.structure(&stage.residual, &[]).max(gain).max(1.0)).clamp(0.0, 1.0),
+            None => (1.0 - gain / stage.structure(&stage.residual, &[]).0.max(gain).max(1.0)).clamp(0.0, 1.0),
         };
         let of_effect =
             |fit: &Calibration| parameters(search.problem.base.len(), fit).split_off(search.problem.base.len());
         all.push(CandidateResult {
             probability: inclusion.get(&signature.id).copied().unwrap_or(0.0),
-            tied: finding.tied.contains(&signature.id)
-                || (!finding.tied.is_empty() && finding.effects.contains(&signature.id)),
+            tied: finding.is_tied(&signature.id),
             heldout_gain: held.map(|(own, base)| own.density.iter().sum::<f64>() - base.density.iter().sum::<f64>()),
             better: held.map(|(own, base)| better(&own.density, &base.density)),
             p_value: p_value(&stage.draws, |draw| draw.single, gain),
@@ -252,7 +241,7 @@ fn probabilities(inputs: &Inputs) -> (Share, BTreeMap<String, f64>) {
     let mut densities: Vec<&[f64]> = inputs.held.values().map(|held| held.density.as_slice()).collect();
     densities.extend(other.as_deref());
     // A candidate at its neutral value is the baseline, so many useless candidates must not outvote "enough".
-    let each = (1.0 - PRIOR_ENOUGH - PRIOR_OTHER) / (inputs.held.len() - 1).max(1) as f64;
+    let each = (1.0 - PRIOR_ENOUGH - PRIOR_OTHER) / inputs.held.len().saturating_sub(1).max(1) as f64;
     let mut priors: Vec<f64> = inputs.held.keys().map(|set| if set.is_empty() { PRIOR_ENOUGH } else { each }).collect();
     priors.extend(other.as_ref().map(|_| PRIOR_OTHER));
     let weights = weights(&densities, &priors);
@@ -272,7 +261,7 @@ fn probabilities(inputs: &Inputs) -> (Share, BTreeMap<String, f64>) {
 /// Pairs that look alike here and of which one is named or tied.
 fn confused(stage: &Stage, finding: &Finding) -> Vec<[String; 2]> {
     let mut pairs: Vec<[String; 2]> = Vec::new();
-    for own in finding.effects.iter().chain(&finding.tied) {
+    for own in &finding.involved() {
         for signature in &stage.sensitivities.signatures {
             let known = |pair: &[String; 2]| pair.contains(own) && pair.contains(&signature.id);
             if signature.id != *own && stage.cosine(own, &signature.id) > ALIKE && !pairs.iter().any(known) {

@@ -1,6 +1,6 @@
 //! One stage of the search: a fit, its sensitivities, and what noise alone would give there.
 
-use super::bootstrap::{Gains, Null, Projected, Statistics};
+use super::bootstrap::{Gains, Null, Projected, Statistics, p_value};
 use super::control::Control;
 use super::fits::Noise;
 use super::signature::{Sensitivities, sensitivities};
@@ -118,21 +118,15 @@ impl Stage {
         })
     }
 
-    /// Part of a whitened residual along the conditions, less what noise is expected to put there after the columns
-    /// `fitted` (outside the base) took their share.
-    pub fn structure(&self, residual: &[f64], fitted: &[&Vec<f64>]) -> f64 {
+    /// Part of a whitened residual along the conditions, less what noise puts there on average after the columns `fitted`
+    /// (outside the base) took their share; and the probability of as much by noise alone.
+    pub fn structure(&self, residual: &[f64], fitted: &[&Vec<f64>]) -> (f64, f64) {
         let own = Basis::of(fitted.iter().copied());
         let taken: f64 = own.iter().map(|q| self.flexible.squares_within(q)).sum();
-        self.flexible.squares_within(residual) - (self.flexible.rank() as f64 - taken)
-    }
-
-    /// Standard deviation of the part along the conditions under noise alone, the noise model being uncertain.
-    pub fn structure_scatter(&self) -> f64 {
-        let count = self.draws.len().max(1) as f64;
-        let mean = self.draws.iter().map(|draw| draw.structure).sum::<f64>() / count;
-        (self.draws.iter().map(|draw| (draw.structure - mean).powi(2)).sum::<f64>() / count)
-            .sqrt()
-            .max((2.0 * self.flexible.rank() as f64).sqrt())
+        let kept = 1.0 - taken / (self.flexible.rank() as f64).max(1.0);
+        let along = self.flexible.squares_within(residual);
+        let mean = self.draws.iter().map(|draw| draw.structure).sum::<f64>() / self.draws.len().max(1) as f64;
+        (along - kept * mean, p_value(&self.draws, |draw| kept * draw.structure, along))
     }
 
     /// Index of an effect among the signatures.

@@ -16,8 +16,6 @@ const BETTER: f64 = 0.95;
 /// Share of the explainable chi-square that may stay, and from which nothing is named.
 const MAY_STAY: f64 = 0.2;
 const TOO_MUCH: f64 = 0.5;
-/// What stays counts as structure from this many standard deviations of noise.
-const MORE_THAN_NOISE: f64 = 3.0;
 /// A rival ties within this fall of chi-square (a likelihood ratio of 20), or within this share of the gain, which form
 /// errors of the effects' laws reach.
 pub(crate) const REACH: f64 = 6.0;
@@ -30,8 +28,32 @@ pub(crate) const ALIKE: f64 = 0.8;
 pub(crate) struct Finding {
     pub verdict: Verdict,
     pub effects: Vec<String>,
-    pub tied: Vec<String>,
+    /// An effect and a candidate that could stand in its place.
+    pub ties: Vec<(String, String)>,
     pub cautions: Vec<String>,
+}
+
+impl Finding {
+    /// Whether an effect could stand in another's place, or another in its.
+    pub fn is_tied(&self, id: &str) -> bool {
+        self.ties.iter().any(|(own, rival)| own == id || rival == id)
+    }
+
+    /// Effects found, and those that tie with them.
+    pub fn involved(&self) -> Vec<String> {
+        let mut all = self.effects.clone();
+        for (_, rival) in &self.ties {
+            if !all.contains(rival) {
+                all.push(rival.clone());
+            }
+        }
+        all
+    }
+
+    /// What the verdict lists: the effects found and, where it is undetermined, those that tie with them.
+    pub fn listed(&self) -> Vec<String> {
+        if self.verdict == Verdict::Undetermined { self.involved() } else { self.effects.clone() }
+    }
 }
 
 /// P-values of the baseline's misfit: in all, and along the conditions.
@@ -42,13 +64,12 @@ pub(crate) fn misfit(stage: &Stage) -> (f64, f64) {
 
 /// Share of the baseline's explainable chi-square that a fitted set leaves, and whether what stays is more than noise.
 pub(crate) fn left(search: &Search, stage: &Stage, effects: &[String], residual: &[f64]) -> (f64, bool) {
-    let before = stage.structure(&stage.residual, &[]);
+    let (before, _) = stage.structure(&stage.residual, &[]);
     let columns: Vec<&Vec<f64>> = effects.iter().flat_map(|id| stage.columns(id)).collect();
-    let after = stage.structure(&stage.projected.base.outside(residual), &columns);
+    let (after, p) = stage.structure(&stage.projected.base.outside(residual), &columns);
     // What an effect explains is explainable, even where the flexible curves are blind to it.
     let explainable = before.max(search.gain(effects)).max(f64::MIN_POSITIVE);
-    let more_than_noise = after > MORE_THAN_NOISE * stage.structure_scatter();
-    ((after / explainable).clamp(0.0, 1.0), more_than_noise)
+    ((after / explainable).clamp(0.0, 1.0), p < MISFIT)
 }
 
 /// Rivals within reach of a fitted set: candidates that could stand in the place of one of its effects.
@@ -84,7 +105,7 @@ pub(crate) struct Case<'a> {
 /// The verdict where at least one effect gains more than noise alone.
 pub(crate) fn with_effects(case: &Case) -> Finding {
     let mut cautions = Vec::new();
-    let tied: Vec<String> = case.rivals.iter().map(|(_, rival)| rival.clone()).collect();
+    let ties = case.rivals.clone();
     let confirmed = match (case.held_out, case.baseline) {
         (Some(ours), Some(baseline)) => better(&ours.density, &baseline.density) > BETTER,
         _ => false,
@@ -92,7 +113,7 @@ pub(crate) fn with_effects(case: &Case) -> Finding {
     let (left, more_than_noise) = case.left;
     let effects = case.effects.to_vec();
     let verdict = if more_than_noise && left > TOO_MUCH {
-        return Finding { verdict: Verdict::Unexplained, effects: Vec::new(), tied: Vec::new(), cautions };
+        return Finding { verdict: Verdict::Unexplained, effects: Vec::new(), ties: Vec::new(), cautions };
     } else if more_than_noise && left > MAY_STAY {
         Verdict::Unexplained
     } else if case.without_priors == Some(false) {
@@ -104,12 +125,12 @@ pub(crate) fn with_effects(case: &Case) -> Finding {
     } else if !confirmed {
         cautions.push("left-out conditions do not confirm the effect: it fits, but does not predict better".to_owned());
         Verdict::Undetermined
-    } else if !tied.is_empty() {
+    } else if !ties.is_empty() {
         Verdict::Undetermined
     } else {
         Verdict::EffectMissing
     };
-    Finding { verdict, effects, tied, cautions }
+    Finding { verdict, effects, ties, cautions }
 }
 
 /// The verdict where no effect gains more than noise alone; `blind` is the share of visible effects that could be there
@@ -128,5 +149,5 @@ pub(crate) fn without_effects(stage: &Stage, blind: f64) -> Finding {
     } else {
         Verdict::Explained
     };
-    Finding { verdict, effects: Vec::new(), tied: Vec::new(), cautions }
+    Finding { verdict, effects: Vec::new(), ties: Vec::new(), cautions }
 }
