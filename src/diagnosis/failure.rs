@@ -76,6 +76,11 @@ pub fn levels(experiment: &Experiment, fit: &Fit, signal: &str, condition: &str)
         let (Some(at), Some(fit)) = (run.data.column(condition), fit.signal(signal)) else { continue };
         samples.extend(at.iter().copied().zip(fit.residual.iter().copied()));
     }
+    levels_of(samples)
+}
+
+/// Mean residuals by level of a condition, from values of the condition and the residual; empty where it does not vary.
+pub(crate) fn levels_of(mut samples: Vec<(f64, f64)>) -> Vec<Level> {
     samples.retain(|(at, residual)| !at.is_nan() && !residual.is_nan());
     samples.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (Some(first), Some(last)) = (samples.first(), samples.last()) else { return Vec::new() };
