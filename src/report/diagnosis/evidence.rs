@@ -1,12 +1,13 @@
 //! Is it more than noise, which effect is it, and how the error falls.
 
 use super::begin;
-use super::words::{meaning, p_value, percent};
-use crate::diagnosis::{CandidateResult, Diagnosis, FloorSource};
+use super::words::{meaning, p_value, percent, probability};
+use crate::diagnosis::{CalibratedParameter, CandidateResult, Diagnosis, FloorSource};
 use crate::report::page::{Page, escape, table};
 use crate::report::plots::{probabilities, steps};
 use crate::report::units::{digits, of_column, short, spoken};
 use crate::report::words::source;
+use crate::scalar::Scalar;
 
 /// Pairs in the table.
 const MOST_PAIRS: usize = 8;
@@ -132,15 +133,18 @@ fn candidate(diagnosis: &Diagnosis, candidate: &CandidateResult) -> Vec<String> 
     if !candidate.refitted {
         notes.push("screened only");
     }
-    if candidate.parameters.iter().any(|parameter| parameter.fitted.at_bound) {
+    let off = |fitted: &CalibratedParameter| fitted.at_bound && fitted.value.is_exactly(fitted.variable.default);
+    if !candidate.parameters.is_empty() && candidate.parameters.iter().all(|parameter| off(&parameter.fitted)) {
+        notes.push("the fit leaves it off");
+    } else if candidate.parameters.iter().any(|parameter| parameter.fitted.at_bound) {
         notes.push("on a bound");
     }
     vec![
         spoken(&candidate.effect),
-        percent(candidate.probability),
+        probability(candidate.probability),
         p_value(candidate.p_value, diagnosis.smallest_p),
         candidate.heldout_gain.map_or("\u{2013}".to_owned(), gain),
-        candidate.better.map_or("\u{2013}".to_owned(), percent),
+        candidate.better.map_or("\u{2013}".to_owned(), probability),
         percent(candidate.left),
         gain(candidate.gain),
         notes.join(", "),

@@ -1,6 +1,6 @@
 //! The first screen: the verdict, the key figures, what the effects mean, what to beware of.
 
-use super::words::{answer, meaning, named_and_tied, percent, reasons};
+use super::words::{answer, meaning, named_and_tied, probability, reasons, shown_step};
 use crate::diagnosis::{Diagnosis, ParameterResult, Verdict};
 use crate::report::page::escape;
 use crate::report::units::{digits, of_column, of_unit, spoken};
@@ -30,7 +30,7 @@ fn effects(diagnosis: &Diagnosis) -> String {
     let (_, tied) = named_and_tied(diagnosis);
     let item = |effect: &String| {
         let candidate = diagnosis.candidates.iter().find(|candidate| candidate.effect == *effect);
-        let probability = candidate.map_or_else(String::new, |c| format!("probability {}", percent(c.probability)));
+        let probability = candidate.map_or_else(String::new, |c| format!("probability {}", probability(c.probability)));
         let in_step = diagnosis.last().parameters.iter().filter(|p| p.effect);
         let own = |p: &&ParameterResult| p.fitted.variable.name.starts_with(&format!("{effect}."));
         let mut parameters: Vec<&ParameterResult> = in_step.filter(own).collect();
@@ -66,7 +66,7 @@ fn value_with_error(parameter: &ParameterResult) -> String {
 
 /// One tile a signal: error before and after against the noise floor.
 pub(super) fn tiles(diagnosis: &Diagnosis) -> String {
-    let (baseline, last) = (diagnosis.baseline(), diagnosis.last());
+    let (baseline, last) = (diagnosis.baseline(), shown_step(diagnosis));
     let mut signals: Vec<(&String, f64, Option<f64>)> = baseline
         .rmse
         .iter()
@@ -80,16 +80,21 @@ pub(super) fn tiles(diagnosis: &Diagnosis) -> String {
         .take(MOST_TILES)
         .map(|(signal, before, floor)| {
             let after = last.rmse.get(signal).copied().unwrap_or(before);
-            tile(signal, before, (diagnosis.steps.len() > 1).then_some(after), floor)
+            tile(signal, before, last.added.is_some().then_some(after), floor)
         })
         .collect();
+    let bars = if last.added.is_some() {
+        "Bars: error of the calibrated baseline (grey) and with what was added (coloured); the mark is the noise floor."
+    } else {
+        "Bars: error of the calibrated baseline; the mark is the noise floor."
+    };
     let more = match more {
         0 => String::new(),
         n => format!(
-            "<p class=\"small\">The {MOST_TILES} signals with the largest error against their noise; {n} more in <a href=\"#steps\">the error, step by step</a>.</p>"
+            " {n} more signals, with less error for their noise, in <a href=\"#steps\">the error, step by step</a>."
         ),
     };
-    format!("<div class=\"tiles\">{tiles}</div>{more}")
+    format!("<div class=\"tiles\">{tiles}</div><p class=\"small\">{bars}{more}</p>")
 }
 
 fn tile(signal: &str, before: f64, after: Option<f64>, floor: Option<f64>) -> String {

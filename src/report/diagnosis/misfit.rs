@@ -13,6 +13,8 @@ use crate::report::words::sentence;
 const MOST_SENTENCES: usize = 4;
 /// Plots that stand open; the rest is folded away.
 const OPEN_PLOTS: usize = 6;
+/// Runs differ in their conditions, so that a misfit along those shows along the runs too; a drift shows along nothing else.
+const RUN_WEIGHT: f64 = 0.5;
 
 /// What the plots of residuals show.
 const RESIDUALS: &str = "Residuals (measured less model) against the conditions. The grey band is two standard deviations of the noise of one \
@@ -63,9 +65,14 @@ pub(super) fn add_remains(page: &mut Page, diagnosis: &Diagnosis) {
             "Nothing that stands out from the noise; see the cautions on what could hide in it.".to_owned()
         }
         _ if diagnosis.steps.len() == 1 => "All of it: no effect was added.".to_owned(),
+        Verdict::Unexplained => format!(
+            "Of what could be explained the final model leaves {}. It follows the conditions, so it is no noise, and no effect of the library \
+             has its shape.",
+            percent(left)
+        ),
         _ => format!(
-            "{} of what could be explained is left by the final model. An effect in nature has another form than in the library: a few \
-             per cent left is form error of the same effect, not a second one.",
+            "Of what could be explained the final model leaves {}. An effect in nature has another form than in the library: a few per cent \
+             left is form error of the same effect, not a second one.",
             percent(left)
         ),
     };
@@ -113,8 +120,9 @@ fn all_samples(diagnosis: &Diagnosis, fit: &Fit) -> Vec<Samples> {
     let experiment = &diagnosis.experiment;
     let all = conditions(experiment, diagnosis.improved.rover.wheel.radius);
     let samples = all.iter().filter_map(|(signal, condition)| Samples::new(experiment, fit, signal, condition));
-    let mut samples: Vec<(f64, Samples)> =
-        samples.map(|own| (own.worst() / scale(diagnosis, &own.signal), own)).collect();
+    let weight = |own: &Samples| if own.condition == Condition::Run { RUN_WEIGHT } else { 1.0 };
+    let size = |own: &Samples| weight(own) * own.worst() / scale(diagnosis, &own.signal);
+    let mut samples: Vec<(f64, Samples)> = samples.map(|own| (size(&own), own)).collect();
     samples.sort_by(|a, b| b.0.total_cmp(&a.0));
     samples.into_iter().map(|(_, own)| own).collect()
 }

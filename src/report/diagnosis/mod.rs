@@ -42,7 +42,7 @@ pub fn diagnosis_page(diagnosis: &Diagnosis) -> String {
     page.html(&first_screen::verdict(diagnosis));
     page.html(&first_screen::tiles(diagnosis));
     page.html(&first_screen::cautions(diagnosis));
-    let links: String = PLACES.iter().map(|(place, title)| format!("<a href=\"#{place}\">{title}</a>")).collect();
+    let links: String = PLACES.iter().map(|(place, title)| format!("<a href=\"#{place}\">{title}</a> ")).collect();
     page.html(&format!("<nav aria-label=\"Contents\">{links}</nav>"));
     measured::add_measured(&mut page, diagnosis);
     let overlays = measured::add_overlays(&mut page, diagnosis);
@@ -100,8 +100,9 @@ fn add_final_model(page: &mut Page, diagnosis: &Diagnosis, overlays: &[(String, 
         begin(page, "improved", "No effect was added: the final model is the calibrated baseline shown above.");
         return;
     }
+    let named = if words::tried(diagnosis).is_empty() { "" } else { ", which is the nearest but not named" };
     let lead = format!(
-        "Measurements beside the model {}, and the residuals that it leaves; the dashed grey line is the baseline's mean.",
+        "Measurements beside the model {}{named}, and the residuals that it leaves; the dashed grey line is the baseline's mean.",
         final_name(diagnosis)
     );
     begin(page, "improved", &lead);

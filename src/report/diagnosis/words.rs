@@ -1,6 +1,6 @@
 //! The verdict and its reasons in plain sentences, from the numbers of a diagnosis.
 
-use crate::diagnosis::{Diagnosis, Verdict};
+use crate::diagnosis::{Diagnosis, Step, Verdict};
 use crate::effects::EFFECTS;
 use crate::report::units::{digits, of_column, short, spoken};
 use crate::report::words::NOISE_ONLY;
@@ -56,7 +56,9 @@ pub(super) fn p_value(p: f64, smallest: f64) -> String {
 pub(super) fn answer(diagnosis: &Diagnosis) -> String {
     let (named, tied) = named_and_tied(diagnosis);
     match diagnosis.verdict {
-        Verdict::Explained => "Nothing is missing: the calibrated model leaves only noise.".to_owned(),
+        Verdict::Explained => {
+            "Nothing is missing that this experiment could show: the calibrated model leaves only noise.".to_owned()
+        }
         Verdict::EffectMissing if named.len() > 1 => {
             format!("{} effects are missing from the model: {}.", named.len(), listed(&named, "and"))
         }
@@ -67,8 +69,10 @@ pub(super) fn answer(diagnosis: &Diagnosis) -> String {
             "The model misses something that no known effect explains.".to_owned()
         }
         Verdict::Unexplained => format!(
-            "The model misses {}, and something more that no known effect explains.",
-            listed(&diagnosis.effects, if tied.is_empty() { "and" } else { "or" })
+            "{} explain{} only part of what the model misses ({}); the rest matches no known effect.",
+            first_capital(&listed(&diagnosis.effects, if tied.is_empty() { "and" } else { "or" })),
+            if diagnosis.effects.len() > 1 && tied.is_empty() { "" } else { "s" },
+            percent(diagnosis.explained_share)
         ),
         Verdict::Undetermined if !tied.is_empty() => undecided(&named, &tied),
         Verdict::Undetermined if !named.is_empty() => {
@@ -79,6 +83,11 @@ pub(super) fn answer(diagnosis: &Diagnosis) -> String {
         }
         Verdict::Undetermined => "This experiment cannot decide whether an effect is missing.".to_owned(),
     }
+}
+
+fn first_capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 fn undecided(named: &[String], tied: &[String]) -> String {
@@ -97,53 +106,49 @@ fn undecided(named: &[String], tied: &[String]) -> String {
 /// The reasons under the verdict.
 pub(super) fn reasons(diagnosis: &Diagnosis) -> Vec<String> {
     let mut sentences = Vec::new();
+    if diagnosis.interrupted {
+        sentences.push(
+            "The work was interrupted: this is a partial result, and what was not done is missing below.".to_owned(),
+        );
+    }
     let (named, _) = named_and_tied(diagnosis);
     let fit = &diagnosis.lack_of_fit;
-    let p = p_value(fit.p_structure.min(fit.p_value), diagnosis.smallest_p);
+    let p = equals(fit.p_structure.min(fit.p_value), diagnosis.smallest_p);
     match diagnosis.verdict {
         Verdict::Explained => sentences.push(format!(
-            "What the calibrated model leaves is no larger than noise alone makes it (p = {p}), and no candidate effect gains more than chance."
+            "What the calibrated model leaves is no larger than noise alone makes it (p {p}), and no candidate effect gains more than chance."
         )),
         Verdict::Undetermined if named.is_empty() => sentences.push(format!(
-            "What the calibrated model leaves may be noise (p = {p}), but effects could be hidden in it."
+            "What the calibrated model leaves may be noise (p {p}), but an effect could hide in it."
         )),
-        _ => sentences.push(format!(
-            "The calibrated model without any added effect leaves more than noise (p {}).",
-            if p.starts_with('\u{2264}') { p } else { format!("= {p}") }
-        )),
-    }
-    if let (false, Some(candidate)) = (named.is_empty(), only_candidate(diagnosis, &named)) {
-        sentences.push(format!(
-            "Noise alone gives the best of all candidates as large a gain with p {}.",
-            equals(&p_value(candidate, diagnosis.smallest_p))
-        ));
+        _ => sentences.push(format!("The calibrated model without any added effect leaves more than noise (p {p}).")),
     }
     sentences.push(error_sentence(diagnosis, &named));
     let tried = tried(diagnosis);
     if !tried.is_empty() {
         sentences.push(format!(
-            "The nearest is {}: it leaves {} of what could be explained, too much to name it.",
-            listed(&tried, "and"),
+            "The nearest candidate, {}, leaves {} of what could be explained: too much to name it.",
+            listed(&tried, "with"),
             percent(diagnosis.last().left)
         ));
     } else if !named.is_empty() {
         sentences.push(format!(
-            "With {} the model accounts for {} of what could be explained.",
-            listed(&named, "and"),
+            "{} for {} of what could be explained.",
+            if named.len() > 1 { "Together they account" } else { "It accounts" },
             percent(diagnosis.explained_share)
         ));
     }
-    if diagnosis.interrupted {
-        sentences.insert(
-            0,
-            "The work was interrupted: this is a partial result, and what was not done is missing below.".to_owned(),
-        );
+    if let (false, Some(p)) = (named.is_empty(), only_candidate(diagnosis, &named)) {
+        let p = equals(p, diagnosis.smallest_p);
+        sentences.push(format!("Noise alone lets some candidate gain as much with p {p}."));
     }
     sentences
 }
 
-fn equals(p: &str) -> String {
-    if p.starts_with('\u{2264}') { p.to_owned() } else { format!("= {p}") }
+/// `= 0.3`, or `≤ 0.002` at the smallest.
+fn equals(p: f64, smallest: f64) -> String {
+    let text = p_value(p, smallest);
+    if text.starts_with('\u{2264}') { text } else { format!("= {text}") }
 }
 
 /// The p-value of the effect where only one is named.
@@ -152,12 +157,12 @@ fn only_candidate(diagnosis: &Diagnosis, named: &[String]) -> Option<f64> {
     diagnosis.candidates.iter().find(|candidate| candidate.effect == *only).map(|candidate| candidate.p_value)
 }
 
-/// Which errors are above the noise at the end.
+/// Which errors are above the noise, of the model with what is named.
 fn error_sentence(diagnosis: &Diagnosis, named: &[String]) -> String {
-    let last = diagnosis.last();
+    let step = shown_step(diagnosis);
     let mut above: Vec<(f64, String)> = Vec::new();
     let mut unknown = Vec::new();
-    for (signal, rmse) in &last.rmse {
+    for (signal, rmse) in &step.rmse {
         match diagnosis.noise_floor.get(signal).and_then(|floor| floor.value()) {
             Some(floor) if *rmse > NOISE_ONLY * floor => {
                 let text =
@@ -169,12 +174,10 @@ fn error_sentence(diagnosis: &Diagnosis, named: &[String]) -> String {
         }
     }
     above.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let model = if last.added.is_none() {
-        "The calibrated model's error".to_owned()
-    } else if named.is_empty() {
-        "The error of the best model found".to_owned()
-    } else {
-        format!("With {} the error", listed(named, "and"))
+    let model = match named {
+        [] => "Its error".to_owned(),
+        [one] => format!("With {} the error", spoken(one)),
+        _ => "With them the error".to_owned(),
     };
     let mut sentence = if !above.is_empty() {
         let rest = above.len().saturating_sub(MOST_NAMED);
@@ -182,19 +185,39 @@ fn error_sentence(diagnosis: &Diagnosis, named: &[String]) -> String {
         if rest > 0 {
             names.push(format!("{rest} more"));
         }
-        format!("{model} is above the noise floor: {}.", names.join(", "))
-    } else if unknown.len() < last.rmse.len() {
-        format!("{model} is within the noise in every signal whose noise is known.")
-    } else {
+        format!("{model} is above the noise: {}.", names.join(", "))
+    } else if unknown.len() == step.rmse.len() {
         String::new()
-    };
-    if unknown.is_empty() {
-        sentence = sentence.replace(" whose noise is known", "");
     } else {
+        let signals = if unknown.is_empty() { "every signal" } else { "every signal whose noise is known" };
+        let but = if diagnosis.verdict == Verdict::Unexplained {
+            ", but what is left follows the conditions, which noise does not"
+        } else {
+            ""
+        };
+        format!("{model} is as small as the noise in {signals}{but}.")
+    };
+    if !unknown.is_empty() {
         sentence.push_str(&format!(
             " Noise floor unknown for {}: nothing was repeated and no noise is stated.",
             listed(&unknown, "and")
         ));
     }
     sentence.trim().to_owned()
+}
+
+/// The step that the first screen shows as the end: the last one, unless what it added is not named.
+pub(super) fn shown_step(diagnosis: &Diagnosis) -> &Step {
+    if named_and_tied(diagnosis).0.is_empty() { diagnosis.baseline() } else { diagnosis.last() }
+}
+
+/// A probability as people read it: never certain.
+pub(super) fn probability(p: f64) -> String {
+    if p > 0.99 {
+        "over 99 %".to_owned()
+    } else if p < 0.01 {
+        "under 1 %".to_owned()
+    } else {
+        format!("{:.0} %", 100.0 * p)
+    }
 }

@@ -45,6 +45,6 @@ pub(in crate::report) fn profile(parameter: &FinalParameter, shown: Shown) -> Pl
         .opacity(0.12)
         .layer(ShapeLayer::Below)
         .line(ShapeLine::new().width(0.0));
-    plot.set_layout(layout(&shown.axis(""), "rise of chi-square", false).shapes(vec![inside, limit]));
+    plot.set_layout(layout("", "rise of chi-square", false).shapes(vec![inside, limit]));
     plot
 }

@@ -10,7 +10,7 @@ use plotly::{Plot, Scatter};
 const MOST_SAMPLES: usize = 1500;
 
 /// More runs than this are not ticked one by one.
-const MOST_TICKS: usize = 12;
+const MOST_TICKS: f64 = 12.0;
 
 /// Residuals of a signal against a condition, their mean by level, and the band of two standard deviations of the noise
 /// of one sample. `before` are the means of the model without what was added.
@@ -48,7 +48,7 @@ pub(in crate::report) fn residuals(samples: &Samples, floor: Option<f64>, before
             .marker(Marker::new().color(COLOURS[1]).size(7).symbol(MarkerSymbol::Diamond)),
     );
     let mut x_axis = axis(&at.axis(&samples.condition.name()));
-    if samples.condition.counts() && samples.levels.len() <= MOST_TICKS {
+    if samples.condition.counts() && samples.levels.iter().all(|level| level.high <= MOST_TICKS) {
         x_axis = x_axis.dtick(1.0);
     }
     let mut layout = layout_with(x_axis, axis(&shown.axis(&format!("{} residual", spoken(&samples.signal)))), false);

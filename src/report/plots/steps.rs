@@ -36,11 +36,11 @@ pub(in crate::report) fn steps(diagnosis: &Diagnosis, names: &[String]) -> Plot 
                 points.extend(rmse.get(signal).map(|rmse| (name.clone(), rounded(rmse / scale(signal)))));
             }
             let (x, y): (Vec<String>, Vec<f64>) = points.into_iter().unzip();
-            let what = if held_out { "left out" } else { "fitted" };
+            let what = if held_out { ", left out" } else { "" };
             plot.add_trace(
                 Scatter::new(x, y)
                     .mode(Mode::LinesMarkers)
-                    .name(format!("{}, {what}", spoken(signal)))
+                    .name(format!("{}{what}", spoken(signal)))
                     .legend_group(signal)
                     .show_legend(!held_out)
                     .line(Line::new().color(colour).width(2.0).dash(dash))
