@@ -4,7 +4,7 @@ const hosts = [...document.querySelectorAll(".plot")];
 const sources = new Map();
 function source(host) {
   const id = host.dataset.again || host.id;
-  if (!sources.has(id)) sources.set(id, JSON.parse(document.querySelector(`script[data-plot="${id}"]`).textContent));
+  if (!sources.has(id)) sources.set(id, JSON.parse(document.querySelector(`script[data-plot='${id}']`).textContent));
   return sources.get(id);
 }
 function themed(layout) {

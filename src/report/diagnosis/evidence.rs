@@ -59,7 +59,7 @@ pub(super) fn add_noise(page: &mut Page, diagnosis: &Diagnosis) {
             ]
         })
         .collect();
-    let header = ["noise of", "one sample", "common to a run (share of variance)", "correlation of neighbours", "from"];
+    let header = ["noise of", "one sample", "variance common to a run", "correlation of neighbours", "from"];
     page.html(&table(&header, &rows));
 }
 

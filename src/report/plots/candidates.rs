@@ -39,7 +39,7 @@ pub(in crate::report) fn visible_shares(diagnosis: &Diagnosis) -> Plot {
         .map(|candidate| (spoken(&candidate.effect), candidate.visible_share, COLOURS[0]))
         .collect();
     bars.sort_by(|a, b| a.1.total_cmp(&b.1));
-    horizontal(bars, "share of the signature left after calibration")
+    horizontal(bars, "share left after calibration")
 }
 
 fn horizontal(bars: Vec<(String, f64, &'static str)>, title: &str) -> Plot {
