@@ -12,6 +12,9 @@ const CLASSES: usize = 8;
 /// Values that differ by less than this share of the range are one level: set-points that a rig holds roughly.
 const SAME_LEVEL: f64 = 0.02;
 
+/// Values of one set-point lie within this share of the range.
+const SET_POINT: f64 = 0.15;
+
 /// Mean residual of one signal where a condition lies within a range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
@@ -89,7 +92,9 @@ pub(crate) fn levels_of(mut samples: Vec<(f64, f64)>) -> Vec<Level> {
     }
     let gap = SAME_LEVEL * (last.0 - first.0);
     let groups: Vec<&[(f64, f64)]> = samples.chunk_by(|a, b| b.0 - a.0 <= gap).collect();
-    let fits = (2..=DISTINCT_LEVELS).contains(&groups.len());
+    // A cloud with a few stray values is no row of set-points.
+    let widest = groups.iter().map(|group| group[group.len() - 1].0 - group[0].0).fold(0.0, f64::max);
+    let fits = (2..=DISTINCT_LEVELS).contains(&groups.len()) && widest <= SET_POINT * (last.0 - first.0);
     let groups = if fits { groups } else { classes(&samples) };
     groups
         .into_iter()

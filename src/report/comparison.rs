@@ -63,8 +63,14 @@ fn add_overlays(page: &mut Page, comparison: &Comparison) {
         "Measured and modelled",
         &format!("Points are measurements, repeats included; lines of the same colour are the model {what}."),
     );
-    let model =
-        Modelled { key: "model", name: "model".to_owned(), fit: comparison.fit(), dash: DashType::Solid, shown: true };
+    let model = Modelled {
+        key: "model",
+        name: "model".to_owned(),
+        short: "model",
+        fit: comparison.fit(),
+        dash: DashType::Solid,
+        shown: true,
+    };
     let view = View { experiment: &comparison.experiment, floors: &comparison.noise_floor, models: vec![model] };
     let signals = comparison.experiment.signals();
     let plots: Vec<_> = signals.iter().map(|signal| (spoken(signal), overlay(&view, signal))).collect();

@@ -40,8 +40,8 @@ impl Page {
         self.body.push_str(if plots.len() == 1 { "<div class=\"wide\">\n" } else { "<div class=\"row\">\n" });
         for (title, plot) in plots {
             self.plots += 1;
-            // A closing tag inside a string of the data would end the script.
-            let json = plot.to_json().replace("</", "<\\/");
+            // A tag inside a string of the data would end the script or begin another.
+            let json = plot.to_json().replace('<', "\\u003c");
             self.figure(
                 title,
                 self.plots,

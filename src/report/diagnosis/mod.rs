@@ -79,18 +79,26 @@ fn view(diagnosis: &Diagnosis, baseline: bool) -> View<'_> {
     let mut models = Vec::new();
     if diagnosis.steps.len() > 1 {
         let (name, fit) = (final_name(diagnosis), &diagnosis.last().fit);
-        models.push(Modelled { key: "final", name, fit, dash: DashType::Solid, shown: true });
+        models.push(Modelled { key: "final", name, short: "final model", fit, dash: DashType::Solid, shown: true });
     }
     let alone = models.is_empty();
     models.push(Modelled {
         key: "baseline",
         name: "calibrated baseline".to_owned(),
+        short: "baseline",
         fit: &diagnosis.baseline().fit,
         dash: if alone { DashType::Solid } else { DashType::Dash },
         shown: baseline || alone,
     });
     if let Some(fit) = &diagnosis.given {
-        models.push(Modelled { key: "given", name: "as given".to_owned(), fit, dash: DashType::Dot, shown: false });
+        models.push(Modelled {
+            key: "given",
+            name: "as given".to_owned(),
+            short: "as given",
+            fit,
+            dash: DashType::Dot,
+            shown: false,
+        });
     }
     View { experiment: &diagnosis.experiment, floors: &diagnosis.noise_floor, models }
 }

@@ -2,7 +2,7 @@
 
 use crate::diagnosis::{Fit, Level, levels_of};
 use crate::measurement::{Experiment, Kind, Run};
-use crate::report::units::{Shown, of_column, spoken};
+use crate::report::units::{Shown, of_column, spoken, wheel_and_field};
 
 /// Below this speed of the rim, m/s, an apparent slip is mostly noise.
 const SLOW: f64 = 0.02;
@@ -98,12 +98,6 @@ impl Samples {
     pub fn worst(&self) -> f64 {
         self.levels.iter().map(|level| level.mean.abs()).fold(0.0, f64::max)
     }
-}
-
-/// Number and quantity of a wheel's signal.
-pub(in crate::report) fn wheel_and_field(signal: &str) -> Option<(usize, &str)> {
-    let (number, field) = signal.strip_prefix("wheel[")?.split_once("].")?;
-    Some((number.parse().ok()?, field))
 }
 
 /// Every signal with every condition of an experiment; `radius` is that of the wheels, m.

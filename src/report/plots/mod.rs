@@ -36,6 +36,8 @@ pub(super) struct Modelled<'a> {
     pub key: &'static str,
     /// Name for people.
     pub name: String,
+    /// Name for legends, where there is little room.
+    pub short: &'static str,
     pub fit: &'a Fit,
     pub dash: DashType,
     /// Whether it is shown at first.

@@ -149,7 +149,7 @@ fn against_slip(view: &View, signal: &str) -> Plot {
                 plot.add_trace(
                     Scatter::new(all_rounded(x), all_rounded(y))
                         .mode(Mode::Lines)
-                        .name(format!("{name}, {}", model.name))
+                        .name(format!("{name}, {}", model.short))
                         .legend_group(&name)
                         .show_legend(false)
                         .meta(format!("model={};group={s}", model.key))
@@ -244,7 +244,7 @@ fn against_time(view: &View, signal: &str) -> Plot {
         let measured: Vec<Vec<(f64, f64)>> = runs.iter().map(|run| series(*run, view.models[0].fit, true)).collect();
         if let (Some(half), true) = (floor, runs.len() > 1) {
             let band = Band { middle: mean_of_rows(&measured), half };
-            plot.add_trace(band.trace(GREY).meta(format!("group={k}")).show_legend(true));
+            plot.add_trace(band.trace(GREY).meta(format!("group={k}")));
         }
         for (nth, points) in measured.iter().enumerate() {
             let (x, y): (Vec<f64>, Vec<f64>) = points.iter().filter(|(_, v)| !v.is_nan()).copied().unzip();
@@ -264,7 +264,7 @@ fn against_time(view: &View, signal: &str) -> Plot {
             plot.add_trace(
                 Scatter::new(all_rounded(x), all_rounded(y))
                     .mode(Mode::Lines)
-                    .name(&model.name)
+                    .name(model.short)
                     .meta(format!("model={};group={k}", model.key))
                     .line(Line::new().color(colour).width(2.0).dash(model.dash.clone())),
             );
