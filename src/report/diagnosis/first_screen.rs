@@ -17,8 +17,11 @@ pub(super) fn verdict(diagnosis: &Diagnosis) -> String {
     let partial = if diagnosis.interrupted { "Interrupted, so far: " } else { "" };
     let reasons: String =
         reasons(diagnosis).iter().filter(|s| !s.is_empty()).map(|s| format!("{} ", escape(s))).collect();
+    let next = diagnosis.suggestions.first().map_or_else(String::new, |suggestion| {
+        format!("<p><strong>Next:</strong> {} <a href=\"#next\">More</a></p>", escape(&suggestion.text))
+    });
     format!(
-        "<div class=\"{class}\"><p class=\"answer\">{partial}{}</p>\n<p>{}</p>{}</div>",
+        "<div class=\"{class}\"><p class=\"answer\">{partial}{}</p>\n<p>{}</p>{}{next}</div>",
         escape(&answer(diagnosis)),
         reasons.trim_end(),
         effects(diagnosis)
@@ -38,7 +41,7 @@ fn effects(diagnosis: &Diagnosis) -> String {
             parameters.extend(candidate.iter().flat_map(|c| &c.parameters));
         }
         let mut facts: Vec<String> = vec![probability];
-        if tied.contains(effect) {
+        if tied.contains(effect) || candidate.is_some_and(|c| c.tied) {
             facts.push("tied".to_owned());
         }
         facts.extend(parameters.into_iter().map(value_with_error));

@@ -97,8 +97,11 @@ fn classes(mut points: Vec<Point>, value: fn(&Point) -> f64) -> Vec<Vec<Point>> 
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return Vec::new() };
     let gap = SAME_LEVEL * (value(last) - value(first));
     // A missing value differs from nothing.
-    let classes: Vec<Vec<Point>> =
-        points.chunk_by(|a, b| !(value(b) - value(a) > gap)).map(<[Point]>::to_vec).collect();
+    let same = |a: &Point, b: &Point| {
+        let step = value(b) - value(a);
+        step.is_nan() || step <= gap
+    };
+    let classes: Vec<Vec<Point>> = points.chunk_by(same).map(<[Point]>::to_vec).collect();
     if classes.len() > MOST_CLASSES { vec![points] } else { classes }
 }
 
