@@ -12,6 +12,9 @@ const CLASSES: usize = 8;
 /// Values that differ by less than this share of the range are one level: set-points that a rig holds roughly.
 const SAME_LEVEL: f64 = 0.02;
 
+/// Values of one set-point lie within this share of the range.
+const SET_POINT: f64 = 0.15;
+
 /// Mean residual of one signal where a condition lies within a range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
@@ -76,6 +79,11 @@ pub fn levels(experiment: &Experiment, fit: &Fit, signal: &str, condition: &str)
         let (Some(at), Some(fit)) = (run.data.column(condition), fit.signal(signal)) else { continue };
         samples.extend(at.iter().copied().zip(fit.residual.iter().copied()));
     }
+    levels_of(samples)
+}
+
+/// Mean residuals by level of a condition, from values of the condition and the residual; empty where it does not vary.
+pub(crate) fn levels_of(mut samples: Vec<(f64, f64)>) -> Vec<Level> {
     samples.retain(|(at, residual)| !at.is_nan() && !residual.is_nan());
     samples.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (Some(first), Some(last)) = (samples.first(), samples.last()) else { return Vec::new() };
@@ -84,7 +92,9 @@ pub fn levels(experiment: &Experiment, fit: &Fit, signal: &str, condition: &str)
     }
     let gap = SAME_LEVEL * (last.0 - first.0);
     let groups: Vec<&[(f64, f64)]> = samples.chunk_by(|a, b| b.0 - a.0 <= gap).collect();
-    let fits = (2..=DISTINCT_LEVELS).contains(&groups.len());
+    // A cloud with a few stray values is no row of set-points.
+    let widest = groups.iter().map(|group| group[group.len() - 1].0 - group[0].0).fold(0.0, f64::max);
+    let fits = (2..=DISTINCT_LEVELS).contains(&groups.len()) && widest <= SET_POINT * (last.0 - first.0);
     let groups = if fits { groups } else { classes(&samples) };
     groups
         .into_iter()

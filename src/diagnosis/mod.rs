@@ -32,6 +32,8 @@ pub use diagnose::{
     CandidateResult, Control, DiagnoseOptions, Diagnosis, FinalParameter, LackOfFit, Noise, Outcome, PairResult,
     ParameterResult, Progress, Share, Spread, Step, Task, Threads, Verdict, diagnose,
 };
+#[cfg(feature = "report")]
+pub(crate) use failure::levels_of;
 pub use failure::{Failure, Level, levels};
 pub use fit::{Fit, RunFit, SignalFit};
 pub use free::Prior;

@@ -2,10 +2,12 @@
 //! the noise, what do measurement and model look like, where does it fail, what did the calibration do.
 
 use super::page::{Page, escape, table};
-use super::plots::{overlay, residual_conditions, residuals};
+use super::plots::{Condition, Modelled, Samples, View, controls, overlay, residuals};
 use super::units::{digits, of_column, of_unit, short, spoken};
 use super::words::{sentence, source, summary, what_was_measured};
 use crate::diagnosis::{Calibration, Comparison, Failure};
+use crate::measurement::Kind;
+use plotly::common::DashType;
 
 /// Sentences on where the model fails.
 const MOST_SENTENCES: usize = 5;
@@ -16,7 +18,7 @@ pub fn comparison_page(comparison: &Comparison) -> String {
     let name = &comparison.experiment.name;
     let mut page = Page::new(&format!("{name}: model and measurement"));
     page.html(&format!("<h1>{}: model and measurement</h1>", escape(name)));
-    page.html(&format!("<p class=\"lead\">{}</p>", escape(&what_was_measured(comparison))));
+    page.html(&format!("<p class=\"lead\">{}</p>", escape(&what_was_measured(&comparison.experiment))));
     let sentences: String = summary(comparison).iter().map(|s| format!("<p>{}</p>", escape(s))).collect();
     page.html(&format!("<div class=\"verdict\">{sentences}</div>"));
     page.html(&errors(comparison));
@@ -45,7 +47,7 @@ fn errors(comparison: &Comparison) -> String {
             row.extend(comparison.calibrated.as_ref().map(|(_, fit)| error(Some(fit))));
             row.push(floor.map_or("unknown".to_owned(), |floor| shown.number(floor)));
             row.push(ratio.map_or(String::new(), digits));
-            row.push(source(comparison, signal));
+            row.push(source(&comparison.noise_floor, signal));
             row
         })
         .collect();
@@ -61,9 +63,21 @@ fn add_overlays(page: &mut Page, comparison: &Comparison) {
         "Measured and modelled",
         &format!("Points are measurements, repeats included; lines of the same colour are the model {what}."),
     );
+    let model = Modelled {
+        key: "model",
+        name: "model".to_owned(),
+        short: "model",
+        fit: comparison.fit(),
+        dash: DashType::Solid,
+        shown: true,
+    };
+    let view = View { experiment: &comparison.experiment, floors: &comparison.noise_floor, models: vec![model] };
     let signals = comparison.experiment.signals();
-    let plots: Vec<_> = signals.iter().map(|signal| (spoken(signal), overlay(comparison, signal))).collect();
+    let plots: Vec<_> = signals.iter().map(|signal| (spoken(signal), overlay(&view, signal))).collect();
+    page.html("<div class=\"filtered\">");
+    page.html(&controls(&view));
     page.plots(&plots);
+    page.html("</div>");
 }
 
 fn add_failures(page: &mut Page, comparison: &Comparison) {
@@ -83,17 +97,28 @@ fn add_failures(page: &mut Page, comparison: &Comparison) {
     let nothing = "<p>No mean residual exceeds the noise of one sample.</p>".to_owned();
     page.html(&if items.is_empty() { nothing } else { format!("<ul>{items}</ul>") });
     for signal in comparison.experiment.signals() {
-        let plots: Vec<_> = residual_conditions(&comparison.experiment)
-            .into_iter()
-            .filter(|condition| *condition != signal)
+        let floor = comparison.noise_floor.get(&signal).and_then(|floor| floor.value());
+        let plots: Vec<_> = residual_conditions(comparison.experiment.kind)
+            .iter()
+            .filter(|condition| **condition != signal)
             .filter_map(|condition| {
                 let title = format!("{} against {}", spoken(&signal), spoken(condition));
-                Some((title, residuals(comparison, &signal, condition)?))
+                let condition = Condition::Column((*condition).to_owned());
+                let samples = Samples::new(&comparison.experiment, comparison.fit(), &signal, &condition)?;
+                Some((title, residuals(&samples, floor, None)))
             })
             .collect();
         if !plots.is_empty() {
             page.plots(&plots);
         }
+    }
+}
+
+/// Columns against which residuals are drawn.
+fn residual_conditions(kind: Kind) -> &'static [&'static str] {
+    match kind {
+        Kind::SingleWheel => &["slip", "load", "wheel_speed"],
+        Kind::Traverse => &["time", "x", "pitch"],
     }
 }
 

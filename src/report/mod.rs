@@ -1,9 +1,11 @@
 //! Self-contained HTML reports: one file, no network, readable on a phone, in light and dark.
 
 mod comparison;
+mod diagnosis;
 mod page;
 mod plots;
 mod units;
 mod words;
 
 pub use comparison::comparison_page;
+pub use diagnosis::diagnosis_page;

@@ -28,26 +28,59 @@ impl Page {
         self.html(&format!("<h2>{}</h2>\n<p class=\"lead\">{}</p>", escape(heading), escape(lead)));
     }
 
-    /// Adds plots side by side as far as the width allows, each with its title.
-    pub fn plots(&mut self, plots: &[(String, Plot)]) {
+    /// The same with a place to which links of the page can go.
+    pub fn section_at(&mut self, place: &str, heading: &str, lead: &str) {
+        let lead = if lead.is_empty() { String::new() } else { format!("\n<p class=\"lead\">{}</p>", escape(lead)) };
+        self.html(&format!("<h2 id=\"{place}\">{}</h2>{lead}", escape(heading)));
+    }
+
+    /// Adds plots side by side as far as the width allows, each with its title; returns what [`again`](Page::again) needs.
+    pub fn plots(&mut self, plots: &[(String, Plot)]) -> Vec<(String, usize)> {
+        let mut drawn = Vec::new();
         self.body.push_str(if plots.len() == 1 { "<div class=\"wide\">\n" } else { "<div class=\"row\">\n" });
         for (title, plot) in plots {
             self.plots += 1;
-            // A closing tag inside a string of the data would end the script.
-            let json = plot.to_json().replace("</", "<\\/");
-            self.body.push_str(&format!(
-                "<figure><figcaption>{}</figcaption><div class=\"plot\" id=\"plot{n}\"></div>\
-                 <script type=\"application/json\" data-plot=\"plot{n}\">{json}</script></figure>\n",
-                escape(title),
-                n = self.plots
-            ));
+            // A tag inside a string of the data would end the script or begin another.
+            let json = plot.to_json().replace('<', "\\u003c");
+            self.figure(
+                title,
+                self.plots,
+                "",
+                &format!("<script type=\"application/json\" data-plot=\"plot{}\">{json}</script>", self.plots),
+            );
+            drawn.push((title.clone(), self.plots));
+        }
+        self.body.push_str("</div>\n");
+        drawn
+    }
+
+    /// Draws plots a second time from the same data, under other boxes and lists.
+    pub fn again(&mut self, plots: &[(String, usize)]) {
+        self.body.push_str(if plots.len() == 1 { "<div class=\"wide\">\n" } else { "<div class=\"row\">\n" });
+        for (title, source) in plots {
+            self.plots += 1;
+            self.figure(title, self.plots, &format!(" data-again=\"plot{source}\""), "");
         }
         self.body.push_str("</div>\n");
     }
 
-    /// The finished page.
+    fn figure(&mut self, title: &str, number: usize, attributes: &str, data: &str) {
+        let title = escape(title);
+        self.body.push_str(&format!(
+            "<figure><figcaption>{title}</figcaption><div class=\"plot\" id=\"plot{number}\" role=\"img\" \
+             aria-label=\"{title}\"{attributes}></div>{data}</figure>\n"
+        ));
+    }
+
+    /// The finished page; it states its own size.
     pub fn finish(self) -> String {
-        let Self { title, body, .. } = self;
+        let Self { title, mut body, .. } = self;
+        let size = (plotting_library().len() + STYLE.len() + SCRIPT.len() + body.len()) as f64 / 1e6;
+        body.push_str(&format!(
+            "<p class=\"small\">Written by Bekker {}. This page is one file of {size:.1} MB and loads nothing from elsewhere.</p>\n\
+             <noscript><p>The plots need JavaScript; text and tables do not.</p></noscript>\n",
+            env!("CARGO_PKG_VERSION")
+        ));
         let library = plotting_library();
         format!(
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -78,7 +111,7 @@ pub(super) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
     let body: String =
         rows.iter().map(|row| format!("<tr>{}</tr>\n", cells("td", &mut row.iter().map(String::as_str)))).collect();
     format!(
-        "<div class=\"scroll\"><table>\n<thead><tr>{}</tr></thead>\n<tbody>\n{body}</tbody></table></div>",
+        "<div class=\"scroll\" tabindex=\"0\"><table>\n<thead><tr>{}</tr></thead>\n<tbody>\n{body}</tbody></table></div>",
         cells("th", &mut header.iter().copied())
     )
 }

@@ -58,9 +58,20 @@ pub(super) fn of_column(name: &str) -> Shown {
     Shown::of(unit)
 }
 
-/// A name as people say it: `drawbar_pull` is drawbar pull.
+/// A name as people say it: `drawbar_pull` is drawbar pull, `wheel[1].torque` is torque of wheel 1.
 pub(super) fn spoken(name: &str) -> String {
-    name.replace('_', " ")
+    match (name, wheel_and_field(name)) {
+        ("x", _) => "position x".to_owned(),
+        ("z", _) => "height z".to_owned(),
+        (_, Some((wheel, field))) => format!("{} of wheel {wheel}", field.replace('_', " ")),
+        _ => name.replace('_', " "),
+    }
+}
+
+/// Number and quantity of a wheel's signal.
+pub(super) fn wheel_and_field(signal: &str) -> Option<(usize, &str)> {
+    let (number, field) = signal.strip_prefix("wheel[")?.split_once("].")?;
+    Some((number.parse().ok()?, field))
 }
 
 /// Three significant digits, without an exponent where that is short.

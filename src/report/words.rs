@@ -1,15 +1,15 @@
 //! Where the model fails, in words computed from the numbers.
 
 use super::units::{digits, of_column, spoken};
-use crate::diagnosis::{Comparison, Failure, FloorSource};
-use crate::measurement::Kind;
+use crate::diagnosis::{Comparison, Failure, FloorSource, NoiseFloor};
+use crate::measurement::{Experiment, Kind};
+use std::collections::BTreeMap;
 
 /// An error up to this multiple of the noise floor passes for noise: the floor itself is known to some 10 %.
-const NOISE_ONLY: f64 = 1.15;
+pub(super) const NOISE_ONLY: f64 = 1.15;
 
 /// What was done, in one sentence.
-pub(super) fn what_was_measured(comparison: &Comparison) -> String {
-    let experiment = &comparison.experiment;
+pub(super) fn what_was_measured(experiment: &Experiment) -> String {
     let rows: usize = experiment.runs.iter().map(|run| run.data.rows()).sum();
     let what = match experiment.kind {
         Kind::SingleWheel => "A wheel on a carriage, every row a steady point",
@@ -88,8 +88,8 @@ pub(super) fn sentence(failure: &Failure) -> String {
 }
 
 /// The noise floor's source for the table.
-pub(super) fn source(comparison: &Comparison, signal: &str) -> String {
-    let Some(floor) = comparison.noise_floor.get(signal) else { return String::new() };
+pub(super) fn source(floors: &BTreeMap<String, NoiseFloor>, signal: &str) -> String {
+    let Some(floor) = floors.get(signal) else { return String::new() };
     match (floor.source(), floor.replicates) {
         (FloorSource::Replicates, Some(pooled)) => format!("repeats ({} d.o.f.)", pooled.degrees_of_freedom),
         (FloorSource::Stated, Some(pooled)) => {

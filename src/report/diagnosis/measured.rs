@@ -1,0 +1,97 @@
+//! What was measured, and measured beside modelled.
+
+use super::{begin, view};
+use crate::diagnosis::Diagnosis;
+use crate::measurement::{Experiment, Kind, Run};
+use crate::report::page::{Page, table};
+use crate::report::plots::{controls, overlay};
+use crate::report::units::{of_column, short, spoken};
+
+/// The groups of runs and the ranges of what was set and measured.
+pub(super) fn add_measured(page: &mut Page, diagnosis: &Diagnosis) {
+    let experiment = &diagnosis.experiment;
+    let known: Vec<String> =
+        experiment.parameters.iter().map(|(name, value)| format!("{name} = {}", short(*value))).collect();
+    let known =
+        if known.is_empty() { String::new() } else { format!("Known of the rig (SI units): {}. ", known.join(", ")) };
+    let priors: Vec<String> =
+        experiment.priors.iter().map(|(name, deviation)| format!("{name} \u{b1} {}", short(*deviation))).collect();
+    let priors = if priors.is_empty() { String::new() } else { format!("Priors (SI units): {}.", priors.join(", ")) };
+    begin(page, "measured", (known + &priors).trim());
+    page.html(&ranges(experiment));
+    let rows: Vec<Vec<String>> = groups(experiment);
+    let count = rows.len();
+    let table = table(&["group", "runs", "rows", "changed for it (SI units)"], &rows);
+    page.html(&format!("<details><summary>The runs, in {count} groups of repeats</summary>{table}</details>"));
+}
+
+/// Lowest and highest value of every column.
+fn ranges(experiment: &Experiment) -> String {
+    let measured = experiment.signals();
+    let mut columns: Vec<(String, &str)> = Vec::new();
+    let fixed: &[&str] = match experiment.kind {
+        Kind::SingleWheel => &["load", "slip", "wheel_speed"],
+        Kind::Traverse => &["time"],
+    };
+    columns.extend(fixed.iter().map(|name| ((*name).to_owned(), "input")));
+    for name in experiment.runs.iter().flat_map(|run| &run.inputs) {
+        if !columns.iter().any(|(known, _)| known == name) {
+            columns.push((name.clone(), "input"));
+        }
+    }
+    columns.extend(measured.into_iter().map(|name| (name, "measured")));
+    let row = |(name, what): &(String, &str)| {
+        let values = experiment.runs.iter().flat_map(|run| run.data.column(name).unwrap_or_default());
+        let present: Vec<f64> = values.copied().filter(|v| !v.is_nan()).collect();
+        let low = present.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = present.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let shown = of_column(name);
+        (!present.is_empty()).then(|| {
+            let range = format!("{} .. {}", short(low * shown.factor), short(high * shown.factor));
+            vec![spoken(name), (*what).to_owned(), range, shown.symbol.to_owned(), present.len().to_string()]
+        })
+    };
+    let rows: Vec<Vec<String>> = columns.iter().filter_map(row).collect();
+    table(&["column", "", "range", "unit", "values"], &rows)
+}
+
+fn groups(experiment: &Experiment) -> Vec<Vec<String>> {
+    let mut groups: Vec<(String, Vec<&Run>)> = Vec::new();
+    for run in &experiment.runs {
+        let name = run.group.clone().unwrap_or_else(|| run.name.clone());
+        match groups.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, runs)) => runs.push(run),
+            None => groups.push((name, vec![run])),
+        }
+    }
+    let row = |(name, runs): (String, Vec<&Run>)| {
+        let rows: usize = runs.iter().map(|run| run.data.rows()).sum();
+        let changed: Vec<String> =
+            runs[0].parameters.iter().map(|(name, value)| format!("{name} = {}", short(*value))).collect();
+        vec![name, runs.len().to_string(), rows.to_string(), changed.join(", ")]
+    };
+    groups.into_iter().map(row).collect()
+}
+
+/// Measurements with the baseline and the final model; returns what is needed to draw them again.
+pub(super) fn add_overlays(page: &mut Page, diagnosis: &Diagnosis) -> Vec<(String, usize)> {
+    let models = if diagnosis.steps.len() > 1 {
+        "Dashed lines are the calibrated baseline without any added effect, solid lines the model with what was added."
+    } else {
+        "Lines are the calibrated baseline; nothing was added."
+    };
+    let band = if diagnosis.experiment.replicates().is_empty() {
+        "Nothing was repeated, so there is no band of repeats."
+    } else {
+        "The band is two standard deviations of one sample about the mean of repeats."
+    };
+    begin(page, "overlay", &format!("Points are measurements. {band} {models}"));
+    let view = view(diagnosis, true);
+    page.html("<div class=\"filtered\">");
+    page.html(&controls(&view));
+    let signals = diagnosis.experiment.signals();
+    let plots: Vec<_> = signals.iter().map(|signal| (spoken(signal), overlay(&view, signal))).collect();
+    let drawn = page.plots(&plots);
+    page.html("</div>");
+    drawn
+}

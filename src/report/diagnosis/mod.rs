@@ -1,0 +1,150 @@
+//! The page of a diagnosis, in the order in which a person asks: the verdict; what was measured; measured beside
+//! modelled; where it fails; is that more than noise; what calibration can absorb; which effect; how the error falls;
+//! the improved model; its parameters; what remains; what to measure next.
+
+mod evidence;
+mod first_screen;
+mod measured;
+mod misfit;
+mod parameters;
+mod words;
+
+use super::page::{Page, escape};
+use super::plots::{Modelled, View};
+use super::units::spoken;
+use super::words::what_was_measured;
+use crate::diagnosis::{Diagnosis, Verdict};
+use plotly::common::DashType;
+use words::listed;
+
+/// Places of the page and the questions that they answer.
+const PLACES: [(&str, &str); 11] = [
+    ("measured", "What was measured"),
+    ("overlay", "Measured and modelled"),
+    ("fails", "Where the baseline fails"),
+    ("noise", "Is it more than noise?"),
+    ("calibration", "What calibration can absorb"),
+    ("effects", "Which effect?"),
+    ("steps", "The error, step by step"),
+    ("improved", "The final model"),
+    ("parameters", "Parameters"),
+    ("remains", "What remains"),
+    ("next", "The next experiment"),
+];
+
+/// A self-contained HTML page of a diagnosis: no network, light and dark, readable on a phone.
+#[must_use]
+pub fn diagnosis_page(diagnosis: &Diagnosis) -> String {
+    let name = &diagnosis.experiment.name;
+    let mut page = Page::new(&format!("{name}: diagnosis"));
+    page.html(&format!("<h1>{}: diagnosis</h1>", escape(name)));
+    page.html(&format!("<p class=\"lead\">{}</p>", escape(&what_was_measured(&diagnosis.experiment))));
+    page.html(&first_screen::verdict(diagnosis));
+    page.html(&first_screen::tiles(diagnosis));
+    page.html(&first_screen::cautions(diagnosis));
+    let links: String = PLACES.iter().map(|(place, title)| format!("<a href=\"#{place}\">{title}</a> ")).collect();
+    page.html(&format!("<nav aria-label=\"Contents\">{links}</nav>"));
+    measured::add_measured(&mut page, diagnosis);
+    let overlays = measured::add_overlays(&mut page, diagnosis);
+    misfit::add_failures(&mut page, diagnosis);
+    evidence::add_noise(&mut page, diagnosis);
+    parameters::add_calibration(&mut page, diagnosis);
+    evidence::add_candidates(&mut page, diagnosis);
+    evidence::add_steps(&mut page, diagnosis);
+    add_final_model(&mut page, diagnosis, &overlays);
+    parameters::add_parameters(&mut page, diagnosis);
+    misfit::add_remains(&mut page, diagnosis);
+    add_next(&mut page, diagnosis);
+    page.finish()
+}
+
+/// Adds the heading of a place.
+fn begin(page: &mut Page, place: &str, lead: &str) {
+    let title = PLACES.iter().find(|(known, _)| *known == place).map_or(place, |(_, title)| title);
+    page.section_at(place, title, lead);
+}
+
+/// Effects of the final model, in the order in which they were added.
+fn added(diagnosis: &Diagnosis) -> Vec<String> {
+    diagnosis.steps.iter().filter_map(|step| step.added.clone()).collect()
+}
+
+/// "with slip sinkage", for the legend of the final model.
+fn final_name(diagnosis: &Diagnosis) -> String {
+    format!("with {}", listed(&added(diagnosis), "and"))
+}
+
+/// The models that the overlays show: as given, calibrated, with effects.
+fn view(diagnosis: &Diagnosis, baseline: bool) -> View<'_> {
+    let mut models = Vec::new();
+    if diagnosis.steps.len() > 1 {
+        let (name, fit) = (final_name(diagnosis), &diagnosis.last().fit);
+        models.push(Modelled { key: "final", name, short: "final model", fit, dash: DashType::Solid, shown: true });
+    }
+    let alone = models.is_empty();
+    models.push(Modelled {
+        key: "baseline",
+        name: "calibrated baseline".to_owned(),
+        short: "baseline",
+        fit: &diagnosis.baseline().fit,
+        dash: if alone { DashType::Solid } else { DashType::Dash },
+        shown: baseline || alone,
+    });
+    if let Some(fit) = &diagnosis.given {
+        models.push(Modelled {
+            key: "given",
+            name: "as given".to_owned(),
+            short: "as given",
+            fit,
+            dash: DashType::Dot,
+            shown: false,
+        });
+    }
+    View { experiment: &diagnosis.experiment, floors: &diagnosis.noise_floor, models }
+}
+
+fn add_final_model(page: &mut Page, diagnosis: &Diagnosis, overlays: &[(String, usize)]) {
+    if diagnosis.steps.len() < 2 {
+        begin(page, "improved", "No effect was added: the final model is the calibrated baseline shown above.");
+        return;
+    }
+    let named = if words::tried(diagnosis).is_empty() { "" } else { ", which is the nearest but not named" };
+    let lead = format!(
+        "Measurements beside the model {}{named}, and the residuals that it leaves; the dashed grey line is the baseline's mean.",
+        final_name(diagnosis)
+    );
+    begin(page, "improved", &lead);
+    page.html("<div class=\"filtered\">");
+    page.html(&super::plots::controls(&view(diagnosis, false)));
+    page.again(overlays);
+    page.html("</div>");
+    misfit::add_residuals_left(page, diagnosis);
+}
+
+fn add_next(page: &mut Page, diagnosis: &Diagnosis) {
+    let lead = match diagnosis.verdict {
+        Verdict::Undetermined => "What would settle what this experiment leaves open, the most useful first.",
+        _ => "What would tell more, the most useful first.",
+    };
+    if diagnosis.suggestions.is_empty() {
+        let why = if diagnosis.interrupted {
+            "The work was interrupted before one was looked for."
+        } else {
+            "No further experiment is suggested."
+        };
+        begin(page, "next", why);
+        return;
+    }
+    begin(page, "next", lead);
+    let item = |suggestion: &crate::diagnosis::Suggestion| {
+        let effects = if suggestion.effects.is_empty() {
+            String::new()
+        } else {
+            let names: Vec<String> = suggestion.effects.iter().map(|effect| spoken(effect)).collect();
+            format!(" <span class=\"small\">(for {})</span>", escape(&names.join(", ")))
+        };
+        format!("<li>{}{effects}</li>", escape(&suggestion.text))
+    };
+    let items: String = diagnosis.suggestions.iter().map(item).collect();
+    page.html(&format!("<ol>{items}</ol>"));
+}

@@ -1,0 +1,137 @@
+//! Residuals and the conditions against which they are drawn.
+
+use crate::diagnosis::{Fit, Level, levels_of};
+use crate::measurement::{Experiment, Kind, Run};
+use crate::report::units::{Shown, of_column, spoken, wheel_and_field};
+
+/// Below this speed of the rim, m/s, an apparent slip is mostly noise.
+const SLOW: f64 = 0.02;
+
+/// What a residual is held against.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::report) enum Condition {
+    /// A recorded column.
+    Column(String),
+    /// Slip of a wheel from the velocity and the wheel's speed: 1 - v/(r omega).
+    Slip { wheel: usize, radius: f64 },
+    /// The number of the run, in the order of the experiment: something may have drifted.
+    Run,
+    /// The number of the wheel; the signal is then the same quantity of every wheel.
+    Wheel,
+}
+
+impl Condition {
+    /// Name for people.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Column(name) => spoken(name),
+            Self::Slip { wheel, .. } => format!("slip of wheel {wheel}"),
+            Self::Run => "run number".to_owned(),
+            Self::Wheel => "wheel number".to_owned(),
+        }
+    }
+
+    /// Unit and factor for display.
+    pub fn shown(&self) -> Shown {
+        match self {
+            Self::Column(name) => of_column(name),
+            _ => Shown { symbol: "", factor: 1.0 },
+        }
+    }
+
+    /// Whether it is counted rather than measured.
+    pub fn counts(&self) -> bool {
+        matches!(self, Self::Run | Self::Wheel)
+    }
+
+    /// The value at a row of a run.
+    fn value(&self, number: usize, run: &Run, row: usize) -> Option<f64> {
+        match self {
+            Self::Column(name) => run.data.value(name, row),
+            Self::Slip { wheel, radius } => {
+                let speed =
+                    ["speed", "speed_command"].map(|field| run.data.value(&format!("wheel[{wheel}].{field}"), row));
+                let rim = radius * speed.into_iter().flatten().next()?;
+                let slip = 1.0 - run.data.value("velocity", row)? / rim;
+                (rim.abs() > SLOW).then(|| slip.clamp(-1.0, 1.0))
+            }
+            Self::Run => Some((number + 1) as f64),
+            Self::Wheel => None,
+        }
+    }
+}
+
+/// Residuals of a signal with the values of a condition, both in SI units.
+pub(in crate::report) struct Samples {
+    pub signal: String,
+    pub condition: Condition,
+    pub values: Vec<(f64, f64)>,
+    pub levels: Vec<Level>,
+}
+
+impl Samples {
+    /// `None` where the condition was not recorded or did not vary. For [`Condition::Wheel`] `signal` is the wheels'
+    /// quantity, `torque` for `wheel[1].torque` and so on.
+    pub fn new(experiment: &Experiment, fit: &Fit, signal: &str, condition: &Condition) -> Option<Self> {
+        let mut values = Vec::new();
+        for (number, (run, fit)) in experiment.runs.iter().zip(&fit.runs).enumerate() {
+            for own in &fit.signals {
+                let wheel = wheel_and_field(&own.signal).filter(|(_, field)| *field == signal);
+                if own.signal != signal && (*condition != Condition::Wheel || wheel.is_none()) {
+                    continue;
+                }
+                for (row, residual) in own.residual.iter().enumerate().filter(|(_, residual)| !residual.is_nan()) {
+                    let at = match (condition, wheel) {
+                        (Condition::Wheel, Some((wheel, _))) => Some(wheel as f64),
+                        _ => condition.value(number, run, row),
+                    };
+                    values.extend(at.map(|at| (at, *residual)));
+                }
+            }
+        }
+        let levels = levels_of(values.clone());
+        let samples = Self { signal: signal.to_owned(), condition: condition.clone(), values, levels };
+        (!samples.levels.is_empty()).then_some(samples)
+    }
+
+    /// The largest mean residual over the levels, in the signal's unit.
+    pub fn worst(&self) -> f64 {
+        self.levels.iter().map(|level| level.mean.abs()).fold(0.0, f64::max)
+    }
+}
+
+/// Every signal with every condition of an experiment; `radius` is that of the wheels, m.
+pub(in crate::report) fn conditions(experiment: &Experiment, radius: f64) -> Vec<(String, Condition)> {
+    let column = |name: &str| Condition::Column(name.to_owned());
+    let mut all = Vec::new();
+    let mut fields: Vec<(String, usize)> = Vec::new();
+    for signal in experiment.signals() {
+        let wheel = wheel_and_field(&signal).map(|(wheel, field)| (wheel, field.to_owned()));
+        let mut own = match experiment.kind {
+            Kind::SingleWheel => ["slip", "load", "wheel_speed"].map(column).to_vec(),
+            Kind::Traverse => {
+                let number = wheel.as_ref().map_or(1, |(number, _)| *number);
+                let recorded = format!("wheel[{number}].slip");
+                let knows = |name: &str| experiment.runs.iter().any(|run| run.data.column(name).is_some());
+                let slip = if knows(&recorded) { column(&recorded) } else { Condition::Slip { wheel: number, radius } };
+                let speed =
+                    if knows("velocity") { "velocity".to_owned() } else { format!("wheel[{number}].speed_command") };
+                let mut own = ["time", "x", "pitch"].map(column).to_vec();
+                own.extend([slip, column(&speed)]);
+                own
+            }
+        };
+        own.push(Condition::Run);
+        own.retain(|condition| *condition != column(&signal));
+        all.extend(own.into_iter().map(|condition| (signal.clone(), condition)));
+        if let Some((_, field)) = wheel {
+            match fields.iter_mut().find(|(known, _)| *known == field) {
+                Some((_, count)) => *count += 1,
+                None => fields.push((field, 1)),
+            }
+        }
+    }
+    let several = fields.into_iter().filter(|(_, wheels)| *wheels > 1);
+    all.extend(several.map(|(field, _)| (field, Condition::Wheel)));
+    all
+}
