@@ -36,6 +36,9 @@ pub enum CompareError {
     /// The model cannot compute a measured row.
     #[error(transparent)]
     Prediction(#[from] PredictionError),
+    /// A plan has nothing to compare with.
+    #[error("nothing is measured yet: a planned experiment can be asked what it tells apart, not be compared")]
+    NothingMeasured,
     /// There are not enough measurements for a calibration.
     #[error("{values} measured values cannot determine {free} free parameters")]
     TooFewMeasurements {
@@ -94,6 +97,9 @@ impl Comparison {
 /// [`CompareError`].
 pub fn compare(model: &Model, experiment: &Experiment, options: &CompareOptions) -> Result<Comparison, CompareError> {
     let problem = Problem::new(model, experiment, &options.added)?;
+    if problem.layout.present() == 0 {
+        return Err(CompareError::NothingMeasured);
+    }
     problem.predict(&problem.base, |predict| evaluate(predict, &problem, options))?
 }
 
