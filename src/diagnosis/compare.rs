@@ -53,6 +53,12 @@ pub enum CompareError {
     /// A fit found no finite cost, or a signal has no scale.
     #[error("the fit found no answer from any start")]
     NoFit,
+    /// An effect is named twice.
+    #[error("effect `{id}` is named twice")]
+    EffectTwice {
+        /// The name.
+        id: String,
+    },
     /// An effect is not known, or is part of the model already.
     #[error("no candidate effect `{id}`; those that can be added are {known}")]
     UnknownEffect {

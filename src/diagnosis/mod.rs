@@ -40,7 +40,7 @@ pub use prediction::{Derivatives, PredictionError};
 pub use replay::{Replay, ReplayError};
 pub use sensitivity::{Sensitivity, modelled, sensitivity};
 pub use separate::{
-    AssumedNoise, EffectSight, Likeness, NoiseSource, PairSight, PlanError, SeparateOptions, Separation, SingleWheelPlan,
-    SmallestStrength, Suggestion, TraversePlan, separate,
+    AssumedNoise, EffectSight, Likeness, NoiseSource, PairSight, PlanError, SeparateOptions, Separation,
+    SingleWheelPlan, SmallestStrength, Suggestion, TraversePlan, separate,
 };
 pub use single_wheel::{Rig, SteadyError, SteadyPoint, steady_point};

@@ -134,7 +134,7 @@ fn views(
         let origin = candidate.free.iter().map(|free| free.start).collect();
         views.push(View { columns: members.iter().map(column).collect(), way: Way::Slopes { members, origin } });
     }
-    if still && candidate.free.len() > 1 {
+    if still {
         views.extend(finite_views(problem, effects, values, modelled, candidate)?);
     }
     Ok(views)

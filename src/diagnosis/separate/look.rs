@@ -21,11 +21,7 @@ pub(crate) struct Look {
 
 impl Look {
     /// Looks from the baseline with its free parameters at `values`.
-    pub fn new(
-        problem: &Problem,
-        values: &[f64],
-        noise: &BTreeMap<String, NoiseModel>,
-    ) -> Result<Self, CompareError> {
+    pub fn new(problem: &Problem, values: &[f64], noise: &BTreeMap<String, NoiseModel>) -> Result<Self, CompareError> {
         let whitening = Whitening::new(&problem.layout, noise, &|_, _| true).ok_or(CompareError::NoFit)?;
         let sensitivities = sensitivities(problem, &[], values)?;
         let with_prior: Vec<usize> = (0..problem.base.len()).filter(|k| problem.base[*k].prior.is_some()).collect();

@@ -138,11 +138,7 @@ impl Separation {
 ///
 /// # Errors
 /// [`CompareError`] where the experiment does not fit the model, or the model cannot compute it.
-pub fn separate(
-    model: &Model,
-    experiment: &Experiment,
-    options: &SeparateOptions,
-) -> Result<Separation, CompareError> {
+pub fn separate(model: &Model, experiment: &Experiment, options: &SeparateOptions) -> Result<Separation, CompareError> {
     let mut problem = Problem::new(model, experiment, &options.added)?;
     if let Some(candidates) = &options.candidates {
         problem.keep_candidates(candidates)?;
@@ -235,7 +231,13 @@ fn effects(problem: &Problem, look: &Look, values: &[f64]) -> Vec<EffectSight> {
                         .zip(columns)
                         .map(|(member, column)| smallest(problem, look, values, candidate, *member, norm(column))),
                 ),
-                None => seen_in_draws |= columns.iter().any(|column| norm(column) >= DETECTABLE),
+                // A law without a derivative at neutral, such as a square root.
+                None if candidate.free.len() == 1 && strengths.is_empty() => {
+                    strengths.push(smallest(problem, look, values, candidate, 0, f64::NAN));
+                }
+                None => {
+                    seen_in_draws |= candidate.free.len() > 1 && columns.iter().any(|column| norm(column) >= DETECTABLE)
+                }
             }
         }
         let visible = seen_in_draws || strengths.iter().any(|strength| strength.value.is_some());

@@ -27,9 +27,15 @@ const SPECIAL: [(&[&str], &str); 14] = [
     ),
     (&["tether"], "drive the same length twice with the cable held by hand and laid out"),
     (&["soft_patch"], "repeat the run on freshly prepared soil some metres aside: a patch stays where it is"),
-    (&["voltage_limit"], "drive under load with the wheel speeds recorded beside their commands: a limited supply lets them sag"),
+    (
+        &["voltage_limit"],
+        "drive under load with the wheel speeds recorded beside their commands: a limited supply lets them sag",
+    ),
     (&["sensor_lag"], "start and stop in steps: a lag shows in transients only"),
-    (&["suspension_friction"], "drive over a step on a hard floor and back: friction of the joints shows as hysteresis"),
+    (
+        &["suspension_friction"],
+        "drive over a step on a hard floor and back: friction of the joints shows as hysteresis",
+    ),
     (
         &["slip_sinkage", "bulldozing", "grousers", "rim_adhesion", "moisture", "slope_strength"],
         "test the soil with a plate and a shear ring and give k_phi, n, cohesion and friction as priors: a calibration then no longer absorbs the effect",

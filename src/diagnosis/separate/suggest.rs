@@ -4,12 +4,12 @@
 //! apart: the cosine of what two effects change beyond the calibration, and the size of it against the noise. What no
 //! variation separates is looked up among experiments in which one cause acts alone.
 
+use super::Suggestion;
 use super::look::Look;
 use super::separation::{expect_all, models, planned_noise};
 use super::special::special;
 use super::strength::smallest;
 use super::variation::{Variation, variations};
-use super::Suggestion;
 use crate::diagnosis::diagnose::{ALIKE, DETECTABLE, Verdict};
 use crate::diagnosis::failure::Failure;
 use crate::diagnosis::linear_algebra::norm;
@@ -129,9 +129,8 @@ fn where_it_fails(question: &Question) -> Option<Suggestion> {
 /// The answer that separates most, then shows most, then is the least work, then has the smallest cosines.
 fn best<'a>(answers: &'a [Answer], now: &[f64]) -> Option<&'a Answer> {
     let mean = |cosines: &[f64]| cosines.iter().sum::<f64>() / cosines.len().max(1) as f64;
-    let helps = |answer: &&Answer| {
-        answer.shows() > 0 || answer.cosines.iter().zip(now).any(|(then, now)| now - then > NOTABLE)
-    };
+    let helps =
+        |answer: &&Answer| answer.shows() > 0 || answer.cosines.iter().zip(now).any(|(then, now)| now - then > NOTABLE);
     answers.iter().filter(helps).min_by(|a, b| {
         let work = a.variation.cost.cmp(&b.variation.cost);
         b.worth().cmp(&a.worth()).then(work).then(mean(&a.cosines).total_cmp(&mean(&b.cosines)))
@@ -216,7 +215,8 @@ fn described(question: &Question, answer: &Answer, now: &[f64]) -> Suggestion {
     if hidden > 0 {
         reasons.push(format!("{hidden} more pairs come apart"));
     }
-    let shown: Vec<&String> = question.blind.iter().zip(&answer.seen).filter(|(_, seen)| **seen).map(|(id, _)| id).collect();
+    let shown: Vec<&String> =
+        question.blind.iter().zip(&answer.seen).filter(|(_, seen)| **seen).map(|(id, _)| id).collect();
     if !shown.is_empty() {
         let mut words = strengths(question, answer, &shown[..shown.len().min(NAMED)]);
         if shown.len() > NAMED {
@@ -241,9 +241,14 @@ fn weakest(problem: &Problem, look: &Look, values: &[f64], id: &str) -> Option<S
     let candidate = problem.candidate(id)?;
     let k = look.ids().position(|known| known == id)?;
     let view = look.sensitivities.signatures[k].views.first()?;
-    let (members, columns) = (view.members()?, look.projected.views[k].first()?);
-    let sized = members.iter().zip(columns).map(|(member, column)| (*member, norm(column)));
-    let (member, slope) = sized.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (member, slope) = match view.members() {
+        Some(members) => {
+            let sized = members.iter().zip(look.projected.views[k].first()?);
+            sized.map(|(member, column)| (*member, norm(column))).max_by(|a, b| a.1.total_cmp(&b.1))?
+        }
+        None if candidate.free.len() == 1 => (0, f64::NAN),
+        None => return None,
+    };
     let strength = smallest(problem, look, values, candidate, member, slope);
     let unit = match strength.variable.unit.symbol {
         "1" => "",

@@ -45,12 +45,10 @@ pub(crate) fn variations(model: &Model, experiment: &Experiment) -> Vec<Variatio
 }
 
 fn with(text: String, cost: usize, like: &Experiment, planned: Result<Experiment, PlanError>) -> Option<Variation> {
-    let mut experiment = planned.ok()?;
-    experiment.parameters.clone_from(&like.parameters);
-    experiment.priors.clone_from(&like.priors);
-    let measured = experiment.signals();
-    let stated = like.noise.iter().filter(|(signal, _)| measured.contains(signal));
-    experiment.noise = stated.map(|(signal, deviation)| (signal.clone(), *deviation)).collect();
+    let planned = planned.ok()?;
+    let measured = planned.signals();
+    let mut experiment = Experiment { runs: planned.runs, ..like.clone() };
+    experiment.noise.retain(|signal, _| measured.contains(signal));
     Some(Variation { text, experiment, cost })
 }
 

@@ -100,9 +100,8 @@ impl SingleWheelPlan {
 
 /// The largest load, at most `load`, that the soil carries at every slip.
 pub(crate) fn carried(rig: &Rig, load: f64, slips: &[f64], speeds: &[f64]) -> f64 {
-    let holds = |load: f64| {
-        speeds.iter().all(|speed| slips.iter().all(|slip| steady_point(rig, load, *slip, *speed).is_ok()))
-    };
+    let holds =
+        |load: f64| speeds.iter().all(|speed| slips.iter().all(|slip| steady_point(rig, load, *slip, *speed).is_ok()));
     let mut load = load;
     for _ in 0..TRIES {
         if holds(load) {
