@@ -3,7 +3,7 @@
 use crate::model::ModelArguments;
 use crate::output::{check_all_writable, say, write_json};
 use anyhow::Result;
-use bekker::diagnosis::{EffectSight, SeparateOptions, Separation, SmallestStrength, separate};
+use bekker::diagnosis::{EffectSight, NoiseSource, SeparateOptions, Separation, SmallestStrength, separate};
 use bekker::measurement::Experiment;
 use std::path::PathBuf;
 
@@ -47,7 +47,9 @@ impl Separate {
 pub fn print(separation: &Separation) -> Result<()> {
     let place = if separation.calibrated { "calibrated to it" } else { "at the given parameters" };
     say!("{}: what it can tell apart, the model {place}", separation.name);
-    say!("noise of one sample:");
+    let planned = separation.noise.values().any(|noise| noise.source == NoiseSource::Default);
+    let note = if planned { " (default: usual instruments; every row counts as independent)" } else { "" };
+    say!("noise of one sample{note}:");
     for (signal, noise) in &separation.noise {
         say!("  {signal:22} {:.3e} ({})", noise.model.deviation, noise.source.name());
     }

@@ -131,16 +131,18 @@ fn suggestions(inputs: &Inputs, finding: &Finding, fitted: &Calibration, left_ov
     let signatures = stage.sensitivities.signatures.iter().enumerate();
     let unseen = signatures.filter(|(k, _)| largest_size(stage, *k) < DETECTABLE).map(|(_, s)| s.id.clone());
     let blind: Vec<String> = unseen.chain(prepared.invisible.iter().cloned()).collect();
+    let pairs = confused(stage, finding);
     let question = Question {
         problem: search.problem,
         values: &fitted.values()[..search.problem.base.len()],
         noise: &prepared.noise.models,
         verdict: finding.verdict,
-        pairs: &confused(stage, finding),
-        // Where effects are named or tied, telling those apart comes first.
-        blind: if finding.effects.is_empty() { &blind } else { &[] },
+        named: &finding.effects,
+        pairs: &pairs,
+        // Telling apart what is named or tied comes first.
+        blind: if pairs.is_empty() { &blind } else { &[] },
         failures: left_over,
-        repeated: prepared.repeats.is_some(),
+        repeated: !search.problem.experiment.replicates().is_empty(),
         stop: search.control.stop,
     };
     suggest(&question)

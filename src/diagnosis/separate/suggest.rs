@@ -26,6 +26,8 @@ pub(crate) struct Question<'a> {
     pub values: &'a [f64],
     pub noise: &'a BTreeMap<String, NoiseModel>,
     pub verdict: Verdict,
+    /// Effects that the verdict names.
+    pub named: &'a [String],
     /// Pairs that tie or look alike.
     pub pairs: &'a [[String; 2]],
     /// Effects that could be there without showing.
@@ -71,6 +73,13 @@ pub(crate) fn suggest(question: &Question) -> Vec<Suggestion> {
     if question.verdict == Verdict::Unexplained {
         suggestions.extend(where_it_fails(question));
     }
+    if question.verdict == Verdict::Undetermined && !question.named.is_empty() && question.pairs.is_empty() {
+        suggestions.push(Suggestion {
+            text: "test the soil anew (plate, shear ring) and measure under conditions outside the present ranges: what was left out of the fit, or a prior, contradicts the effect"
+                .to_owned(),
+            effects: question.named.to_vec(),
+        });
+    }
     if !question.repeated {
         suggestions.push(Suggestion {
             text: "repeat every run at least three times: without repeats the noise, and with it every answer here, is uncertain"
@@ -83,8 +92,9 @@ pub(crate) fn suggest(question: &Question) -> Vec<Suggestion> {
     let mut open_pairs: Vec<usize> = (0..question.pairs.len()).collect();
     let mut open_effects: Vec<usize> = (0..question.blind.len()).collect();
     if let Some(best) = best(&answers, &now) {
-        let at = usize::from(!suggestions.is_empty() && question.verdict == Verdict::Unexplained);
-        suggestions.insert(at, described(question, best, &now));
+        // What contradicts the verdict comes first, then figures, then the plea for repeats.
+        let first = usize::from(suggestions.len() > usize::from(!question.repeated));
+        suggestions.insert(first, described(question, best, &now));
         open_pairs.retain(|k| best.cosines[*k] >= ALIKE);
         open_effects.retain(|k| !best.seen[*k]);
     }
@@ -118,9 +128,9 @@ fn add(suggestions: &mut Vec<Suggestion>, text: &str, effects: &[&String]) {
 /// Where the residual is largest there is most to learn of what no effect explains.
 fn where_it_fails(question: &Question) -> Option<Suggestion> {
     let worst = question.failures.first()?;
-    let (level, unit) = (&worst.level, "in its SI unit");
+    let level = &worst.level;
     let text = format!(
-        "measure more densely where {} = {:.3} .. {:.3}: there {} is off by {:+.3e} ({unit}) and no known effect explains it; record every signal that can be had",
+        "measure more densely where {} = {:.3} .. {:.3} and record every signal that can be had: there {} is off by {:+.2e} (SI) and no known effect accounts for it",
         worst.condition, level.low, level.high, worst.signal, level.mean
     );
     Some(Suggestion { text, effects: Vec::new() })

@@ -24,8 +24,9 @@ const WIDE: [f64; 9] = [-0.3, -0.15, 0.0, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8];
 const WIDE_LOADS: f64 = 2.5;
 const WIDE_SPEEDS: f64 = 2.0;
 const WIDE_SLIPS: (f64, f64) = (-0.05, 0.6);
-/// A second speed against the present one.
+/// A second speed is so many times the present one, or that part of it where the rim is already fast, m/s.
 const FASTER: f64 = 4.0;
+const FAST: f64 = 0.1;
 /// Slopes to be tried, degrees, the steepest first, and the longest run, s, and shortest time between rows, s.
 const SLOPES: [f64; 3] = [8.0, 5.0, 3.0];
 const LONGEST: f64 = 20.0;
@@ -96,6 +97,11 @@ fn spread(range: [f64; 3]) -> Vec<f64> {
     if low == high { vec![low] } else { vec![low, high] }
 }
 
+/// Another rim speed, far enough from the present one, m/s.
+fn second_speed(present: f64) -> f64 {
+    handy(if present.abs() > FAST { present / FASTER } else { present * FASTER })
+}
+
 type Change<P> = (String, Box<dyn Fn(&mut P)>);
 
 fn carriage_changes(
@@ -118,9 +124,10 @@ fn carriage_changes(
         changes.push((text, Box::new(|plan| plan.slips = WIDE.to_vec())));
     }
     if speeds[2].abs() < WIDE_SPEEDS * speeds[0].abs() {
-        let fast = handy(FASTER * speeds[1]);
-        let text = format!("a second wheel speed of {fast} rad/s");
-        changes.push((text, Box::new(move |plan| plan.wheel_speeds.push(fast))));
+        let second = second_speed(rig.wheel.radius * speeds[1]) / rig.wheel.radius;
+        let second = handy(second);
+        let text = format!("a second wheel speed of {second} rad/s");
+        changes.push((text, Box::new(move |plan| plan.wheel_speeds.push(second))));
     }
     if speeds[0] * speeds[2] > 0.0 {
         let back = -handy(speeds[1]);
@@ -152,9 +159,9 @@ fn traverse(model: &Model, experiment: &Experiment) -> Vec<Variation> {
     let wheels = model.rover.wheels.len();
     let present = TraversePlan {
         name: experiment.name.clone(),
-        speeds: vec![handy(speeds[1])],
+        speeds: spread(speeds).into_iter().filter(|speed| *speed != 0.0).collect(),
         slopes: vec![0.0],
-        masses: Vec::new(),
+        masses: masses(experiment),
         and_back: false,
         duration: handy(durations[1].min(LONGEST)).max(10.0 * EVERY),
         every: EVERY,
@@ -166,43 +173,50 @@ fn traverse(model: &Model, experiment: &Experiment) -> Vec<Variation> {
         reach: reach(model),
     };
     let mass = experiment.parameters.get("rover.mass").copied().unwrap_or(model.rover.body.mass);
-    let flat = experiment.runs.iter().all(|run| run.terrain.is_none());
+    let ground = experiment.runs.iter().find(|run| run.terrain.is_some());
     let climbs = |degrees: &f64| {
         let hill = TraversePlan { slopes: vec![degrees.to_radians()], repeats: 1, ..present.clone() };
         let hill = with(String::new(), 0, experiment, hill.experiment());
         hill.is_some_and(|hill| modelled(model, &hill.experiment).is_ok())
     };
-    let hill = SLOPES.into_iter().filter(|_| flat).find(climbs);
-    let changes = rover_changes(&present, experiment, hill, mass, speeds);
+    let hill = SLOPES.into_iter().filter(|_| ground.is_none()).find(climbs);
+    let changes = rover_changes(&present, hill, mass, speeds);
     // A traverse takes seconds to simulate: no pairs of changes.
-    combine(&present, &changes, false)
-        .into_iter()
-        .filter_map(|(text, cost, plan)| with(text, cost, experiment, plan.experiment()))
-        .collect()
+    let planned = combine(&present, &changes, false).into_iter();
+    let mut variations: Vec<Variation> =
+        planned.filter_map(|(text, cost, plan)| with(text, cost, experiment, plan.experiment())).collect();
+    if let Some(ground) = ground {
+        // The ground at hand stays: it is uneven already.
+        for run in variations.iter_mut().flat_map(|variation| &mut variation.experiment.runs) {
+            (run.terrain, run.x0) = (ground.terrain.clone(), ground.x0);
+        }
+    }
+    variations
 }
 
-fn rover_changes(
-    present: &TraversePlan,
-    experiment: &Experiment,
-    hill: Option<f64>,
-    mass: f64,
-    speeds: [f64; 3],
-) -> Vec<Change<TraversePlan>> {
+/// Lightest and heaviest mass that runs state; empty where they do not differ.
+fn masses(experiment: &Experiment) -> Vec<f64> {
+    let stated = |run: &Run| run.parameters.get("rover.mass").copied().into_iter().collect::<Vec<_>>();
+    range(experiment, stated)
+        .filter(|range| range[0] < range[2])
+        .map_or_else(Vec::new, |range| vec![range[0], range[2]])
+}
+
+fn rover_changes(present: &TraversePlan, hill: Option<f64>, mass: f64, speeds: [f64; 3]) -> Vec<Change<TraversePlan>> {
     let mut changes: Vec<Change<TraversePlan>> = Vec::new();
     if let Some(degrees) = hill {
         let text = format!("a hill of {degrees} degrees driven up and down");
         changes.push((text, Box::new(move |plan| plan.slopes = vec![0.0, degrees.to_radians()])));
     }
-    let masses = experiment.runs.iter().any(|run| run.parameters.contains_key("rover.mass"));
-    if !masses {
+    if present.masses.is_empty() {
         let heavy = handy(HEAVIER * mass);
         let text = format!("a second, known mass of {heavy} kg");
         changes.push((text, Box::new(move |plan| plan.masses = vec![mass, heavy])));
     }
     if speeds[2].abs() < WIDE_SPEEDS * speeds[0].abs() {
-        let fast = handy(FASTER * speeds[1]);
-        let text = format!("a second wheel speed of {} rad/s", handy(fast / present.radius));
-        changes.push((text, Box::new(move |plan| plan.speeds.push(fast))));
+        let second = second_speed(speeds[1]);
+        let text = format!("a second wheel speed of {} rad/s", handy(second / present.radius));
+        changes.push((text, Box::new(move |plan| plan.speeds.push(second))));
     }
     if speeds[0] * speeds[2] > 0.0 {
         let text = "the way driven back in reverse".to_owned();
