@@ -242,6 +242,29 @@ fn property_a_tie_is_followed_by_an_experiment_that_separates_it() {
 }
 
 #[test]
+fn property_what_a_flat_traverse_hides_another_would_show() {
+    let planned = TraversePlan {
+        speeds: vec![0.1],
+        slopes: vec![0.0],
+        masses: Vec::new(),
+        duration: 6.0,
+        every: 0.2,
+        repeats: 2,
+        signals: ["x", "pitch", "wheel[1].torque"].map(str::to_owned).to_vec(),
+        ..TraversePlan::of(&model())
+    };
+    let noise = [("x", 0.01), ("pitch", 0.01), ("wheel[1].torque", 0.5)];
+    let experiment = measured(&planned.experiment().unwrap(), &[], &noise);
+    let candidates = Some(vec!["coulomb_friction".to_owned()]);
+    let options = DiagnoseOptions { candidates, draws: 99, ..Default::default() };
+    let diagnosis = diagnose(&model(), &experiment, &options, &Control::default()).unwrap();
+    let first = &diagnosis.suggestions[0];
+    assert!(first.text.starts_with("repeat with ") && first.text.contains("it would show"), "{first:?}");
+    assert_eq!(first.effects, ["coulomb_friction"], "{first:?}");
+    assert!(first.text.contains("coulomb_friction from "), "the strength that it would find: {first:?}");
+}
+
+#[test]
 fn property_an_interrupted_diagnosis_returns_what_it_has() {
     let planned = SingleWheelPlan { repeats: 3, ..plan(&[20.0], &[0.3]) }.experiment().unwrap();
     let noise = [("drawbar_pull", 0.1), ("torque", 0.01), ("sinkage", 0.0003)];

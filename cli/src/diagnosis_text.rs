@@ -120,7 +120,9 @@ fn print_candidates(diagnosis: &Diagnosis) -> Result<()> {
 }
 
 fn line(candidate: &CandidateResult) -> String {
-    let held = candidate.heldout_gain.map_or_else(|| "-".to_owned(), |gain| format!("{gain:+.1}"));
+    let held = candidate
+        .heldout_gain
+        .map_or_else(|| "-".to_owned(), |gain| format!("{:+.1}", (10.0 * gain).round() / 10.0 + 0.0));
     let marks = match (candidate.tied, candidate.refitted) {
         (true, _) => "  tied",
         (false, false) => "  only screened",
@@ -131,7 +133,8 @@ fn line(candidate: &CandidateResult) -> String {
         candidate.effect,
         candidate.probability,
         candidate.p_value,
-        candidate.gain,
+        // No sign before a zero.
+        (10.0 * candidate.gain).round() / 10.0 + 0.0,
         100.0 * candidate.visible_share
     )
 }
@@ -149,7 +152,8 @@ fn print_parameters(diagnosis: &Diagnosis) -> Result<()> {
 fn parameter_line(parameter: &ParameterResult, interval: Option<(Option<f64>, Option<f64>)>) -> String {
     let (fitted, variable) = (&parameter.fitted, &parameter.fitted.variable);
     let deviation = fitted.deviation.map_or_else(String::new, |deviation| format!(" +- {deviation:.2e}"));
-    let value = format!("{:.4e}{deviation} {}", fitted.value, variable.unit.symbol);
+    let unit = Some(variable.unit.symbol).filter(|symbol| *symbol != "1").unwrap_or_default();
+    let value = format!("{:.4e}{deviation} {unit}", fitted.value);
     let mut flags = Vec::new();
     if let Some((low, high)) = interval {
         let side = |end: Option<f64>| end.map_or_else(|| "open".to_owned(), |end| format!("{end:.3e}"));

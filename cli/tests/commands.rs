@@ -261,7 +261,7 @@ fn property_a_planned_experiment_can_be_asked_but_not_compared() {
         "2",
     ];
     let text = done(&plan);
-    assert!(text.contains("8 runs, 40 rows") && text.contains("0.3") && text.contains("default"), "{text}");
+    assert!(text.contains("8 runs, 40 rows") && text.contains("3.000e-1 (default)"), "{text}");
     let header = std::fs::read_to_string(folder.join("runs/load15_speed0.2_a.csv")).expect("a run");
     assert!(header.starts_with("load,slip,wheel_speed,drawbar_pull,torque,sinkage\n15.0,-0.1,0.2,,,\n"), "{header}");
     // The plan is read by `separate` and says the same.

@@ -49,7 +49,7 @@ struct Answer {
     variation: Variation,
     /// Cosines of the pairs; 1 where one of the two is not seen.
     cosines: Vec<f64>,
-    /// Effects of the question that would be found at full strength, with the smallest strength in words.
+    /// Whether each of the question's blind effects would be found at full strength.
     seen: Vec<bool>,
 }
 
@@ -98,31 +98,37 @@ pub(crate) fn suggest(question: &Question) -> Vec<Suggestion> {
         open_pairs.retain(|k| best.cosines[*k] >= ALIKE);
         open_effects.retain(|k| !best.seen[*k]);
     }
-    for k in open_pairs {
-        let [a, b] = &question.pairs[k];
-        if let Some(text) = special(a, Some(b)).or_else(|| special(b, Some(a))) {
-            add(&mut suggestions, text, &[a, b]);
-        }
-    }
-    for k in open_effects {
-        if let Some(text) = special(&question.blind[k], None) {
-            add(&mut suggestions, text, &[&question.blind[k]]);
-        }
-    }
+    suggestions.extend(specials(question, &open_pairs, &open_effects));
     suggestions
 }
 
-/// Adds a suggestion, or effects to one that is there.
-fn add(suggestions: &mut Vec<Suggestion>, text: &str, effects: &[&String]) {
-    let at = suggestions.iter().position(|known| known.text == text).unwrap_or_else(|| {
-        suggestions.push(Suggestion { text: text.to_owned(), effects: Vec::new() });
-        suggestions.len() - 1
-    });
-    for id in effects {
-        if !suggestions[at].effects.contains(id) {
-            suggestions[at].effects.push((*id).clone());
+/// Special experiments for what no variation separates or shows; one that serves several effects is listed once.
+fn specials(question: &Question, pairs: &[usize], effects: &[usize]) -> Vec<Suggestion> {
+    let mut found: Vec<(&'static str, Vec<String>)> = Vec::new();
+    let mut add = |text: &'static str, ids: &[String]| {
+        let at = found.iter().position(|(known, _)| *known == text).unwrap_or_else(|| {
+            found.push((text, Vec::new()));
+            found.len() - 1
+        });
+        let new: Vec<String> = ids.iter().filter(|id| !found[at].1.contains(id)).cloned().collect();
+        found[at].1.extend(new);
+    };
+    for pair in pairs.iter().map(|k| &question.pairs[*k]) {
+        let [a, b] = pair;
+        if let Some(text) = special(a, Some(b)).or_else(|| special(b, Some(a))) {
+            add(text, pair);
         }
     }
+    for id in effects.iter().map(|k| &question.blind[*k]) {
+        if let Some(text) = special(id, None) {
+            add(text, std::slice::from_ref(id));
+        }
+    }
+    let worded = |(text, effects): (&str, Vec<String>)| Suggestion {
+        text: format!("for {}: {text}", effects.join(", ")),
+        effects,
+    };
+    found.into_iter().map(worded).collect()
 }
 
 /// Where the residual is largest there is most to learn of what no effect explains.
