@@ -199,15 +199,16 @@ fn measured(planned: &Experiment, hidden: &[(&str, f64)], noise: &[(&str, f64)])
     let mut at = 0;
     for run in &mut experiment.runs {
         let rows = run.data.rows();
-        let mut columns: Vec<Vec<f64>> =
-            run.inputs.iter().map(|name| run.data.column(name).unwrap().to_vec()).collect();
+        // Time and inputs stand before what is measured.
+        let given = run.data.names().iter().filter(|name| !run.measured.contains(name));
+        let mut columns: Vec<Vec<f64>> = given.map(|name| run.data.column(name).unwrap().to_vec()).collect();
         for signal in &run.measured {
             let deviation = noise.iter().find(|(name, _)| name == signal).unwrap().1;
             let error = Normal::new(0.0, deviation).unwrap();
             columns.push(values[at..at + rows].iter().map(|value| value + error.sample(&mut rng)).collect());
             at += rows;
         }
-        let mut table = Table::new(run.inputs.iter().chain(&run.measured).cloned()).unwrap();
+        let mut table = Table::new(run.data.names().iter().cloned()).unwrap();
         for row in 0..rows {
             table.push(&columns.iter().map(|column| column[row]).collect::<Vec<_>>()).unwrap();
         }
