@@ -18,8 +18,8 @@ pub struct Compare {
     /// Calibrate the free parameters first, within their bounds.
     #[arg(long)]
     calibrate: bool,
-    /// Switch effects on, separated by commas; their parameters are calibrated too.
-    #[arg(long, value_delimiter = ',', value_name = "EFFECTS", requires = "calibrate")]
+    /// Switch effects on, separated by commas; their parameters and the free ones are calibrated.
+    #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     with: Vec<String>,
     /// Write a self-contained page with overlay and residual plots.
     #[arg(long, value_name = "FILE")]
@@ -33,8 +33,8 @@ impl Compare {
         if let Some(path) = &self.html {
             check_writable(path)?;
         }
-        let comparison =
-            compare(&model, &experiment, &CompareOptions { calibrate: self.calibrate, added: self.with.clone() })?;
+        let calibrate = self.calibrate || !self.with.is_empty();
+        let comparison = compare(&model, &experiment, &CompareOptions { calibrate, added: self.with })?;
         print(&comparison, "")?;
         if let Some(path) = &self.html {
             write_page(&comparison, path)?;
@@ -72,7 +72,7 @@ pub fn print(comparison: &Comparison, indent: &str) -> Result<()> {
     Ok(())
 }
 
-fn print_errors(comparison: &Comparison, indent: &str) -> Result<()> {
+pub fn print_errors(comparison: &Comparison, indent: &str) -> Result<()> {
     say!("{indent}{:16} {:>12} {:>12} {:>12}", "error (RMS, SI)", "as given", "calibrated", "noise floor");
     let cell = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.5}"));
     for (signal, best) in &comparison.fit().rmse {
@@ -87,7 +87,7 @@ fn print_errors(comparison: &Comparison, indent: &str) -> Result<()> {
     Ok(())
 }
 
-fn print_parameters(calibration: &Calibration, indent: &str) -> Result<()> {
+pub fn print_parameters(calibration: &Calibration, indent: &str) -> Result<()> {
     say!(
         "{indent}calibrated (chi-square {:.0} for {} degrees of freedom; {} of {} searches agree):",
         calibration.chi_square,

@@ -1,10 +1,13 @@
 //! `bekker diagnose`.
 
+use crate::diagnosis_text::print;
 use crate::model::ModelArguments;
-use crate::output::{check_writable, say};
+use crate::output::{check_all_writable, say, write, write_json};
+use crate::{interrupt, progress};
 use anyhow::{Context, Result};
-use bekker::diagnosis::{Control, DiagnoseOptions, Diagnosis, diagnose};
+use bekker::diagnosis::{Control, DiagnoseOptions, Diagnosis, Progress, diagnose};
 use bekker::measurement::Experiment;
+use bekker::report::diagnosis_page;
 use std::path::PathBuf;
 
 /// Find out which physical effect is missing from the model.
@@ -17,59 +20,64 @@ pub struct Diagnose {
     /// Candidate effects, separated by commas; all if not given.
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     candidates: Option<Vec<String>>,
+    /// Effects that are known to act, separated by commas: they are calibrated with the baseline.
+    #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
+    with: Vec<String>,
     /// Most effects that are added.
     #[arg(long, default_value_t = 3, value_name = "N")]
     max_effects: usize,
+    /// Draws of the bootstrap: p-values are not below 1/(N + 1).
+    #[arg(long, default_value_t = 499, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    draws: u32,
+    /// Threads to work on; all cores if not given. The result does not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    threads: Option<u32>,
     /// Write the result as JSON.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Write a self-contained page with plots.
+    #[arg(long, value_name = "FILE")]
+    html: Option<PathBuf>,
+    /// Write the improved model, ready for `bekker simulate` and `bekker fmu`.
+    #[arg(long, value_name = "FILE")]
+    save: Option<PathBuf>,
 }
 
 impl Diagnose {
     pub fn run(self) -> Result<()> {
         let experiment = Experiment::read(&self.experiment)?;
         let model = self.model.load()?;
-        if let Some(path) = &self.json {
-            check_writable(path)?;
+        check_all_writable([&self.json, &self.html, &self.save])?;
+        if let Some(threads) = self.threads {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
+            pool.build_global().context("cannot start the threads")?;
         }
-        let options =
-            DiagnoseOptions { candidates: self.candidates, max_effects: self.max_effects, ..Default::default() };
-        let diagnosis = diagnose(&model, &experiment, &options, &Control::default())?;
+        interrupt::listen()?;
+        let options = DiagnoseOptions {
+            candidates: self.candidates,
+            added: self.with,
+            max_effects: self.max_effects,
+            draws: self.draws as usize,
+        };
+        let bar = progress::share_bar();
+        let tell = |at: Progress| progress::show(&bar, at.stage, at.done, at.total);
+        let control = Control { progress: &tell, stop: &interrupt::stopped, ..Control::default() };
+        let diagnosis = diagnose(&model, &experiment, &options, &control);
+        bar.finish_and_clear();
+        let diagnosis = diagnosis?;
         print(&diagnosis)?;
         if let Some(path) = &self.json {
-            std::fs::write(path, serde_json::to_string_pretty(&diagnosis.to_json())?)
-                .with_context(|| format!("cannot write `{}`", path.display()))?;
+            write_json(path, &diagnosis.to_json())?;
+        }
+        if let Some(path) = &self.html {
+            write(path, &diagnosis_page(&diagnosis))?;
+        }
+        if let Some(path) = &self.save {
+            write(path, &diagnosis.improved.to_toml()?)?;
+        }
+        if diagnosis.interrupted {
+            say!("interrupted: what was not done is missing from this result");
         }
         Ok(())
     }
-}
-
-fn print(diagnosis: &Diagnosis) -> Result<()> {
-    say!("{}: {} {}", diagnosis.experiment.name, diagnosis.verdict.name(), diagnosis.effects.join(", "));
-    for step in &diagnosis.steps {
-        say!(
-            "  {:20} left {:.3} rmse {:?} heldout {:?}",
-            step.added.as_deref().unwrap_or("baseline"),
-            step.left,
-            step.rmse,
-            step.heldout_rmse
-        );
-    }
-    for c in diagnosis.candidates.iter().take(8) {
-        say!(
-            "  {:20} P {:.3} p {:.3} gain {:.1} left {:.2} held {:?} tied {}",
-            c.effect,
-            c.probability,
-            c.p_value,
-            c.gain,
-            c.left,
-            c.heldout_gain,
-            c.tied
-        );
-    }
-    say!("  enough {:.3} other {:.3} lack {:?}", diagnosis.share.enough, diagnosis.share.other, diagnosis.lack_of_fit);
-    for caution in &diagnosis.cautions {
-        say!("  ! {caution}");
-    }
-    Ok(())
 }

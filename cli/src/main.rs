@@ -1,13 +1,18 @@
-//! `bekker`: simulate rovers on soft soil, compare them with measurements, package them as FMUs.
+//! `bekker`: simulate rovers on soft soil, compare them with measurements, find the missing effect, package them as FMUs.
 
+mod calibrate;
 mod compare;
 mod demo;
 mod diagnose;
+mod diagnosis_text;
+mod experiment;
 mod fmu;
+mod interrupt;
 mod model;
 mod output;
 mod parameters;
 mod progress;
+mod separate;
 mod simulate;
 
 use clap::{Parser, Subcommand};
@@ -19,7 +24,7 @@ use std::process::ExitCode;
     name = "bekker",
     version,
     about,
-    after_help = "Exit codes: 0 done, 1 the work failed or a value was refused, 2 the call could not be read."
+    after_help = "Exit codes: 0 done, 1 the work failed or a value was refused, 2 the call could not be read, 130 interrupted twice."
 )]
 struct Cli {
     #[command(subcommand)]
@@ -34,6 +39,12 @@ enum Command {
     Compare(compare::Compare),
     /// Find out which physical effect is missing from the model.
     Diagnose(diagnose::Diagnose),
+    /// Fit a model's free parameters to an experiment.
+    Calibrate(calibrate::Calibrate),
+    /// See what an experiment, made or planned, can tell apart.
+    Separate(separate::Separate),
+    /// Plan an experiment: a run list to be recorded, and what it will be able to tell apart.
+    Experiment(experiment::Experiment),
     /// Write a model as an FMU for other simulation tools.
     Fmu(fmu::Fmu),
     /// List the vocabulary: every parameter, input and signal of a model.
@@ -47,6 +58,9 @@ fn main() -> ExitCode {
         Command::Simulate(command) => command.run(),
         Command::Compare(command) => command.run(),
         Command::Diagnose(command) => command.run(),
+        Command::Calibrate(command) => command.run(),
+        Command::Separate(command) => command.run(),
+        Command::Experiment(command) => command.run(),
         Command::Fmu(command) => command.run(),
         Command::Parameters(command) => command.run(),
         Command::Demo(command) => command.run(),

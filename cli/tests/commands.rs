@@ -175,3 +175,190 @@ fn property_the_demo_names_what_it_wrote_and_wrote_it() {
         assert!(std::fs::metadata(out.join(name)).is_ok_and(|file| file.len() > 10_000), "{name} is missing or small");
     }
 }
+
+/// The shipped experiment and a diagnosis of it that is quick.
+const SAND: &str = "../examples/sand_wheel";
+const QUICK: [&str; 6] = ["diagnose", SAND, "--candidates", "slip_sinkage,coulomb_friction", "--draws", "199"];
+
+fn json(path: &std::path::Path) -> serde_json::Value {
+    serde_json::from_str(&std::fs::read_to_string(path).expect("the file is there")).expect("it is JSON")
+}
+
+/// An empty place for a folder.
+fn new_folder(name: &str) -> PathBuf {
+    let folder = file(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    folder
+}
+
+#[test]
+fn property_diagnose_says_what_is_missing_and_saves_a_model_that_drives() {
+    let (out, model) = (file("diagnosis.json"), file("improved.toml"));
+    let mut arguments = QUICK.to_vec();
+    arguments.extend(["--json", shown(&out), "--save", shown(&model), "--threads", "1"]);
+    let text = done(&arguments);
+    for part in
+        ["noise floor: replicates", "calibrated", "candidates (p not below 0.0050)", "soil.friction_angle", "bounds"]
+    {
+        assert!(text.contains(part), "no `{part}` in: {text}");
+    }
+    let found = json(&out);
+    assert!(text.contains(found["verdict"].as_str().expect("a word")), "{text}");
+    assert_eq!(found["interrupted"], false);
+    let next = found["next_experiment"].as_str().expect("a text");
+    assert!(next.is_empty() || text.contains(next), "{text}");
+    let driven = done(&["simulate", shown(&model), "--duration", "0.2"]);
+    assert!(!driven.contains("NaN"), "{driven}");
+    done(&["fmu", shown(&model), "-o", shown(&file("improved.fmu"))]);
+    // The result does not depend on the threads.
+    let again = file("diagnosis2.json");
+    let mut arguments = QUICK.to_vec();
+    arguments.extend(["--json", shown(&again), "--threads", "3"]);
+    done(&arguments);
+    assert_eq!(found, json(&again));
+}
+
+#[test]
+fn property_bad_calls_of_the_diagnosis_are_refused_in_one_line() {
+    refused(&["diagnose", SAND, "--candidates", "slip_sinking"], &["slip_sinking", "slip_sinkage"]);
+    refused(&["diagnose", SAND, "--candidates", "drag,drag"], &["drag", "twice"]);
+    refused(&["diagnose", SAND, "--with", "no_such"], &["no_such", "slip_sinkage"]);
+    refused(&["compare", SAND, "--with", "drag,slip_sinkage,drag"], &["drag", "twice"]);
+    refused(&["calibrate", SAND, "--with", "no_such"], &["no_such"]);
+    refused(&["separate", SAND, "--candidates", "no_such"], &["no_such"]);
+    for option in ["--json", "--html", "--save"] {
+        refused(&["diagnose", SAND, option, "no_such_folder/x"], &["no_such_folder/x"]);
+    }
+    refused(&["calibrate", SAND, "--save", "no_such_folder/x.toml"], &["no_such_folder/x.toml"]);
+    for command in ["diagnose", "compare", "calibrate", "separate"] {
+        refused(&[command, "no_such_folder"], &["no_such_folder"]);
+    }
+    for arguments in [["diagnose", SAND, "--threads", "0"], ["diagnose", SAND, "--draws", "0"]] {
+        assert_eq!(call(&arguments).status.code(), Some(2));
+    }
+}
+
+#[test]
+fn property_calibrate_saves_what_it_prints() {
+    let (out, model) = (file("calibration.json"), file("calibrated.toml"));
+    let text = done(&["calibrate", SAND, "--with", "slip_sinkage", "--json", shown(&out), "--save", shown(&model)]);
+    assert!(text.contains("slip_sinkage.n1") && text.contains("weights"), "{text}");
+    let found = json(&out);
+    let saved = done(&["parameters", shown(&model)]);
+    for name in ["slip_sinkage.n1", "soil.friction_angle"] {
+        let value = found["parameters"][name]["value"].as_f64().expect("a number");
+        let line = saved.lines().find(|line| line.starts_with(name)).expect("the parameter is listed");
+        let shown: f64 = line.split_whitespace().nth(2).expect("a value").parse().expect("a number");
+        assert!((shown - value).abs() <= 1e-6 * value.abs(), "{line} is not {value}");
+    }
+    let after = found["rmse"]["drawbar_pull"].as_f64().expect("a number");
+    let with = done(&["compare", SAND, "--with", "slip_sinkage"]);
+    assert!(with.contains(&format!("{after:.5}")), "{after} is not in {with}");
+    done(&["simulate", shown(&model), "--duration", "0.2"]);
+}
+
+#[test]
+fn property_separate_tells_what_an_experiment_can_show() {
+    let out = file("separation.json");
+    let text = done(&["separate", SAND, "--as-given", "two_wheeled", "--json", shown(&out)]);
+    assert!(text.contains("coulomb_friction.torque") && text.contains("without any signature"), "{text}");
+    let found = json(&out);
+    assert_eq!(found["calibrated"], false);
+    assert!(found["pairs"].as_array().expect("pairs").iter().all(|pair| pair["cosine"].as_f64() <= Some(1.0)));
+}
+
+#[test]
+fn property_a_planned_experiment_can_be_asked_but_not_compared() {
+    let folder = new_folder("planned");
+    let plan = [
+        "experiment",
+        shown(&folder),
+        "two_wheeled",
+        "--loads",
+        "15,30",
+        "--slips",
+        "-0.1,0,0.1,0.3,0.5",
+        "--repeats",
+        "2",
+    ];
+    let text = done(&plan);
+    assert!(text.contains("8 runs, 40 rows") && text.contains("3.000e-1 (default)"), "{text}");
+    let header = std::fs::read_to_string(folder.join("runs/load15_speed0.2_a.csv")).expect("a run");
+    assert!(header.starts_with("load,slip,wheel_speed,drawbar_pull,torque,sinkage\n15.0,-0.1,0.2,,,\n"), "{header}");
+    // The plan is read by `separate` and says the same.
+    let again = done(&["separate", shown(&folder), "two_wheeled"]);
+    assert!(text.ends_with(&again), "{text}\n{again}");
+    for command in ["compare", "diagnose", "calibrate"] {
+        refused(&[command, shown(&folder), "two_wheeled"], &["nothing is measured yet", "load15"]);
+    }
+    refused(&plan, &["is there already"]);
+}
+
+#[test]
+fn property_a_planned_traverse_is_written_with_its_ground() {
+    let folder = new_folder("planned_traverse");
+    let text = done(&[
+        "experiment",
+        shown(&folder),
+        "two_wheeled_speed",
+        "--set",
+        "soil.shear_modulus=0.01",
+        "--kind",
+        "traverse",
+        "--slopes",
+        "0,4",
+        "--wheel-speeds",
+        "2",
+        "--masses",
+        "10",
+        "--duration",
+        "5",
+        "--repeats",
+        "1",
+        "--signals",
+        "x,pitch,wheel[1].torque",
+    ]);
+    assert!(text.contains("2 runs, 102 rows") && text.contains("pitch"), "{text}");
+    assert!(std::fs::read_to_string(folder.join("ground1.csv")).expect("the hill").starts_with("x,z\n"));
+    let settings = std::fs::read_to_string(folder.join("experiment.toml")).expect("settings");
+    assert!(settings.contains("ground1.csv") && settings.contains("rover.mass"), "{settings}");
+}
+
+#[test]
+fn property_bad_plans_are_refused_in_one_line() {
+    let folder = new_folder("bad_plan");
+    let bad = |more: &[&str], names: &[&str]| {
+        let mut arguments = vec!["experiment", shown(&folder), "two_wheeled"];
+        arguments.extend(more);
+        refused(&arguments, names);
+        assert!(!folder.join("experiment.toml").exists());
+    };
+    bad(&["--loads", "-3"], &["loads", "-3"]);
+    bad(&["--slips", "2"], &["slips", "2"]);
+    bad(&["--repeats", "0"], &["repeats"]);
+    bad(&["--slopes", "5"], &["--slopes", "traverse"]);
+    bad(&["--kind", "traverse", "--loads", "5"], &["--loads", "single_wheel"]);
+    bad(&["--kind", "traverse", "--slopes", "60"], &["slopes"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn property_an_interrupted_diagnosis_writes_what_it_has() {
+    let out = file("interrupted.json");
+    let _ = std::fs::remove_file(&out);
+    let child = bekker()
+        .args(["diagnose", SAND, "--draws", "200000", "--json", shown(&out)])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("starts");
+    // Long enough to be at work, far too short for so many draws.
+    std::thread::sleep(std::time::Duration::from_secs(3));
+    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill is there");
+    assert!(killed.success());
+    let output = child.wait_with_output().expect("ends");
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("interrupted"), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("interrupted"), "{}", text(&output.stdout));
+    assert_eq!(json(&out)["interrupted"], true);
+}

@@ -40,6 +40,9 @@ pub enum CompareError {
     /// The model cannot compute a measured row.
     #[error(transparent)]
     Prediction(#[from] PredictionError),
+    /// A plan has nothing to compare with.
+    #[error("nothing is measured yet: a planned experiment can be asked what it tells apart, not be compared")]
+    NothingMeasured,
     /// There are not enough measurements for a calibration.
     #[error("{values} measured values cannot determine {free} free parameters")]
     TooFewMeasurements {
@@ -54,6 +57,12 @@ pub enum CompareError {
     /// A fit found no finite cost, or a signal has no scale.
     #[error("the fit found no answer from any start")]
     NoFit,
+    /// An effect is named twice.
+    #[error("effect `{id}` is named twice")]
+    EffectTwice {
+        /// The name.
+        id: String,
+    },
     /// An effect is not known, or is part of the model already.
     #[error("no candidate effect `{id}`; those that can be added are {known}")]
     UnknownEffect {
@@ -98,6 +107,9 @@ impl Comparison {
 /// [`CompareError`].
 pub fn compare(model: &Model, experiment: &Experiment, options: &CompareOptions) -> Result<Comparison, CompareError> {
     let problem = Problem::new(model, experiment, &options.added)?;
+    if problem.layout.present() == 0 {
+        return Err(CompareError::NothingMeasured);
+    }
     problem.predict(&problem.base, |predict| evaluate(predict, &problem, options))?
 }
 

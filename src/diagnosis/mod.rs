@@ -41,5 +41,8 @@ pub use noise::{FloorSource, NoiseFloor, NoiseModel, Pooled};
 pub use prediction::{Derivatives, PredictionError};
 pub use replay::{Replay, ReplayError};
 pub use sensitivity::{Sensitivity, modelled, sensitivity};
-pub use separate::Suggestion;
+pub use separate::{
+    AssumedNoise, EffectSight, Likeness, NoiseSource, PairSight, PlanError, SeparateOptions, Separation,
+    SingleWheelPlan, SmallestStrength, Suggestion, TraversePlan, separate,
+};
 pub use single_wheel::{Rig, SteadyError, SteadyPoint, steady_point};

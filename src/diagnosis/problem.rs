@@ -58,6 +58,7 @@ impl<'a> Problem<'a> {
         let mut base = base_parameters(&mut known, experiment)?;
         let library = library(&mut known, experiment, &base);
         let mut kept = Vec::new();
+        refuse_twice(added)?;
         for id in added {
             let Some(candidate) = library.iter().find(|candidate| candidate.id == *id) else {
                 return Err(unknown_effect(id, &library));
@@ -102,8 +103,9 @@ impl<'a> Problem<'a> {
     /// Keeps only the candidates named.
     ///
     /// # Errors
-    /// [`CompareError::UnknownEffect`].
+    /// [`CompareError::UnknownEffect`], [`CompareError::EffectTwice`].
     pub fn keep_candidates(&mut self, ids: &[String]) -> Result<(), CompareError> {
+        refuse_twice(ids)?;
         if let Some(id) = ids.iter().find(|id| !self.library.iter().any(|candidate| candidate.id == **id)) {
             return Err(unknown_effect(id, &self.library));
         }
@@ -210,6 +212,11 @@ fn set_unchecked(model: &mut Model, name: &str, value: f64) {
             *place = value;
         }
     });
+}
+
+fn refuse_twice(ids: &[String]) -> Result<(), CompareError> {
+    let twice = (1..ids.len()).find(|k| ids[..*k].contains(&ids[*k]));
+    twice.map_or(Ok(()), |k| Err(CompareError::EffectTwice { id: ids[k].clone() }))
 }
 
 fn unknown_effect(id: &str, library: &[Candidate]) -> CompareError {

@@ -85,7 +85,7 @@ pub enum Problem {
         expected: String,
     },
     /// No column of the run is a measured signal with a value.
-    #[error("nothing is measured: expected values in at least one of {known}")]
+    #[error("nothing is measured yet: expected values in at least one of {known}")]
     NothingMeasured {
         /// Signals that may be measured.
         known: String,

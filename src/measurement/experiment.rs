@@ -82,7 +82,7 @@ pub struct Run {
     pub conditions: Vec<Option<String>>,
     /// Names of the input columns.
     pub inputs: Vec<String>,
-    /// Names of the measured columns that have at least one value.
+    /// Names of the measured columns that have at least one value; of a plan, all measured columns.
     pub measured: Vec<String>,
 }
 
@@ -93,7 +93,19 @@ impl Experiment {
     /// [`ExperimentError`] with file, line and column: the format is described in the [module](super).
     /// The names of parameters are not checked here but by the model that they are given to.
     pub fn read(folder: impl AsRef<Path>) -> Result<Self, ExperimentError> {
-        let folder = folder.as_ref();
+        Self::read_with(folder.as_ref(), false)
+    }
+
+    /// The same for an experiment that may still have to be made: columns of measured signals may be empty, and count
+    /// as signals that will be measured.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn read_plan(folder: impl AsRef<Path>) -> Result<Self, ExperimentError> {
+        Self::read_with(folder.as_ref(), true)
+    }
+
+    fn read_with(folder: &Path, planned: bool) -> Result<Self, ExperimentError> {
         let settings = Settings::read(folder)?;
         let default_radius = Wheel::<f64>::default().radius;
         let radius_of = |run: &RunSettings| {
@@ -103,7 +115,7 @@ impl Experiment {
         let runs: Vec<Run> = settings
             .runs
             .iter()
-            .map(|run| read_run(folder, &settings, run, radius_of(run)))
+            .map(|run| read_run(folder, &settings, run, radius_of(run), planned))
             .collect::<Result<_, _>>()?;
         let experiment = Self {
             name: settings.name,
@@ -141,7 +153,13 @@ impl Experiment {
     }
 }
 
-fn read_run(folder: &Path, settings: &Settings, run: &RunSettings, radius: f64) -> Result<Run, ExperimentError> {
+fn read_run(
+    folder: &Path,
+    settings: &Settings,
+    run: &RunSettings,
+    radius: f64,
+    planned: bool,
+) -> Result<Run, ExperimentError> {
     let sheet = Sheet::read(&folder.join(&run.file))?;
     sheet.need_rows(settings.kind.least_rows())?;
     let known = known(settings.kind, &sheet.header, radius);
@@ -154,7 +172,7 @@ fn read_run(folder: &Path, settings: &Settings, run: &RunSettings, radius: f64) 
     }
     let named = |used: Use| columns.iter().filter(move |(_, c)| c.used == used).map(|(_, c)| c.name.clone());
     let has_value = |name: &String| data.column(name).is_some_and(|v| v.iter().any(|v| !v.is_nan()));
-    let measured: Vec<String> = named(Use::Measured).filter(has_value).collect();
+    let measured: Vec<String> = named(Use::Measured).filter(|name| planned || has_value(name)).collect();
     if measured.is_empty() {
         let known = known.iter().filter(|c| c.used == Use::Measured).map(|c| c.name.as_str()).collect::<Vec<_>>();
         return Err(sheet.error(Problem::NothingMeasured { known: known.join(", ") }));

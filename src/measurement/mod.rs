@@ -28,6 +28,9 @@
 //! `wheel[k].speed_command` (rad/s) or `wheel[k].torque_command` (N m) and any of the rover's [signals](crate::signals).
 //! A missing measurement is an empty cell.
 //!
+//! [`Experiment::write`] makes such a folder, also of an experiment that is only planned: measured columns are empty there,
+//! and [`Experiment::read_plan`] reads it.
+//!
 //! A [`Table`] holds the columns; [`Record`] fills one from a running simulation.
 
 mod columns;
@@ -39,9 +42,11 @@ mod settings;
 mod sheet;
 mod table;
 mod table_file;
+mod write;
 
 pub use error::{ExperimentError, Problem};
 pub use experiment::{Experiment, Kind, Run};
 pub use record::Record;
 pub use replicates::Sample;
 pub use table::{Table, TableError};
+pub use write::WriteError;

@@ -30,9 +30,15 @@ mod signature;
 mod stage;
 mod verdict;
 
+pub(crate) use bootstrap::Projected;
 pub use control::{Control, Progress, Spread, Threads};
 pub use engine::{DiagnoseOptions, diagnose};
 pub use fits::{Noise, Outcome, Task};
+pub(crate) use prepare::prepare;
+pub(crate) use report_parts::DETECTABLE;
 pub use result::{
     CandidateResult, Diagnosis, FinalParameter, LackOfFit, PairResult, ParameterResult, Share, Step, Verdict,
 };
+pub(crate) use signature::{Sensitivities, View, prune, sensitivities};
+pub(crate) use stage::largest_cosine;
+pub(crate) use verdict::ALIKE;

@@ -37,6 +37,9 @@ pub(crate) struct Prepared {
 /// Finds noise and baseline; takes out of the problem's library what cannot be seen.
 pub(crate) fn prepare(problem: &mut Problem) -> Result<Prepared, CompareError> {
     let values = problem.layout.present();
+    if values == 0 {
+        return Err(CompareError::NothingMeasured);
+    }
     if values <= problem.base.len() {
         return Err(CompareError::TooFewMeasurements { values, free: problem.base.len() });
     }

@@ -13,10 +13,11 @@ use super::stage::Stage;
 use super::verdict::{ALIKE, Finding, left, misfit};
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::compare::CompareError;
-use crate::diagnosis::failure::failures;
+use crate::diagnosis::failure::{Failure, failures};
 use crate::diagnosis::fit::Fit;
 use crate::diagnosis::linear_algebra::norm;
 use crate::diagnosis::prediction::PredictionError;
+use crate::diagnosis::separate::{Question, Suggestion, suggest};
 use crate::diagnosis::weighted::Weighted;
 use std::collections::BTreeMap;
 
@@ -94,6 +95,8 @@ pub(crate) fn assemble(
     cautions.extend(finding.cautions.clone());
     cautions.extend(super::cautions::of_parameters(fitted));
     cautions.extend(super::cautions::of_draws(options.draws));
+    let left_over = failures(&problem.experiment, &last.fit, floors);
+    let suggestions = suggestions(inputs, &finding, fitted, &left_over);
     Ok(Diagnosis {
         experiment: (*problem.experiment).clone(),
         verdict: finding.verdict,
@@ -115,8 +118,8 @@ pub(crate) fn assemble(
         explained_share: 1.0 - last.left,
         confused_with: confused(stage, &finding),
         failures: failures(&problem.experiment, &steps[0].fit, floors),
-        failures_left: failures(&problem.experiment, &last.fit, floors),
-        suggestions: Vec::new(),
+        failures_left: left_over,
+        suggestions,
         cautions,
         improved: problem.improved(&problem.free(chosen), &fitted.values()),
         effects: finding.listed(),
@@ -125,6 +128,29 @@ pub(crate) fn assemble(
         steps,
         interrupted,
     })
+}
+
+/// What to measure next.
+fn suggestions(inputs: &Inputs, finding: &Finding, fitted: &Calibration, left_over: &[Failure]) -> Vec<Suggestion> {
+    let Inputs { search, stage, prepared, .. } = inputs;
+    let signatures = stage.sensitivities.signatures.iter().enumerate();
+    let unseen = signatures.filter(|(k, _)| largest_size(stage, *k) < DETECTABLE).map(|(_, s)| s.id.clone());
+    let blind: Vec<String> = unseen.chain(prepared.invisible.iter().cloned()).collect();
+    let pairs = confused(stage, finding);
+    let question = Question {
+        problem: search.problem,
+        values: &fitted.values()[..search.problem.base.len()],
+        noise: &prepared.noise.models,
+        verdict: finding.verdict,
+        named: &finding.effects,
+        pairs: &pairs,
+        // Telling apart what is named or tied comes first.
+        blind: if pairs.is_empty() { &blind } else { &[] },
+        failures: left_over,
+        repeated: !search.problem.experiment.replicates().is_empty(),
+        stop: search.control.stop,
+    };
+    suggest(&question)
 }
 
 fn steps(inputs: &Inputs, chosen: &[String]) -> Result<Vec<Step>, CompareError> {

@@ -46,6 +46,14 @@ pub(crate) struct Signature {
 }
 
 impl View {
+    /// Parameters of the effect that the columns belong to, one each; `None` where the view is a finite change.
+    pub fn members(&self) -> Option<&[usize]> {
+        match &self.way {
+            Way::Slopes { members, .. } => Some(members),
+            Way::Change(_) => None,
+        }
+    }
+
     /// Parameter values of the effect for coefficients of the columns, to start a refit from.
     pub fn start(&self, free: &[Free], coefficients: &[f64]) -> Vec<f64> {
         let (members, origin) = match &self.way {

@@ -1,4 +1,22 @@
-//! Before and after an experiment: what it can tell apart, and which experiment would tell more.
+//! Before and after an experiment: what it can tell apart ([`separate`]), plans of experiments ([`SingleWheelPlan`],
+//! [`TraversePlan`]), and which experiment would tell more ([`Suggestion`]).
+
+#[cfg(feature = "report")]
+mod json;
+mod look;
+mod noise;
+mod plan;
+mod separation;
+mod special;
+mod strength;
+mod suggest;
+mod variation;
+
+pub use noise::{AssumedNoise, NoiseSource};
+pub use plan::{PlanError, SingleWheelPlan, TraversePlan};
+pub use separation::{EffectSight, Likeness, PairSight, SeparateOptions, Separation, separate};
+pub use strength::SmallestStrength;
+pub(crate) use suggest::{Question, suggest};
 
 /// An experiment worth making.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,0 +1,100 @@
+//! `bekker calibrate`.
+
+use crate::compare::{print_errors, print_parameters};
+use crate::model::ModelArguments;
+use crate::output::{check_all_writable, say, write, write_json};
+use anyhow::{Context, Result};
+use bekker::diagnosis::{Calibration, CompareOptions, Comparison, compare};
+use bekker::measurement::Experiment;
+use bekker::model::Model;
+use bekker::modeldescription::Lookup;
+use serde_json::{Map, Value, json};
+use std::path::PathBuf;
+
+/// Fit a model's free parameters to an experiment, within their bounds.
+#[derive(clap::Args)]
+pub struct Calibrate {
+    /// Folder of the experiment, with `experiment.toml` and CSV files.
+    experiment: PathBuf,
+    #[command(flatten)]
+    model: ModelArguments,
+    /// Switch effects on, separated by commas; their parameters are calibrated too.
+    #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
+    with: Vec<String>,
+    /// Write the calibrated model, ready for `bekker simulate` and `bekker fmu`.
+    #[arg(long, value_name = "FILE")]
+    save: Option<PathBuf>,
+    /// Write parameters and errors as JSON.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+impl Calibrate {
+    pub fn run(self) -> Result<()> {
+        let experiment = Experiment::read(&self.experiment)?;
+        let model = self.model.load()?;
+        check_all_writable([&self.save, &self.json])?;
+        let comparison = compare(&model, &experiment, &CompareOptions { calibrate: true, added: self.with })?;
+        let (calibration, _) = comparison.calibrated.as_ref().context("there was nothing to calibrate")?;
+        say!("{}: {} runs", experiment.name, experiment.runs.len());
+        print_errors(&comparison, "")?;
+        print_parameters(calibration, "")?;
+        say!("weights (standard deviation of one sample, by which residuals were divided):");
+        for (signal, weight) in &calibration.weights {
+            let source = comparison.noise_floor.get(signal).map_or("unknown", |floor| floor.source().name());
+            let source = if source == "unknown" { "the signal's own scatter: noise unknown" } else { source };
+            say!("  {signal:22} {weight:.4e} ({source})");
+        }
+        if let Some(path) = &self.json {
+            write_json(path, &as_json(&comparison, calibration))?;
+        }
+        if let Some(path) = &self.save {
+            write(path, &calibrated(model, &experiment, calibration)?.to_toml()?)?;
+        }
+        Ok(())
+    }
+}
+
+/// The model with what is known of the rig and the calibrated values.
+fn calibrated(mut model: Model, experiment: &Experiment, calibration: &Calibration) -> Result<Model> {
+    for (name, value) in &experiment.parameters {
+        model.set(name, *value)?;
+    }
+    for parameter in &calibration.parameters {
+        model.set(&parameter.variable.name, parameter.value)?;
+    }
+    Ok(model)
+}
+
+fn as_json(comparison: &Comparison, calibration: &Calibration) -> Value {
+    let parameter = |parameter: &bekker::diagnosis::CalibratedParameter| {
+        let variable = &parameter.variable;
+        let value = json!({
+            "value": parameter.value,
+            "start": parameter.start,
+            "std": parameter.deviation,
+            "at_bound": parameter.at_bound,
+            "unit": variable.unit.symbol,
+            "bounds": [variable.min, variable.max],
+            "prior_shift": parameter.prior_shift(),
+        });
+        (variable.name.clone(), value)
+    };
+    let floors = comparison
+        .noise_floor
+        .iter()
+        .map(|(signal, floor)| (signal.clone(), json!({"deviation": floor.value(), "source": floor.source().name()})));
+    json!({
+        "experiment": comparison.experiment.name,
+        "parameters": calibration.parameters.iter().map(parameter).collect::<Map<_, _>>(),
+        "weights": calibration.weights,
+        "noise_floor": floors.collect::<Map<_, _>>(),
+        "rmse_given": comparison.given.as_ref().ok().map(|fit| &fit.rmse),
+        "rmse": comparison.fit().rmse,
+        "chi_square": calibration.chi_square,
+        "degrees_of_freedom": calibration.degrees_of_freedom,
+        "converged": calibration.converged,
+        "searches": calibration.searches,
+        "agreeing": calibration.agreeing,
+    })
+}

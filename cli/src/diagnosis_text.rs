@@ -1,0 +1,173 @@
+//! A diagnosis as text.
+
+use crate::output::say;
+use anyhow::Result;
+use bekker::diagnosis::{CandidateResult, Diagnosis, ParameterResult, Verdict};
+
+/// Candidates that are listed.
+const LISTED: usize = 10;
+
+/// Prints the verdict and what it rests on.
+pub fn print(diagnosis: &Diagnosis) -> Result<()> {
+    say!("{}: {}", diagnosis.experiment.name, sentence(diagnosis));
+    print_steps(diagnosis)?;
+    print_candidates(diagnosis)?;
+    print_parameters(diagnosis)?;
+    if !diagnosis.cautions.is_empty() {
+        say!("\nbeware:");
+        for caution in &diagnosis.cautions {
+            say!("  - {caution}");
+        }
+    }
+    let mut suggestions = diagnosis.suggestions.iter();
+    if let Some(first) = suggestions.next() {
+        say!("\nnext experiment: {}", first.text);
+        for suggestion in suggestions {
+            say!("  or: {}", suggestion.text);
+        }
+    }
+    Ok(())
+}
+
+/// The verdict in a sentence.
+fn sentence(diagnosis: &Diagnosis) -> String {
+    let effects = diagnosis.effects.join(", ");
+    let share = 100.0 * diagnosis.explained_share;
+    let word = diagnosis.verdict.name();
+    match (diagnosis.verdict, diagnosis.effects.len()) {
+        (Verdict::Explained, _) => format!("{word}. The calibrated model leaves only noise; no effect is missing"),
+        (Verdict::EffectMissing, 1) => {
+            format!("{word}. {effects} is missing from the model and accounts for {share:.0} % of the structure")
+        }
+        (Verdict::EffectMissing, _) => {
+            format!("{word}. {effects} are missing from the model and account for {share:.0} % of the structure")
+        }
+        (Verdict::Unexplained, 0) => {
+            format!("{word}. There is more than noise in what the model leaves, and no known effect accounts for it")
+        }
+        (Verdict::Unexplained, _) => {
+            format!("{word}. {effects} accounts for {share:.0} % of the structure only; something else is missing too")
+        }
+        (Verdict::Undetermined, 0) => {
+            format!("{word}. This experiment cannot tell whether an effect is missing")
+        }
+        (Verdict::Undetermined, _) => format!("{word}. This experiment cannot decide on {effects}"),
+    }
+}
+
+/// Errors step by step, fitted and on what was left out.
+fn print_steps(diagnosis: &Diagnosis) -> Result<()> {
+    say!("\nerror (RMS, SI) fitted / on what was left out; noise floor: {}", diagnosis.noise_floor_source.name());
+    let mut header = format!("  {:22}", "signal");
+    if diagnosis.given.is_some() {
+        header += &format!(" {:>10}", "as given");
+    }
+    for step in &diagnosis.steps {
+        let name = step.added.as_ref().map_or_else(|| "calibrated".to_owned(), |id| format!("+ {id}"));
+        header += &format!(" {name:>23}");
+    }
+    say!("{header} {:>10}", "noise");
+    let cell = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.3e}"));
+    for signal in diagnosis.baseline().rmse.keys() {
+        let mut line = format!("  {signal:22}");
+        if let Some(given) = &diagnosis.given {
+            line += &format!(" {:>10}", cell(given.rmse.get(signal).copied()));
+        }
+        for step in &diagnosis.steps {
+            let (fitted, held) = (step.rmse.get(signal).copied(), step.heldout_rmse.get(signal).copied());
+            line += &format!(" {:>23}", format!("{} / {}", cell(fitted), cell(held)));
+        }
+        let floor = diagnosis.noise_floor.get(signal).and_then(|floor| floor.value());
+        say!("{line} {:>10}", cell(floor));
+    }
+    let lack = &diagnosis.lack_of_fit;
+    say!(
+        "  baseline: chi-square {:.0} for {} degrees of freedom (p = {:.3}), along the conditions p = {:.3}",
+        lack.chi_square,
+        lack.degrees_of_freedom,
+        lack.p_value,
+        lack.p_structure
+    );
+    Ok(())
+}
+
+fn print_candidates(diagnosis: &Diagnosis) -> Result<()> {
+    if !diagnosis.candidates.is_empty() {
+        say!("\ncandidates (p not below {:.4}):", diagnosis.smallest_p);
+        say!("  {:22} {:>11} {:>8} {:>10} {:>9} {:>9}", "effect", "probability", "p", "gain", "held out", "visible");
+    }
+    for candidate in diagnosis.candidates.iter().take(LISTED) {
+        say!("{}", line(candidate));
+    }
+    let rest: Vec<&str> = diagnosis.candidates.iter().skip(LISTED).map(|other| other.effect.as_str()).collect();
+    if !rest.is_empty() {
+        say!("  less probable: {}", rest.join(", "));
+    }
+    say!(
+        "  {:22} {:>11.3}\n  {:22} {:>11.3}",
+        "the baseline is enough",
+        diagnosis.share.enough,
+        "something else",
+        diagnosis.share.other
+    );
+    if !diagnosis.invisible.is_empty() {
+        say!("  without any signature in this experiment: {}", diagnosis.invisible.join(", "));
+    }
+    for [a, b] in &diagnosis.confused_with {
+        say!("  {a} and {b} look alike here");
+    }
+    Ok(())
+}
+
+fn line(candidate: &CandidateResult) -> String {
+    let held = candidate
+        .heldout_gain
+        .map_or_else(|| "-".to_owned(), |gain| format!("{:+.1}", (10.0 * gain).round() / 10.0 + 0.0));
+    let marks = match (candidate.tied, candidate.refitted) {
+        (true, _) => "  tied",
+        (false, false) => "  only screened",
+        (false, true) => "",
+    };
+    format!(
+        "  {:22} {:>11.3} {:>8.4} {:>10.1} {held:>9} {:>7.0} %{marks}",
+        candidate.effect,
+        candidate.probability,
+        candidate.p_value,
+        // No sign before a zero.
+        (10.0 * candidate.gain).round() / 10.0 + 0.0,
+        100.0 * candidate.visible_share
+    )
+}
+
+/// Free parameters of the final model, with bounds and flags.
+fn print_parameters(diagnosis: &Diagnosis) -> Result<()> {
+    say!("\nfree parameters of the final model:");
+    for parameter in &diagnosis.last().parameters {
+        let interval = diagnosis.profiles.iter().find(|profile| profile.name == parameter.fitted.variable.name);
+        say!("{}", parameter_line(parameter, interval.map(|profile| profile.interval)));
+    }
+    Ok(())
+}
+
+fn parameter_line(parameter: &ParameterResult, interval: Option<(Option<f64>, Option<f64>)>) -> String {
+    let (fitted, variable) = (&parameter.fitted, &parameter.fitted.variable);
+    let deviation = fitted.deviation.map_or_else(String::new, |deviation| format!(" +- {deviation:.2e}"));
+    let unit = Some(variable.unit.symbol).filter(|symbol| *symbol != "1").unwrap_or_default();
+    let value = format!("{:.4e}{deviation} {unit}", fitted.value);
+    let mut flags = Vec::new();
+    if let Some((low, high)) = interval {
+        let side = |end: Option<f64>| end.map_or_else(|| "open".to_owned(), |end| format!("{end:.3e}"));
+        flags.push(format!("95 %: {} .. {}", side(low), side(high)));
+    }
+    flags.push(format!("bounds {:e} .. {:e}", variable.min, variable.max));
+    if fitted.at_bound {
+        flags.push("ON ITS BOUND".to_owned());
+    } else if fitted.deviation.is_none() {
+        flags.push("NOT DETERMINED".to_owned());
+    }
+    if let Some(shift) = fitted.prior_shift() {
+        flags.push(format!("{shift:+.1} sigma from its prior"));
+    }
+    let kind = if parameter.effect { "effect" } else { "" };
+    format!("  {:26} {value:34} {kind:6} ({})", variable.name, flags.join("; "))
+}

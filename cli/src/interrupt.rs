@@ -1,0 +1,25 @@
+//! Ctrl-C: the first asks the work to end with what it has, the second ends the program.
+
+use anyhow::{Context, Result};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Exit code of a program that a signal ended.
+const INTERRUPTED: i32 = 130;
+
+static STOP: AtomicBool = AtomicBool::new(false);
+
+/// Listens to Ctrl-C from now on.
+pub fn listen() -> Result<()> {
+    ctrlc::set_handler(|| {
+        if STOP.swap(true, Ordering::SeqCst) {
+            std::process::exit(INTERRUPTED);
+        }
+        eprintln!("bekker: interrupted; ending with what is known (Ctrl-C again to quit at once)");
+    })
+    .context("cannot listen to Ctrl-C")
+}
+
+/// Whether Ctrl-C was pressed.
+pub fn stopped() -> bool {
+    STOP.load(Ordering::SeqCst)
+}
