@@ -2,6 +2,7 @@
 
 use super::columns::{Column, Use, known, under_load};
 use super::error::{ExperimentError, Problem};
+use super::files::Files;
 use super::settings::{RunSettings, Settings};
 use super::sheet::{Sheet, SheetRow};
 use super::table::Table;
@@ -46,7 +47,7 @@ pub struct Experiment {
     pub name: String,
     /// What was done.
     pub kind: Kind,
-    /// The folder it was read from.
+    /// The folder it was read from; empty where it was made in memory.
     pub folder: PathBuf,
     /// What is known of the rig, by the model's parameter names.
     pub parameters: BTreeMap<String, f64>,
@@ -90,8 +91,11 @@ impl Experiment {
     /// [`ExperimentError`] with file, line and column: the format is described in the [module](super).
     /// The names of parameters are not checked here but by the model that they are given to.
     pub fn read(folder: impl AsRef<Path>) -> Result<Self, ExperimentError> {
-        let folder = folder.as_ref();
-        let settings = Settings::read(folder)?;
+        Self::read_from(&Files::Folder(folder.as_ref()))
+    }
+
+    pub(super) fn read_from(files: &Files) -> Result<Self, ExperimentError> {
+        let settings = Settings::read(files)?;
         let default_radius = Wheel::<f64>::default().radius;
         let radius_of = |run: &RunSettings| {
             let own = run.parameters.get("wheel.radius").or_else(|| settings.parameters.get("wheel.radius"));
@@ -100,12 +104,12 @@ impl Experiment {
         let runs: Vec<Run> = settings
             .runs
             .iter()
-            .map(|run| read_run(folder, &settings, run, radius_of(run)))
+            .map(|run| read_run(files, &settings, run, radius_of(run)))
             .collect::<Result<_, _>>()?;
         let experiment = Self {
             name: settings.name,
             kind: settings.kind,
-            folder: folder.to_owned(),
+            folder: files.folder(),
             parameters: settings.parameters,
             priors: settings.priors,
             noise: settings.noise.iter().map(|(name, (sd, _))| (name.clone(), *sd)).collect(),
@@ -137,8 +141,8 @@ impl Experiment {
     }
 }
 
-fn read_run(folder: &Path, settings: &Settings, run: &RunSettings, radius: f64) -> Result<Run, ExperimentError> {
-    let sheet = Sheet::read(&folder.join(&run.file))?;
+fn read_run(files: &Files, settings: &Settings, run: &RunSettings, radius: f64) -> Result<Run, ExperimentError> {
+    let sheet = Sheet::parse(&files.path(&run.file), &files.text(&run.file)?)?;
     sheet.need_rows(settings.kind.least_rows())?;
     let known = known(settings.kind, &sheet.header, radius);
     let columns = recognised(&sheet, &known, &settings.ignore)?;
@@ -159,7 +163,7 @@ fn read_run(folder: &Path, settings: &Settings, run: &RunSettings, radius: f64) 
         name: Path::new(&run.file).with_extension("").display().to_string(),
         group: run.group.clone(),
         parameters: run.parameters.clone(),
-        terrain: run.terrain.as_ref().map(|file| read_terrain(&folder.join(file))).transpose()?,
+        terrain: run.terrain.as_ref().map(|file| read_terrain(files, file)).transpose()?,
         x0: run.x0,
         conditions: conditions(&sheet),
         inputs: named(Use::Input).collect(),
@@ -278,8 +282,8 @@ fn conditions(sheet: &Sheet) -> Vec<Option<String>> {
 }
 
 /// A profile: columns `x` (increasing) and `z`, m.
-fn read_terrain(file: &Path) -> Result<Table, ExperimentError> {
-    let sheet = Sheet::read(file)?;
+fn read_terrain(files: &Files, name: &str) -> Result<Table, ExperimentError> {
+    let sheet = Sheet::parse(&files.path(name), &files.text(name)?)?;
     sheet.need_rows(2)?;
     let limits = || None;
     let known = ["x", "z"].map(|name| Column { name: name.to_owned(), used: Use::Input, limits: limits() });

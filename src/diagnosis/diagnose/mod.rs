@@ -32,7 +32,7 @@ mod verdict;
 
 pub use control::{Control, Progress, Spread, Threads};
 pub use engine::{DiagnoseOptions, diagnose};
-pub use fits::{Noise, Outcome, Task};
+pub use fits::{Noise, Outcome, Task, fit_task};
 pub use result::{
     CandidateResult, Diagnosis, FinalParameter, LackOfFit, PairResult, ParameterResult, Share, Step, Verdict,
 };
