@@ -2,7 +2,7 @@
 //! tells of progress and looks for Ctrl-C.
 
 use crate::compare::failed;
-use crate::error::{self, InputError, Panic};
+use crate::error::{self, InputError, Panic, SimulationError};
 use crate::experiment::Source;
 use crate::finding::Finding;
 use crate::model::Model;
@@ -211,8 +211,11 @@ impl Caller<'_, '_> {
 /// Makes one fit of a diagnosis from its payload.
 #[pyfunction]
 pub fn fit_task<'py>(py: Python<'py>, payload: &[u8]) -> PyResult<Bound<'py, PyBytes>> {
-    let outcome = py.detach(|| error::fenced(|| fitted(payload)))??;
-    Ok(PyBytes::new(py, &serde_json::to_vec(&outcome).map_err(|error| refused(&error))?))
+    // Threads of its own: those of the process do not outlive a fork, and an executor has a worker for each core.
+    let refused = |failed: rayon::ThreadPoolBuildError| SimulationError::new_err(failed.to_string());
+    let one_core = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(refused)?;
+    let outcome = py.detach(|| error::fenced(|| one_core.install(|| fitted(payload))))??;
+    Ok(PyBytes::new(py, &serde_json::to_vec(&outcome).map_err(|error| self::refused(&error))?))
 }
 
 fn fitted(payload: &[u8]) -> PyResult<Option<Outcome>> {
