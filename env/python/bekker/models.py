@@ -60,7 +60,8 @@ def save_model(model: Model, path: str | os.PathLike[str]) -> None:
 
 def names_of(argument: str, names: Iterable[str]) -> list[str]:
     """A list of names; a single text, which is an iterable of its letters, is refused."""
-    if isinstance(names, str) or not all(isinstance(name, str) for name in (listed := list(names))):
+    listed = list(names)
+    if isinstance(names, str) or not all(isinstance(name, str) for name in listed):
         raise InputError(f"{argument}: expected a list of names, found {names!r}")
     return listed
 

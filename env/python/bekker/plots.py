@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 try:
     import matplotlib as mpl
     from matplotlib import pyplot as plt
+    from matplotlib.ticker import MaxNLocator
 except ImportError as error:  # pragma: no cover
     raise ImportError("plots need matplotlib: pip install 'bekker[plot]'") from error
 
@@ -85,7 +86,7 @@ def _overlay_steady(diagnosis: "Diagnosis", signals: list[str]) -> "Figure":
                     inside = (speed >= low) & (speed <= high) & (load >= light) & (load <= heavy)
                     y = _values(diagnosis, measured, signal, "measured")[inside]
                     axis.errorbar(
-                        slip[inside], y, yerr=noise, fmt="o", ms=3.2, lw=0.8, color=colour, alpha=0.75, mew=0, zorder=2
+                        slip[inside], y, yerr=noise, fmt="o", ms=3.8, lw=0.8, color=colour, mec="white", mew=0.5, zorder=4
                     )
                     for step, dashes, width in _before_after(diagnosis):
                         curve = _values(diagnosis, step.fit, signal, "modelled")[inside]
@@ -173,7 +174,10 @@ def steps(diagnosis: "Diagnosis", names: Iterable[str] | None) -> "Figure":
             left_out = [step.heldout_rmse.get(signal, np.nan) for step in diagnosis.steps]
             colours = [_BEFORE] + [_AFTER] * (len(places) - 1)
             bars = axis.bar(places, fitted, width=0.55, color=colours, alpha=0.85)
-            axis.bar_label(bars, [f"{value:.3g}" for value in fitted], label_type="center", color="white", fontsize=8)
+            for bar, value in zip(bars, fitted, strict=True):
+                # At the foot, where neither the floor nor the points lie.
+                middle = bar.get_x() + 0.5 * bar.get_width()
+                axis.annotate(f"{value:.3g}", (middle, 0.0), (0, 4), textcoords="offset points", ha="center", color="white")
             axis.plot(places, left_out, "D", color=_MEASURED, ms=5, mfc="white", mew=1.4, zorder=4)
             floor = diagnosis.noise_floor[signal].value
             if floor is not None:
@@ -181,10 +185,11 @@ def steps(diagnosis: "Diagnosis", names: Iterable[str] | None) -> "Figure":
             axis.set_xticks(places, labels, rotation=20 if len(places) > 2 else 0)
             axis.set_xlim(-0.6, len(places) - 0.4)
             axis.set_ylim(0.0, 1.12 * np.nanmax([*fitted, *left_out, floor or 0.0]))
+            axis.yaxis.set_major_locator(MaxNLocator(5))
             axis.grid(axis="x", visible=False)
             axis.set_title(_label(signal, _unit(diagnosis, signal)), loc="left")
         axes[0, 0].set_ylabel("error, rms")
-        entries = [_patch("fitted", _BEFORE if len(places) == 1 else _AFTER)]
+        entries = [_patch("before", _BEFORE, 0.85), _patch("with effects", _AFTER, 0.85)][: len(places)]
         entries.append(_line(_MEASURED, "on left-out data", marker="D", ls="", mfc="white", mew=1.4))
         entries.append(_line(_MEASURED, f"noise floor ({diagnosis.noise_floor_source})", ls=(0, (4, 2))))
         _finish(figure, diagnosis, entries, "Error by step")
@@ -208,6 +213,7 @@ def candidates(diagnosis: "Diagnosis", most: int) -> "Figure":
         axis.invert_yaxis()
         axis.set_xlim(0.0, 1.6)
         axis.set_xticks(np.linspace(0.0, 1.0, 6))
+        axis.spines["bottom"].set_bounds(0.0, 1.0)
         axis.grid(axis="y", visible=False)
         axis.set_xlabel("probability" + (f"  ({hidden} less probable candidates not shown)" if hidden else ""))
         entries = [_patch("named", _AFTER, 1.0), _patch("tied", "#56B4E9", 1.0), _patch("not named", _QUIET, 1.0)]
@@ -216,10 +222,15 @@ def candidates(diagnosis: "Diagnosis", most: int) -> "Figure":
 
 
 def _candidate_words(candidate: "Candidate") -> str:
-    words = [f"p {candidate.p_value:.2g}", f"gain {candidate.gain:.3g}"]
+    words = [f"p {candidate.p_value:.2g}", f"gain {_gain(candidate.gain)}"]
     if candidate.heldout_gain is not None:
-        words.append(f"left out {candidate.heldout_gain:+.3g}")
+        words.append(f"on left-out data {_gain(candidate.heldout_gain)}")
     return ", ".join(words) + ("" if candidate.refitted else " (screened only)")
+
+
+def _gain(value: float) -> str:
+    # A gain of rounding is none; adding 0 turns -0 into 0.
+    return f"{round(value, 1) + 0.0:.1f}" if abs(value) < 100.0 else f"{value:.0f}"
 
 
 def _colour(diagnosis: "Diagnosis", candidate: "Candidate") -> str:
@@ -242,7 +253,8 @@ def profiles(diagnosis: "Diagnosis") -> "Figure":
             parameter = known.get(profile.name)
             _profile(axis, profile.values, profile.rise, profile.interval, parameter)
             unit = "" if parameter is None or parameter.unit == "1" else parameter.unit
-            axis.set_xlabel(_label(profile.name, unit))
+            axis.set_xlabel(f"{profile.name} ({unit})" if unit else profile.name)
+            axis.xaxis.set_major_locator(MaxNLocator(4))
         for row in axes:
             row[0].set_ylabel("rise of chi-square")
         entries = [_patch("95 % interval", _AFTER), _line(_MEASURED, "value"), _line(_BEFORE, "bound", ls=":")]
