@@ -316,7 +316,7 @@ class Diagnosis:
         """Profile likelihoods of the final parameters with their 95 % intervals. Errors as :meth:`plot_overlay`.
 
         Raises:
-            InputError: the diagnosis was interrupted before it had any.
+            InputError: there are none: the diagnosis was interrupted, or no effect was added to a traverse.
         """
         from .plots import profiles
 
@@ -385,7 +385,7 @@ def diagnose(
         candidates: ids of the effects to try (:func:`bekker.effects`); all where None.
         added: ids of effects that are part of the baseline, with free parameters.
         max_effects: most effects that are added.
-        draws: bootstrap draws; p-values are not below 1/(draws + 1).
+        draws: bootstrap draws, at least 100; p-values are not below 1/(draws + 1), and to be named takes less than 0.01.
         executor: where candidates are fitted: any ``concurrent.futures.Executor``, for example a
             ProcessPoolExecutor, a Dask client's ``get_executor()`` or Ray through a small adapter (see
             ``examples/ray_diagnosis.py``). Each fit takes one core there. The threads of this machine where None.
@@ -400,7 +400,8 @@ def diagnose(
         Exception: whatever the executor or ``progress`` raise, as it is.
     """
     _whole("max_effects", max_effects, 0)
-    _whole("draws", draws, 1)
+    # Fewer cannot give a p-value under 0.01, so that nothing would ever be named.
+    _whole("draws", draws, 100)
     finding, raised = _bekker.diagnose(
         source(experiment),
         as_model(model, parameters),

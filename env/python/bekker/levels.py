@@ -12,6 +12,9 @@ Floats: TypeAlias = NDArray[np.float64]
 # Values that differ by less than this share of the range are one level; the core's reports use the same.
 _SAME_LEVEL = 0.02
 
+# Set-points are held within this share of the range; what is wider has no levels but values all along.
+_WIDEST_LEVEL = 0.1
+
 
 def levels(values: Floats, most: int) -> list[tuple[float, float]]:
     """Lowest and highest value of each level, rising: gaps divide them, or where that gives more than ``most``, classes
@@ -21,7 +24,8 @@ def levels(values: Floats, most: int) -> list[tuple[float, float]]:
         return []
     gap = _SAME_LEVEL * (there[-1] - there[0])
     parts = np.split(there, np.flatnonzero(np.diff(there) > gap) + 1)
-    if len(parts) > most or (len(parts) == 1 and gap > 0.0):
+    widest = max(part[-1] - part[0] for part in parts)
+    if len(parts) > most or widest > _WIDEST_LEVEL * (there[-1] - there[0]):
         # Equal values stay together: an edge between them moves up.
         edges = np.unique(there[[k * there.size // most for k in range(most)]])
         parts = [part for part in np.split(there, np.searchsorted(there, edges[1:])) if part.size]

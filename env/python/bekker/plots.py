@@ -242,7 +242,8 @@ def _colour(diagnosis: "Diagnosis", candidate: "Candidate") -> str:
 def profiles(diagnosis: "Diagnosis") -> "Figure":
     """See :meth:`bekker.Diagnosis.plot_profiles`."""
     if not diagnosis.profiles:
-        raise InputError("this diagnosis was interrupted before it had profiles")
+        why = "it was interrupted before" if diagnosis.interrupted else "no effect was added to the traverse"
+        raise InputError(f"this diagnosis has no profiles: {why}")
     known = {parameter.name: parameter for parameter in diagnosis.steps[-1].parameters}
     count = len(diagnosis.profiles)
     columns = min(count, 3)
@@ -335,7 +336,7 @@ def _grid(x: Floats, y: Floats, columns: list[tuple[float, float]], rows: list[t
 def _ticks(
     axis: Any, of: list[tuple[float, float]], names: Sequence[str] | None = None, hidden: bool = False
 ) -> None:
-    every = -(-len(of) // 12) if names is None else 1
+    every = -(-len(of) // 8) if names is None else 1
     places = np.arange(0, len(of), every)
     words = [names[round(of[k][0])] if names else f"{0.5 * (of[k][0] + of[k][1]):.3g}" for k in places]
     axis.set_ticks(places + 0.5, ["" for _ in words] if hidden else words)
