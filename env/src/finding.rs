@@ -1,6 +1,7 @@
 //! A diagnosis on its way to Python: plain dictionaries and arrays, from which Python builds its classes.
 
 use crate::compare::{failures_of, fit_of, noise_floors, parameter};
+use crate::error;
 use crate::model::Model;
 use bekker::diagnosis::{
     CandidateResult, Diagnosis, FinalParameter, LackOfFit, NoiseModel, PairResult, ParameterResult, Step,
@@ -28,6 +29,11 @@ impl Finding {
     /// The stable JSON of a diagnosis.
     fn json(&self) -> String {
         self.core.to_json().to_string()
+    }
+
+    /// The report, one self-contained HTML page.
+    fn html(&self, py: Python<'_>) -> PyResult<String> {
+        Ok(py.detach(|| error::fenced(|| bekker::report::diagnosis_page(&self.core)))?)
     }
 
     /// The improved model.

@@ -243,6 +243,14 @@ def test_property_a_diagnosis_travels(diagnosis: bekker.Diagnosis) -> None:
     assert copy.improved.to_toml() == diagnosis.improved.to_toml()
 
 
+def test_property_the_report_is_one_page(diagnosis: bekker.Diagnosis, tmp_path: Path) -> None:
+    diagnosis.save_html(tmp_path / "report.html")
+    page = (tmp_path / "report.html").read_text()
+    assert page.lstrip().lower().startswith("<!doctype html") and "slip_sinkage" in page
+    with pytest.raises(bekker.BekkerError, match="pickled"):
+        pickle.loads(pickle.dumps(diagnosis)).save_html(tmp_path / "other.html")
+
+
 def test_property_calibrate_with_an_effect(diagnosis: bekker.Diagnosis, tmp_path: Path) -> None:
     plain, added = bekker.calibrate(SAND), bekker.calibrate(SAND, added=["slip_sinkage"])
     assert added.calibration is not None and plain.calibration is not None

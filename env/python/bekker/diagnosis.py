@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from . import _bekker
 from ._bekker import Model
 from .comparison import CalibratedParameter, Failure, Fit, NoiseFloor, failures_from, fit_from, floors_from
-from .errors import DiagnosisInterrupted, InputError
+from .errors import BekkerError, DiagnosisInterrupted, InputError
 from .experiment import ExperimentLike, source
 from .models import ModelLike, as_model, names_of, save_model
 from .spread import through
@@ -254,6 +255,17 @@ class Diagnosis:
     def to_json(self, indent: int | None = None) -> str:
         """The JSON that ``bekker diagnose --json`` writes: a stable interface."""
         return self._json if indent is None else json.dumps(json.loads(self._json), indent=indent)
+
+    def save_html(self, path: str | os.PathLike[str]) -> None:
+        """Writes the report: one self-contained HTML page with plots to zoom into.
+
+        Raises:
+            BekkerError: this diagnosis was pickled, which leaves out what only the report needs.
+            OSError: the file cannot be written.
+        """
+        if self._finding is None:
+            raise BekkerError("a diagnosis that was pickled has no report; call save_html where diagnose was called")
+        Path(path).write_text(self._finding.html(), encoding="utf-8")
 
     def save_model(self, path: str | os.PathLike[str]) -> None:
         """Writes the improved model as TOML, which ``simulate``, the FMU builder and the environment take.
