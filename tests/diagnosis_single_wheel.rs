@@ -92,6 +92,7 @@ fn property_fits_made_elsewhere_give_the_same_answer() {
         fn fits(
             &self,
             tasks: &[Task],
+            _noise: &bekker::diagnosis::Noise,
             local: &(dyn Fn(&Task) -> Option<bekker::diagnosis::Outcome> + Sync),
         ) -> Vec<Option<bekker::diagnosis::Outcome>> {
             let made = |task: &Task| {

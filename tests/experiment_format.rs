@@ -203,3 +203,31 @@ fn property_conditions_pair_uneven_repeats() {
     let error = Experiment::read(folder("both", &[("experiment.toml", &toml), ("a.csv", csv)])).unwrap_err();
     assert!(matches!(error.problem, Problem::NotARepeat(_)), "{error}");
 }
+
+#[test]
+fn property_texts_give_what_the_folder_gives() {
+    let toml = "name = \"t\"\nkind = \"traverse\"\n[[run]]\nfile = \"a.csv\"\nterrain = \"hill.csv\"\n\
+                [[run]]\nfile = \"b.csv\"\nterrain = \"hill.csv\"\n";
+    let (rows, hill) = (traverse_rows(|_, _| ()), "x,z\n0,0\n1,0.1\n");
+    let files = [("experiment.toml", toml), ("a.csv", &rows), ("b.csv", &rows), ("hill.csv", hill)];
+    let folder = folder("texts", &files);
+    let texts = Experiment::texts(&folder).unwrap();
+    assert_eq!(texts.len(), files.len());
+    let (read, made) = (Experiment::read(&folder).unwrap(), Experiment::from_texts(&texts).unwrap());
+    let runs = read.runs.iter().zip(&made.runs);
+    assert!(runs.clone().all(|(a, b)| (&a.name, &a.data, &a.terrain) == (&b.name, &b.data, &b.terrain)));
+    assert_eq!((read.signals(), runs.len()), (made.signals(), 2));
+}
+
+#[test]
+fn property_texts_are_checked_like_files() {
+    let texts =
+        |csv: &str| [("experiment.toml", TOML), ("a.csv", csv)].map(|(n, t)| (n.to_owned(), t.to_owned())).into();
+    let refused = Experiment::from_texts(&texts("load,slip,wheel_speed,sinkage\n30,0.1,0.2,inf\n")).unwrap_err();
+    assert_eq!((refused.line, refused.column.as_deref()), (Some(2), Some("sinkage")));
+    assert_eq!(refused.file, Path::new("a.csv"));
+    let mut texts: std::collections::BTreeMap<_, _> = texts(CSV);
+    texts.remove("a.csv");
+    let refused = Experiment::from_texts(&texts).unwrap_err();
+    assert!(matches!(refused.problem, Problem::Unreadable(_)), "{refused}");
+}

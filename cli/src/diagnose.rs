@@ -5,7 +5,7 @@ use crate::model::ModelArguments;
 use crate::output::{check_all_writable, say, write, write_json};
 use crate::{interrupt, progress};
 use anyhow::{Context, Result};
-use bekker::diagnosis::{Control, DiagnoseOptions, Diagnosis, Progress, diagnose};
+use bekker::diagnosis::{Control, DiagnoseOptions, Progress, diagnose};
 use bekker::measurement::Experiment;
 use bekker::report::diagnosis_page;
 use std::path::PathBuf;

@@ -1,36 +1,61 @@
 //! Comparing the model with measurements; the results leave as dictionaries, from which Python builds its classes.
 
-use crate::error::{self, ModelError, SimulationError};
+use crate::error::{self, ModelError, SimulationError, UnknownNameError};
+use crate::experiment::Source;
 use crate::model::Model;
 use bekker::diagnosis::{
     CalibratedParameter, Calibration, CompareError, CompareOptions, Comparison, Failure, Fit, NoiseFloor, RunFit,
     compare as core_compare,
 };
-use bekker::measurement::Experiment;
+use bekker::modeldescription::{Lookup, ParameterError};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::path::PathBuf;
+use std::collections::BTreeMap;
 
-/// Runs `model` on the inputs of the experiment in `folder`, calibrated on request, and compares.
+/// Runs `model` on the inputs of an experiment, with effects added and calibrated on request, and compares.
 #[pyfunction]
-pub fn compare<'py>(py: Python<'py>, folder: PathBuf, model: &Model, calibrate: bool) -> PyResult<Bound<'py, PyDict>> {
-    let experiment = py
-        .detach(|| error::fenced(|| Experiment::read(&folder)))?
-        .map_err(|refused| ModelError::new_err(refused.to_string()))?;
-    let options = CompareOptions { calibrate, ..CompareOptions::default() };
+pub fn compare<'py>(
+    py: Python<'py>,
+    experiment: Source,
+    model: &Model,
+    calibrate: bool,
+    added: Vec<String>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let experiment = experiment.read(py)?;
+    let options = CompareOptions { calibrate, added };
     let comparison = py
         .detach(|| error::fenced(|| core_compare(&model.core, &experiment, &options)))?
         .map_err(|refused| failed(&refused))?;
-    described(py, &comparison)
+    let described = described(py, &comparison)?;
+    described.set_item("model", Py::new(py, best(model, &comparison)?)?)?;
+    Ok(described)
 }
 
-fn failed(refused: &CompareError) -> PyErr {
+/// The model of the best fit: what is known of the rig, and what the calibration found.
+fn best(model: &Model, comparison: &Comparison) -> PyResult<Model> {
+    let mut core = model.core.clone();
+    core.define_effects(comparison.experiment.effects.clone())
+        .map_err(|refused| ModelError::new_err(refused.to_string()))?;
+    let found = comparison.calibrated.iter().flat_map(|(calibration, _)| &calibration.parameters);
+    let known = comparison.experiment.parameters.iter().map(|(name, value)| (name.as_str(), *value));
+    for (name, value) in known.chain(found.map(|found| (found.variable.name.as_str(), found.value))) {
+        core.set(name, value).map_err(|refused| error::parameter(&refused))?;
+    }
+    Ok(Model { core })
+}
+
+/// The exception for a comparison or diagnosis that is impossible.
+pub fn failed(refused: &CompareError) -> PyErr {
+    let message = refused.to_string();
     match refused {
-        CompareError::Prediction(_) | CompareError::NoStart(_) => SimulationError::new_err(refused.to_string()),
-        CompareError::Parameter { .. } | CompareError::Effect(_) | CompareError::TooFewMeasurements { .. } => {
-            ModelError::new_err(refused.to_string())
+        CompareError::Prediction(_) | CompareError::NoStart(_) | CompareError::NoFit => {
+            SimulationError::new_err(message)
         }
+        CompareError::Parameter { source: ParameterError::Unknown { .. }, .. } | CompareError::UnknownEffect { .. } => {
+            UnknownNameError::new_err(message)
+        }
+        _ => ModelError::new_err(message),
     }
 }
 
@@ -42,17 +67,13 @@ fn described<'py>(py: Python<'py>, comparison: &Comparison) -> PyResult<Bound<'p
     let calibrated = comparison.calibrated.as_ref();
     all.set_item("calibration", calibrated.map(|(found, _)| calibration(py, found)).transpose()?)?;
     all.set_item("calibrated", calibrated.map(|(_, fit)| fit_of(py, fit)).transpose()?)?;
-    let noise = PyDict::new(py);
-    for (signal, floor) in &comparison.noise_floor {
-        noise.set_item(signal, noise_floor(py, floor)?)?;
-    }
-    all.set_item("noise_floor", noise)?;
-    let failures = comparison.failures.iter().map(|failure| failure_of(py, failure)).collect::<PyResult<Vec<_>>>()?;
-    all.set_item("failures", failures)?;
+    all.set_item("noise_floor", noise_floors(py, &comparison.noise_floor)?)?;
+    all.set_item("failures", failures_of(py, &comparison.failures)?)?;
     Ok(all)
 }
 
-fn fit_of<'py>(py: Python<'py>, fit: &Fit) -> PyResult<Bound<'py, PyDict>> {
+/// A fit, its values as arrays.
+pub fn fit_of<'py>(py: Python<'py>, fit: &Fit) -> PyResult<Bound<'py, PyDict>> {
     let described = PyDict::new(py);
     described.set_item("runs", fit.runs.iter().map(|run| run_of(py, run)).collect::<PyResult<Vec<_>>>()?)?;
     described.set_item("rmse", fit.rmse.clone())?;
@@ -88,7 +109,8 @@ fn calibration<'py>(py: Python<'py>, found: &Calibration) -> PyResult<Bound<'py,
     Ok(described)
 }
 
-fn parameter<'py>(py: Python<'py>, found: &CalibratedParameter) -> PyResult<Bound<'py, PyDict>> {
+/// A free parameter after a fit.
+pub fn parameter<'py>(py: Python<'py>, found: &CalibratedParameter) -> PyResult<Bound<'py, PyDict>> {
     let described = PyDict::new(py);
     described.set_item("name", &found.variable.name)?;
     described.set_item("unit", found.variable.unit.symbol)?;
@@ -102,11 +124,25 @@ fn parameter<'py>(py: Python<'py>, found: &CalibratedParameter) -> PyResult<Boun
     Ok(described)
 }
 
+/// Noise floors by signal.
+pub fn noise_floors<'py>(py: Python<'py>, floors: &BTreeMap<String, NoiseFloor>) -> PyResult<Bound<'py, PyDict>> {
+    let all = PyDict::new(py);
+    for (signal, floor) in floors {
+        all.set_item(signal, noise_floor(py, floor)?)?;
+    }
+    Ok(all)
+}
+
 fn noise_floor<'py>(py: Python<'py>, floor: &NoiseFloor) -> PyResult<Bound<'py, PyDict>> {
     let described = PyDict::new(py);
     described.set_item("value", floor.value())?;
     described.set_item("source", floor.source().name())?;
     Ok(described)
+}
+
+/// Where the model fails, the worst first.
+pub fn failures_of<'py>(py: Python<'py>, failures: &[Failure]) -> PyResult<Vec<Bound<'py, PyDict>>> {
+    failures.iter().map(|failure| failure_of(py, failure)).collect()
 }
 
 fn failure_of<'py>(py: Python<'py>, failure: &Failure) -> PyResult<Bound<'py, PyDict>> {

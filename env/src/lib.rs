@@ -2,8 +2,11 @@
 //! convenient in Python (arguments of many kinds, the environment) is written in Python.
 
 mod compare;
+mod diagnose;
 mod error;
+mod experiment;
 mod export;
+mod finding;
 mod model;
 mod record;
 mod run;
@@ -17,7 +20,15 @@ mod _bekker {
     #[pymodule_export]
     use super::compare::compare;
     #[pymodule_export]
+    use super::diagnose::diagnose;
+    #[pymodule_export]
+    use super::diagnose::fit_task;
+    #[pymodule_export]
+    use super::experiment::check_experiment;
+    #[pymodule_export]
     use super::export::export_fmu;
+    #[pymodule_export]
+    use super::finding::Finding;
     #[pymodule_export]
     use super::model::Model;
     #[pymodule_export]

@@ -30,7 +30,7 @@ pub use calibrate::{CalibratedParameter, Calibration};
 pub use compare::{CompareError, CompareOptions, Comparison, compare};
 pub use diagnose::{
     CandidateResult, Control, DiagnoseOptions, Diagnosis, FinalParameter, LackOfFit, Noise, Outcome, PairResult,
-    ParameterResult, Progress, Share, Spread, Step, Task, Threads, Verdict, diagnose,
+    ParameterResult, Progress, Share, Spread, Step, Task, Threads, Verdict, diagnose, fit_task,
 };
 #[cfg(feature = "report")]
 pub(crate) use failure::levels_of;

@@ -2,6 +2,7 @@
 
 use super::columns::{Column, Use, known, under_load};
 use super::error::{ExperimentError, Problem};
+use super::files::Files;
 use super::settings::{RunSettings, Settings};
 use super::sheet::{Sheet, SheetRow};
 use super::table::Table;
@@ -47,7 +48,7 @@ pub struct Experiment {
     pub name: String,
     /// What was done.
     pub kind: Kind,
-    /// The folder it was read from.
+    /// The folder it was read from; empty where it was made in memory.
     pub folder: PathBuf,
     /// What is known of the rig, by the model's parameter names.
     pub parameters: BTreeMap<String, f64>,
@@ -93,7 +94,7 @@ impl Experiment {
     /// [`ExperimentError`] with file, line and column: the format is described in the [module](super).
     /// The names of parameters are not checked here but by the model that they are given to.
     pub fn read(folder: impl AsRef<Path>) -> Result<Self, ExperimentError> {
-        Self::read_with(folder.as_ref(), false)
+        Self::read_from(&Files::Folder(folder.as_ref()), false)
     }
 
     /// The same for an experiment that may still have to be made: columns of measured signals may be empty, and count
@@ -102,11 +103,11 @@ impl Experiment {
     /// # Errors
     /// As [`read`](Self::read).
     pub fn read_plan(folder: impl AsRef<Path>) -> Result<Self, ExperimentError> {
-        Self::read_with(folder.as_ref(), true)
+        Self::read_from(&Files::Folder(folder.as_ref()), true)
     }
 
-    fn read_with(folder: &Path, planned: bool) -> Result<Self, ExperimentError> {
-        let settings = Settings::read(folder)?;
+    pub(super) fn read_from(files: &Files, planned: bool) -> Result<Self, ExperimentError> {
+        let settings = Settings::read(files)?;
         let default_radius = Wheel::<f64>::default().radius;
         let radius_of = |run: &RunSettings| {
             let own = run.parameters.get("wheel.radius").or_else(|| settings.parameters.get("wheel.radius"));
@@ -115,12 +116,12 @@ impl Experiment {
         let runs: Vec<Run> = settings
             .runs
             .iter()
-            .map(|run| read_run(folder, &settings, run, radius_of(run), planned))
+            .map(|run| read_run(files, &settings, run, radius_of(run), planned))
             .collect::<Result<_, _>>()?;
         let experiment = Self {
             name: settings.name,
             kind: settings.kind,
-            folder: folder.to_owned(),
+            folder: files.folder(),
             parameters: settings.parameters,
             priors: settings.priors,
             effects: settings.effects,
@@ -154,13 +155,13 @@ impl Experiment {
 }
 
 fn read_run(
-    folder: &Path,
+    files: &Files,
     settings: &Settings,
     run: &RunSettings,
     radius: f64,
     planned: bool,
 ) -> Result<Run, ExperimentError> {
-    let sheet = Sheet::read(&folder.join(&run.file))?;
+    let sheet = Sheet::parse(&files.path(&run.file), &files.text(&run.file)?)?;
     sheet.need_rows(settings.kind.least_rows())?;
     let known = known(settings.kind, &sheet.header, radius);
     let columns = recognised(&sheet, &known, &settings.ignore)?;
@@ -181,7 +182,7 @@ fn read_run(
         name: Path::new(&run.file).with_extension("").display().to_string(),
         group: run.group.clone(),
         parameters: run.parameters.clone(),
-        terrain: run.terrain.as_ref().map(|file| read_terrain(&folder.join(file))).transpose()?,
+        terrain: run.terrain.as_ref().map(|file| read_terrain(files, file)).transpose()?,
         x0: run.x0,
         conditions: conditions(&sheet),
         inputs: named(Use::Input).collect(),
@@ -300,8 +301,8 @@ fn conditions(sheet: &Sheet) -> Vec<Option<String>> {
 }
 
 /// A profile: columns `x` (increasing) and `z`, m.
-fn read_terrain(file: &Path) -> Result<Table, ExperimentError> {
-    let sheet = Sheet::read(file)?;
+fn read_terrain(files: &Files, name: &str) -> Result<Table, ExperimentError> {
+    let sheet = Sheet::parse(&files.path(name), &files.text(name)?)?;
     sheet.need_rows(2)?;
     let limits = || None;
     let known = ["x", "z"].map(|name| Column { name: name.to_owned(), used: Use::Input, limits: limits() });

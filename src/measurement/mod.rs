@@ -36,6 +36,7 @@
 mod columns;
 mod error;
 mod experiment;
+mod files;
 mod record;
 mod replicates;
 mod settings;

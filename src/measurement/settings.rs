@@ -2,6 +2,7 @@
 
 use super::error::{ExperimentError, Problem};
 use super::experiment::Kind;
+use super::files::{Files, SETTINGS};
 use crate::effects::EffectDefinition;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -65,10 +66,8 @@ pub(super) struct RunSettings {
 }
 
 impl Settings {
-    pub fn read(folder: &Path) -> Result<Self, ExperimentError> {
-        let path = folder.join("experiment.toml");
-        let text = std::fs::read_to_string(&path)
-            .map_err(|e| ExperimentError::in_file(&path, Problem::Unreadable(e.to_string())))?;
+    pub fn read(files: &Files) -> Result<Self, ExperimentError> {
+        let (path, text) = (files.path(SETTINGS), files.text(SETTINGS)?);
         let file: File = toml::from_str(&text).map_err(|e| not_toml(&path, &text, &e))?;
         if file.run.is_empty() {
             let problem = Problem::Setting("at least one [[run]] is needed".to_owned());

@@ -17,11 +17,11 @@ pub(super) struct SheetRow {
 }
 
 impl Sheet {
-    pub fn read(file: &Path) -> Result<Self, ExperimentError> {
+    /// The sheet in `text`; `file` is for errors.
+    pub fn parse(file: &Path, text: &str) -> Result<Self, ExperimentError> {
         let unreadable = |message: String| ExperimentError::in_file(file, Problem::Unreadable(message));
-        let text = std::fs::read_to_string(file).map_err(|e| unreadable(e.to_string()))?;
         // A byte-order mark, which spreadsheets like to write.
-        let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut reader = csv::ReaderBuilder::new()
             .flexible(true)
             .has_headers(false)

@@ -12,7 +12,9 @@ impl Table {
     /// # Errors
     /// [`ExperimentError`] naming file, line and column, and what was expected.
     pub fn read(file: &Path) -> Result<Self, ExperimentError> {
-        let sheet = Sheet::read(file)?;
+        let text = std::fs::read_to_string(file)
+            .map_err(|error| ExperimentError::in_file(file, Problem::Unreadable(error.to_string())))?;
+        let sheet = Sheet::parse(file, &text)?;
         let refused =
             |error: super::table::TableError| ExperimentError::in_file(file, Problem::Unreadable(error.to_string()));
         let mut table = Self::new(sheet.header.iter().cloned()).map_err(refused)?;

@@ -35,6 +35,15 @@ otherwise::
     comparison = bekker.compare("examples/sand_wheel", calibrate=True)
     print(comparison)                          # what is left of each signal, and where the model fails
 
+*Find out what it lacks*: which physical effect is missing, the error with and without it, and the improved model::
+
+    diagnosis = bekker.diagnose("examples/sand_wheel", progress=print)
+    print(diagnosis)                           # verdict, the error falling step by step, probabilities, cautions
+    diagnosis.plot_overlay()                   # and plot_residuals, plot_steps, plot_candidates ... (matplotlib)
+    diagnosis.save_model("improved.toml")      # bekker.simulate(diagnosis.improved) takes it as it is
+
+Data that are not on disk come as :class:`Experiment`, from data frames or arrays.
+
 *Take it elsewhere*: ``bekker.export_fmu(model, "rover.fmu")`` writes it for any tool that knows FMI 3.0.
 
 *Step it yourself*: ``model.start()`` gives a :class:`Run`, whose copies go on to the same bits. What is refused is a
@@ -44,25 +53,34 @@ otherwise::
 import gymnasium
 
 from ._bekker import Model, Run, __version__
-from .comparison import Comparison, compare
+from .comparison import Comparison, calibrate, compare
+from .diagnosis import Diagnosis, Progress, diagnose
 from .env import RoverEnv
-from .errors import BekkerError, InputError, ModelError, SimulationError, UnknownNameError
+from .errors import BekkerError, DiagnosisInterrupted, InputError, ModelError, SimulationError, UnknownNameError
+from .experiment import Experiment, MeasuredRun
 from .models import effects, export_fmu, presets
 from .simulation import Result, simulate
 
 __all__ = [
     "BekkerError",
     "Comparison",
+    "Diagnosis",
+    "DiagnosisInterrupted",
+    "Experiment",
     "InputError",
+    "MeasuredRun",
     "Model",
     "ModelError",
+    "Progress",
     "Result",
     "RoverEnv",
     "Run",
     "SimulationError",
     "UnknownNameError",
     "__version__",
+    "calibrate",
     "compare",
+    "diagnose",
     "effects",
     "export_fmu",
     "presets",

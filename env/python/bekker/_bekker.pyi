@@ -1,7 +1,7 @@
 """Native part of the package `bekker`."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Literal, final
 
 import numpy as np
@@ -9,17 +9,51 @@ from numpy.typing import NDArray
 
 from .vocabulary import Variable
 
-__all__ = ["Model", "Run", "__version__", "compare", "effects", "export_fmu", "presets", "record"]
+__all__ = [
+    "Finding",
+    "Model",
+    "Run",
+    "__version__",
+    "check_experiment",
+    "compare",
+    "diagnose",
+    "effects",
+    "export_fmu",
+    "fit_task",
+    "presets",
+    "record",
+]
 
 __version__: str
 
 def presets() -> list[tuple[str, str]]: ...
 def effects() -> list[tuple[str, str]]: ...
-def compare(folder: str | os.PathLike[str], model: Model, calibrate: bool) -> dict[str, Any]: ...
+def check_experiment(texts: dict[str, str]) -> list[str]: ...
+def compare(
+    experiment: dict[str, str] | str | os.PathLike[str], model: Model, calibrate: bool, added: list[str]
+) -> dict[str, Any]: ...
+def diagnose(
+    experiment: dict[str, str] | str | os.PathLike[str],
+    model: Model,
+    candidates: list[str] | None,
+    added: list[str],
+    max_effects: int,
+    draws: int,
+    spread: Callable[[Sequence[bytes]], list[bytes]] | None,
+    progress: Callable[[str, float, float], object] | None,
+) -> tuple[Finding | None, BaseException | None]: ...
+def fit_task(payload: bytes) -> bytes: ...
 def export_fmu(model: Model, path: str | os.PathLike[str]) -> None: ...
 def record(
     model: Model, inputs: NDArray[np.float64], steps: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], str, str | None]: ...
+@final
+class Finding:
+    def html(self) -> str: ...
+    def json(self) -> str: ...
+    def improved(self) -> Model: ...
+    def described(self) -> dict[str, Any]: ...
+
 @final
 class Model:
     @classmethod

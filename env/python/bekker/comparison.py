@@ -1,7 +1,7 @@
 """The model beside measurements: :func:`compare` and its :class:`Comparison`."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -9,10 +9,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _bekker
-from .models import ModelLike, as_model
+from ._bekker import Model
+from .errors import InputError
+from .experiment import ExperimentLike, source
+from .models import ModelLike, as_model, names_of, save_model
 from .vocabulary import unknown
 
-__all__ = ["CalibratedParameter", "Calibration", "Comparison", "Failure", "Fit", "NoiseFloor", "SignalFit", "compare"]
+__all__ = [
+    "CalibratedParameter",
+    "Calibration",
+    "Comparison",
+    "Failure",
+    "Fit",
+    "NoiseFloor",
+    "SignalFit",
+    "calibrate",
+    "compare",
+]
 
 
 @dataclass(frozen=True)
@@ -117,6 +130,17 @@ class Comparison:
     noise_floor: dict[str, NoiseFloor]
     failures: list[Failure]
     """Where the model fails, the worst first."""
+    model: Model
+    """The model of ``fit``: with what is known of the rig and, after a calibration, with what that found. What the
+    experiment says of single runs is not part of it."""
+
+    def save_model(self, path: str | os.PathLike[str]) -> None:
+        """Writes the model of ``fit`` as TOML, which ``simulate``, the FMU builder and the environment take.
+
+        Raises:
+            OSError: the file cannot be written.
+        """
+        save_model(self.model, path)
 
     @property
     def fit(self) -> Fit:
@@ -142,39 +166,73 @@ class Comparison:
 
 
 def compare(
-    experiment: str | os.PathLike[str],
+    experiment: ExperimentLike,
     model: ModelLike = "two_wheeled",
     *,
     calibrate: bool = False,
+    added: Iterable[str] | None = None,
     parameters: Mapping[str, float] | None = None,
 ) -> Comparison:
     """Runs a model on the inputs of an experiment and compares it with what was measured.
 
     Args:
-        experiment: the folder with ``experiment.toml``; a wheel on a carriage takes wheel, soil and effects of the
-            model, a traverse the whole rover.
+        experiment: the folder with ``experiment.toml``, or a :class:`bekker.Experiment`; a wheel on a carriage takes
+            wheel, soil and effects of the model, a traverse the whole rover.
         model: a Model, the name of a preset, TOML text, or the path of a TOML file.
         calibrate: whether to calibrate the soil first.
+        added: ids of effects (:func:`bekker.effects`) whose parameters a calibration frees too.
         parameters: values by name that replace the model's, before those that the experiment states.
 
     Raises:
         UnknownNameError, ModelError: as :func:`bekker.models.as_model`; a ModelError too where the folder is refused
             (the message gives file, line and column) or does not suit the model.
+        InputError: an effect is added without a calibration, which would leave it neutral.
         SimulationError: the model cannot compute a measured row, for example where the wheel sinks to its axle.
     """
-    found = _bekker.compare(experiment, as_model(model, parameters), calibrate)
+    effects = names_of("added", added or ())
+    if effects and not calibrate:
+        raise InputError(f"added = {effects}: expected calibrate=True; an effect is neutral until it is calibrated")
+    found = _bekker.compare(source(experiment), as_model(model, parameters), calibrate, effects)
     return Comparison(
         experiment=found["experiment"],
-        given=_fit(found["given"]),
+        given=fit_from(found["given"]),
         given_error=found["given_error"],
         calibration=_calibration(found["calibration"]),
-        calibrated=_fit(found["calibrated"]),
-        noise_floor={signal: NoiseFloor(**floor) for signal, floor in found["noise_floor"].items()},
-        failures=[Failure(**failure) for failure in found["failures"]],
+        calibrated=fit_from(found["calibrated"]),
+        noise_floor=floors_from(found["noise_floor"]),
+        failures=failures_from(found["failures"]),
+        model=found["model"],
     )
 
 
-def _fit(found: dict[str, Any] | None) -> Fit | None:
+def calibrate(
+    experiment: ExperimentLike,
+    model: ModelLike = "two_wheeled",
+    *,
+    added: Iterable[str] | None = None,
+    parameters: Mapping[str, float] | None = None,
+) -> Comparison:
+    """Finds the soil (and what has a prior, and the parameters of the effects ``added``) that brings a model closest to
+    an experiment.
+
+    The result's ``calibration`` says how well each parameter is determined; its ``model`` is the calibrated model.
+    Arguments and errors are those of :func:`compare`.
+    """
+    return compare(experiment, model, calibrate=True, added=added, parameters=parameters)
+
+
+def floors_from(found: Mapping[str, Any]) -> dict[str, NoiseFloor]:
+    """Noise floors by signal, as the native side describes them."""
+    return {signal: NoiseFloor(**floor) for signal, floor in found.items()}
+
+
+def failures_from(found: Iterable[Mapping[str, Any]]) -> list[Failure]:
+    """Failures as the native side describes them."""
+    return [Failure(**failure) for failure in found]
+
+
+def fit_from(found: dict[str, Any] | None) -> Fit | None:
+    """A fit as the native side describes it."""
     if found is None:
         return None
     runs = [(run["name"], {name: SignalFit(**s) for name, s in run["signals"].items()}) for run in found["runs"]]

@@ -1,6 +1,11 @@
 """Exceptions of the package. Each is also the built-in exception that one would expect."""
 
-__all__ = ["BekkerError", "InputError", "ModelError", "SimulationError", "UnknownNameError"]
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .diagnosis import Diagnosis
+
+__all__ = ["BekkerError", "DiagnosisInterrupted", "InputError", "ModelError", "SimulationError", "UnknownNameError"]
 
 
 class BekkerError(Exception):
@@ -24,3 +29,14 @@ class InputError(BekkerError, ValueError):
 
 class SimulationError(BekkerError, RuntimeError):
     """A run cannot start or go on. Ends of a drive (stuck, tipped over ...) are not errors but a status."""
+
+
+class DiagnosisInterrupted(KeyboardInterrupt):
+    """Ctrl-C ended a diagnosis. Not a BekkerError: nothing went wrong."""
+
+    partial: "Diagnosis | None"
+    """What was found by then, with ``interrupted`` set; None where that is nothing yet."""
+
+    def __init__(self, partial: "Diagnosis | None" = None) -> None:
+        super().__init__("the diagnosis was interrupted; what was found is in `partial`" if partial else "")
+        self.partial = partial

@@ -1,14 +1,15 @@
 """What is taken for a model, and the catalogues of built-in models and effects."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from pathlib import Path
 
 from . import _bekker
 from ._bekker import Model
 from .errors import InputError
 from .vocabulary import unknown
 
-__all__ = ["ModelLike", "as_model", "effects", "export_fmu", "presets"]
+__all__ = ["ModelLike", "as_model", "effects", "export_fmu", "names_of", "presets", "save_model"]
 
 ModelLike = Model | str | os.PathLike[str]
 """A :class:`Model`, the name of a preset, TOML text, or the path of a TOML file."""
@@ -46,6 +47,23 @@ def export_fmu(model: ModelLike, path: str | os.PathLike[str], parameters: Mappi
         OSError: the file cannot be written.
     """
     _bekker.export_fmu(as_model(model, parameters), path)
+
+
+def save_model(model: Model, path: str | os.PathLike[str]) -> None:
+    """Writes a model as TOML; reading it back gives the same model to the last bit.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    Path(path).write_text(model.to_toml(), encoding="utf-8")
+
+
+def names_of(argument: str, names: Iterable[str]) -> list[str]:
+    """A list of names; a single text, which is an iterable of its letters, is refused."""
+    listed = list(names)
+    if isinstance(names, str) or not all(isinstance(name, str) for name in listed):
+        raise InputError(f"{argument}: expected a list of names, found {names!r}")
+    return listed
 
 
 def _read(model: ModelLike) -> Model:

@@ -1,6 +1,6 @@
 //! What the caller may watch and steer: progress, interruption, where the fits are made.
 
-use super::fits::{Outcome, Task};
+use super::fits::{Noise, Outcome, Task};
 
 /// How far a diagnosis is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,9 +15,14 @@ pub struct Progress {
 
 /// Makes fits: on this machine's threads, or wherever the caller likes.
 pub trait Spread: Sync {
-    /// The outcome of each task, in the order of the tasks; `local` makes one fit here. `None` where a fit has no
-    /// answer. Each task is self-contained (see [`fit_task`](super::fit_task)) and gives the same bits anywhere.
-    fn fits(&self, tasks: &[Task], local: &(dyn Fn(&Task) -> Option<Outcome> + Sync)) -> Vec<Option<Outcome>>;
+    /// The outcome of each task under `noise`, in the order of the tasks; `local` makes one fit here. `None` where a fit
+    /// has no answer. Each task is self-contained (see [`fit_task`](super::fit_task)) and gives the same bits anywhere.
+    fn fits(
+        &self,
+        tasks: &[Task],
+        noise: &Noise,
+        local: &(dyn Fn(&Task) -> Option<Outcome> + Sync),
+    ) -> Vec<Option<Outcome>>;
 }
 
 /// The threads of this machine.
@@ -25,7 +30,12 @@ pub trait Spread: Sync {
 pub struct Threads;
 
 impl Spread for Threads {
-    fn fits(&self, tasks: &[Task], local: &(dyn Fn(&Task) -> Option<Outcome> + Sync)) -> Vec<Option<Outcome>> {
+    fn fits(
+        &self,
+        tasks: &[Task],
+        _noise: &Noise,
+        local: &(dyn Fn(&Task) -> Option<Outcome> + Sync),
+    ) -> Vec<Option<Outcome>> {
         crate::parallel::map_in_order(tasks, local)
     }
 }

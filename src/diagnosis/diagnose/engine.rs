@@ -36,6 +36,18 @@ impl Default for DiagnoseOptions {
     }
 }
 
+impl DiagnoseOptions {
+    /// What is diagnosed, with the candidates that are asked for.
+    pub(crate) fn problem<'a>(&self, model: &Model, experiment: &'a Experiment) -> Result<Problem<'a>, CompareError> {
+        let mut problem = Problem::new(model, experiment, &self.added)?;
+        if let Some(candidates) = &self.candidates {
+            problem.keep_candidates(candidates)?;
+        }
+        problem.coarsen();
+        Ok(problem)
+    }
+}
+
 /// A rival is refitted in the place of an effect from this cosine of signatures.
 const WORTH_A_SWAP: f64 = 0.5;
 
@@ -58,11 +70,7 @@ pub fn diagnose(
     options: &DiagnoseOptions,
     control: &Control,
 ) -> Result<Diagnosis, CompareError> {
-    let mut problem = Problem::new(model, experiment, &options.added)?;
-    if let Some(candidates) = &options.candidates {
-        problem.keep_candidates(candidates)?;
-    }
-    problem.coarsen();
+    let mut problem = options.problem(model, experiment)?;
     let clock = Clock { control };
     clock.tell("calibrating the baseline", 0.0);
     let prepared = prepare(&mut problem)?;

@@ -1,11 +1,14 @@
 //! Fits of effect sets: self-contained tasks, so that they can be spread over threads or machines.
 
+use super::engine::DiagnoseOptions;
 use crate::diagnosis::calibrate::{Calibration, Effort, calibrate, calibrate_from, settled};
+use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::noise::{NoiseModel, Whitening};
 use crate::diagnosis::prediction::Predict;
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::weighted::Weighted;
-use crate::measurement::Kind;
+use crate::measurement::{Experiment, Kind};
+use crate::model::Model;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -94,6 +97,21 @@ fn effort(problem: &Problem) -> Effort {
         Kind::SingleWheel => Effort::STEADY,
         Kind::Traverse => Effort::TRAVERSE,
     }
+}
+
+/// Makes one fit of a diagnosis, for a [`Spread`](super::Spread) on other machines: with the same model, experiment and
+/// options it gives the same bits as the diagnosis would by itself. `None` where no start has an answer.
+///
+/// # Errors
+/// [`CompareError`] where the experiment does not fit the model.
+pub fn fit_task(
+    model: &Model,
+    experiment: &Experiment,
+    options: &DiagnoseOptions,
+    noise: &Noise,
+    task: &Task,
+) -> Result<Option<Outcome>, CompareError> {
+    Ok(outcome(&options.problem(model, experiment)?, noise, task))
 }
 
 /// Runs a task for its values and cost alone.

@@ -33,7 +33,7 @@ mod verdict;
 pub(crate) use bootstrap::Projected;
 pub use control::{Control, Progress, Spread, Threads};
 pub use engine::{DiagnoseOptions, diagnose};
-pub use fits::{Noise, Outcome, Task};
+pub use fits::{Noise, Outcome, Task, fit_task};
 pub(crate) use prepare::prepare;
 pub(crate) use report_parts::DETECTABLE;
 pub use result::{

@@ -75,7 +75,7 @@ impl Search<'_> {
         let sets: Vec<_> = sets.into_iter().filter(|(effects, _)| self.fits.get(effects).is_none()).collect();
         let tasks: Vec<Task> = sets.into_iter().map(|(effects, starts)| self.problem.task(&effects, starts)).collect();
         let local = |task: &Task| super::fits::outcome(self.problem, self.noise, task);
-        let outcomes = self.control.spread.fits(&tasks, &local);
+        let outcomes = self.control.spread.fits(&tasks, self.noise, &local);
         for (task, outcome) in tasks.iter().zip(outcomes) {
             let Some(outcome) = outcome else { continue };
             // A fit made elsewhere comes back as its values; standard errors and bounds are found again here.

@@ -1,0 +1,481 @@
+"""Which physical effect is missing from the model: :func:`diagnose` and its :class:`Diagnosis`."""
+
+import json
+import os
+import time
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import Executor
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _bekker
+from ._bekker import Model
+from .comparison import CalibratedParameter, Failure, Fit, NoiseFloor, failures_from, fit_from, floors_from
+from .errors import BekkerError, DiagnosisInterrupted, InputError
+from .experiment import ExperimentLike, source
+from .models import ModelLike, as_model, names_of, save_model
+from .spread import through
+from .vocabulary import unknown
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = [
+    "Candidate",
+    "Diagnosis",
+    "LackOfFit",
+    "NoiseModel",
+    "Pair",
+    "Parameter",
+    "Profile",
+    "Progress",
+    "RunData",
+    "Share",
+    "Step",
+    "Suggestion",
+    "diagnose",
+]
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a diagnosis is."""
+
+    stage: str
+    """What is being done, for people."""
+    done: float
+    """Share of the expected work that is done, 0 to 1; may fall when a further effect is looked for."""
+    elapsed: float
+    """Time since the start, s."""
+    remaining: float | None
+    """Estimate of the time left, s; None while there is nothing to go by."""
+
+    def __str__(self) -> str:
+        left = "" if self.remaining is None else f", about {self.remaining:.0f} s left"
+        return f"{100 * self.done:3.0f} %  {self.stage}{left}"
+
+
+@dataclass(frozen=True)
+class RunData:
+    """A run as it was measured."""
+
+    name: str
+    group: str | None
+    """Runs of a group repeat the same inputs."""
+    inputs: list[str]
+    """Columns that are given to the model."""
+    measured: list[str]
+    """Columns that are compared with it."""
+    columns: dict[str, NDArray[np.float64]]
+    """One entry a row, SI units; NaN where nothing was measured."""
+
+
+@dataclass(frozen=True)
+class NoiseModel:
+    """Noise along a run: a scatter common to the whole run plus an AR(1) process from row to row."""
+
+    deviation: float
+    """Standard deviation of one sample, in the signal's unit."""
+    run_share: float
+    """Share of the variance that a whole run has in common."""
+    correlation: float
+    """Correlation of neighbouring rows of the rest."""
+
+
+@dataclass(frozen=True)
+class Parameter(CalibratedParameter):
+    """A free parameter of a fit, SI units."""
+
+    effect: bool
+    """Whether it belongs to an added effect rather than to the calibration."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step from the calibrated baseline to the final model."""
+
+    added: str | None
+    """The effect added at this step; None for the baseline."""
+    rmse: dict[str, float]
+    """Root mean square of measured minus modelled by signal, in the signal's unit."""
+    heldout_rmse: dict[str, float]
+    """The same on conditions or runs that were left out of the fit."""
+    parameters: list[Parameter]
+    chi_square: float
+    """Sum of squared whitened residuals."""
+    degrees_of_freedom: int
+    left: float
+    """Share of the baseline's explainable chi-square that is left, 1 at the baseline."""
+    fit: Fit
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One effect, added to the baseline alone (or beside the effects named before it)."""
+
+    effect: str
+    probability: float
+    """Probability that it is part of the explanation."""
+    tied: bool
+    """Whether it ties with the effects named, or with another candidate where none is."""
+    heldout_gain: float | None
+    """Gain in log predictive density on left-out data, nats; None where only screened."""
+    better: float | None
+    """Probability that it predicts left-out data better than the baseline; None where only screened."""
+    p_value: float
+    """Probability that noise alone gives the best of all candidates as large a gain."""
+    gain: float
+    """Fall of chi-square after refitting everything; from the sensitivities where only screened."""
+    left: float
+    """Share of the baseline's explainable chi-square that is left with it."""
+    refitted: bool
+    """Whether it was refitted, or only screened by its sensitivities."""
+    visible_share: float
+    """The part of its signature that the calibrated parameters cannot absorb, 0 to 1."""
+    parameters: list[Parameter]
+    """The effect's parameters after the fit; empty where only screened."""
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two effects added to the baseline at once."""
+
+    effects: tuple[str, str]
+    gain: float
+    """Fall of chi-square against the baseline."""
+    refitted: bool
+
+
+@dataclass(frozen=True)
+class Share:
+    """Probabilities of the two answers that are no effect."""
+
+    enough: float
+    """The baseline is enough."""
+    other: float
+    """Something else than any candidate."""
+
+
+@dataclass(frozen=True)
+class LackOfFit:
+    """Whether what the calibrated baseline leaves is more than noise."""
+
+    chi_square: float
+    degrees_of_freedom: int
+    p_value: float
+    """Probability of as large a chi-square by noise alone."""
+    explainable: float
+    """The part of chi-square along the conditions, less what noise puts there."""
+    p_structure: float
+    """Probability of as large a part along the conditions by noise alone."""
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Profile likelihood of a parameter of the final model."""
+
+    name: str
+    interval: tuple[float | None, float | None]
+    """95 % interval; None where a side is open within the bounds."""
+    values: NDArray[np.float64]
+    """Where the profile was taken, SI unit, increasing."""
+    rise: NDArray[np.float64]
+    """Rise of chi-square over the minimum there, all others refitted."""
+
+
+@dataclass(frozen=True)
+class Suggestion:
+    """An experiment worth making."""
+
+    text: str
+    effects: list[str]
+    """Effects that it would tell apart or make visible."""
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """What a diagnosis found. SI units throughout."""
+
+    experiment: str
+    kind: Literal["single_wheel", "traverse"]
+    runs: list[RunData]
+    verdict: Literal["explained", "effect_missing", "unexplained", "undetermined"]
+    """``explained``: the calibrated model leaves only noise. ``effect_missing``: the listed effects account for the
+    structure. ``unexplained``: no candidate accounts for it, the listed effects are none or partial.
+    ``undetermined``: candidates tie, or the experiment cannot see the difference."""
+    effects: list[str]
+    """The effects that the verdict is about."""
+    noise_floor: dict[str, NoiseFloor]
+    """Standard deviation of one sample by signal."""
+    noise_floor_source: Literal["stated", "replicates", "unknown"]
+    noise: dict[str, NoiseModel]
+    """The noise models used for whitening, by signal."""
+    given: Fit | None
+    """The model before calibration; None where it cannot compute the experiment."""
+    steps: list[Step]
+    """The calibrated baseline, then one step an effect."""
+    candidates: list[Candidate]
+    """Single effects, the most probable first."""
+    pairs: list[Pair]
+    """Pairs of effects, the best first."""
+    invisible: list[str]
+    """Candidates without any signature in this experiment."""
+    share: Share
+    lack_of_fit: LackOfFit
+    smallest_p: float
+    """Smallest p-value that the bootstrap can give."""
+    explained_share: float
+    """Share of the explainable chi-square that the final model accounts for."""
+    confused_with: list[tuple[str, str]]
+    """Pairs of effects that this experiment hardly tells apart."""
+    profiles: list[Profile]
+    """Profile likelihoods of the final model's parameters; empty if interrupted before."""
+    failures: list[Failure]
+    """Where the calibrated baseline fails, the worst first."""
+    failures_left: list[Failure]
+    """The same of the final model."""
+    suggestions: list[Suggestion]
+    """What to measure next, the most useful first."""
+    next_experiment: str
+    """The first of them in one line; empty where there is none."""
+    cautions: list[str]
+    """What the reader should beware of."""
+    interrupted: bool
+    """Whether the work was cut short; what was not done is missing from the lists."""
+    improved: Model
+    """The final model, calibrated and with its effects on: for simulate, RoverEnv and export_fmu. What the experiment
+    says of single runs is not part of it."""
+    _json: str = field(repr=False)
+    _finding: "_bekker.Finding | None" = field(repr=False)
+
+    def to_json(self, indent: int | None = None) -> str:
+        """The JSON that ``bekker diagnose --json`` writes: a stable interface."""
+        return self._json if indent is None else json.dumps(json.loads(self._json), indent=indent)
+
+    def save_html(self, path: str | os.PathLike[str]) -> None:
+        """Writes the report: one self-contained HTML page with plots to zoom into.
+
+        Raises:
+            BekkerError: this diagnosis was pickled, which leaves out what only the report needs.
+            OSError: the file cannot be written.
+        """
+        if self._finding is None:
+            raise BekkerError("a diagnosis that was pickled has no report; call save_html where diagnose was called")
+        Path(path).write_text(self._finding.html(), encoding="utf-8")
+
+    def save_model(self, path: str | os.PathLike[str]) -> None:
+        """Writes the improved model as TOML, which ``simulate``, the FMU builder and the environment take.
+
+        Raises:
+            OSError: the file cannot be written.
+        """
+        save_model(self.improved, path)
+
+    def candidate(self, effect: str) -> Candidate:
+        """The candidate called ``effect``.
+
+        Raises:
+            UnknownNameError: it was none.
+        """
+        for candidate in self.candidates:
+            if candidate.effect == effect:
+                return candidate
+        raise unknown("candidate", effect, [candidate.effect for candidate in self.candidates])
+
+    def plot_overlay(self, signals: Iterable[str] | None = None) -> "Figure":
+        """Measured values with their noise, the calibrated baseline and the final model, by signal.
+
+        A single wheel over slip, one colour a load, one column a wheel speed; a traverse over time, one column a set
+        of repeats. This and all plots need matplotlib (``pip install bekker[plot]``) and return its Figure.
+
+        Args:
+            signals: names in the order of the rows; where None, those whose error stands out most from the noise.
+
+        Raises:
+            UnknownNameError: a signal was not measured.
+            ImportError: matplotlib is missing.
+        """
+        from .plots import overlay
+
+        return overlay(self, signals)
+
+    def plot_residuals(self, signals: Iterable[str] | None = None) -> "Figure":
+        """Residuals (measured minus modelled) of baseline and final model against each condition, with their means by
+        level and a band of two standard deviations of the noise. Arguments and errors as :meth:`plot_overlay`."""
+        from .plots import residuals
+
+        return residuals(self, signals)
+
+    def plot_steps(self, signals: Iterable[str] | None = None) -> "Figure":
+        """The error falling step by step, fitted and on left-out data, beside the noise floor. Arguments and errors as
+        :meth:`plot_overlay`."""
+        from .plots import steps
+
+        return steps(self, signals)
+
+    def plot_candidates(self, most: int = 12) -> "Figure":
+        """Probabilities of the ``most`` best candidates, of "enough already" and of "something else". Errors as
+        :meth:`plot_overlay`."""
+        from .plots import candidates
+
+        return candidates(self, most)
+
+    def plot_profiles(self) -> "Figure":
+        """Profile likelihoods of the final parameters with their 95 % intervals. Errors as :meth:`plot_overlay`.
+
+        Raises:
+            InputError: there are none: the diagnosis was interrupted, or no effect was added to a traverse.
+        """
+        from .plots import profiles
+
+        return profiles(self)
+
+    def plot_heatmap(self, signal: str | None = None, x: str | None = None, y: str | None = None) -> "Figure":
+        """Mean residual over two conditions, before and after the effects, in standard deviations of the noise.
+
+        Args:
+            signal: where None, the one whose error stands out most from the noise.
+            x, y: columns of the runs, or ``"run"``; slip and load of a single wheel, time and run of a traverse.
+
+        Raises:
+            UnknownNameError: the signal or a column was not measured.
+            ImportError: matplotlib is missing.
+        """
+        from .plots import heatmap
+
+        return heatmap(self, signal, x, y)
+
+    def __getstate__(self) -> dict[str, Any]:
+        # The native part stays where it is: all numbers are here, only the report needs it.
+        return {name: value for name, value in self.__dict__.items() if name != "_finding"} | {"_finding": None}
+
+    def __str__(self) -> str:
+        lines = [f"{self.experiment}: {self.verdict.replace('_', ' ')}" + _list(": ", self.effects)]
+        for step in self.steps:
+            errors = ", ".join(f"{signal} {rmse:.3g}" for signal, rmse in step.rmse.items())
+            lines.append(f"  {f'+ {step.added}' if step.added else 'calibrated'}: error {errors} rms, {step.left:.0%} left")
+        floors = {signal: floor.value for signal, floor in self.noise_floor.items() if floor.value is not None}
+        floor = ", ".join(f"{signal} {value:.3g}" for signal, value in floors.items())
+        lines.append(f"  noise floor ({self.noise_floor_source}): {floor or 'unknown'}")
+        likely = [c for c in self.candidates if c.probability >= 0.01]
+        shares = [(c.effect + (" (tied)" if c.tied else ""), c.probability) for c in likely]
+        shares += [("enough already", self.share.enough), ("something else", self.share.other)]
+        lines.append("  probability: " + ", ".join(f"{name} {p:.2f}" for name, p in shares if p >= 0.01))
+        lines += [f"  caution: {caution}" for caution in self.cautions]
+        if self.next_experiment:
+            lines.append(f"  next: {self.next_experiment}")
+        if self.interrupted:
+            lines.append("  interrupted: what was not done is missing")
+        return "\n".join(lines)
+
+
+def diagnose(
+    experiment: ExperimentLike,
+    model: ModelLike = "two_wheeled",
+    *,
+    parameters: Mapping[str, float] | None = None,
+    candidates: Iterable[str] | None = None,
+    added: Iterable[str] | None = None,
+    max_effects: int = 3,
+    draws: int = 499,
+    executor: Executor | None = None,
+    progress: Callable[[Progress], object] | None = None,
+) -> Diagnosis:
+    """Compares a model with an experiment and finds out which physical effect is missing from it, if any.
+
+    The result does not depend on the number of threads, nor on the executor. The interpreter is free for other threads
+    meanwhile; Ctrl-C ends the work and leaves what was found.
+
+    Args:
+        experiment: the folder with ``experiment.toml``, or an :class:`bekker.Experiment`.
+        model: a Model, the name of a preset, TOML text, or the path of a TOML file.
+        parameters: values by name that replace the model's, before those that the experiment states.
+        candidates: ids of the effects to try (:func:`bekker.effects`); all where None.
+        added: ids of effects that are part of the baseline, with free parameters.
+        max_effects: most effects that are added.
+        draws: bootstrap draws, at least 100; p-values are not below 1/(draws + 1), and to be named takes less than 0.01.
+        executor: where candidates are fitted: any ``concurrent.futures.Executor``, for example a
+            ProcessPoolExecutor, a Dask client's ``get_executor()`` or Ray through a small adapter (see
+            ``examples/ray_diagnosis.py``). Each fit takes one core there. The threads of this machine where None.
+        progress: called in this thread with a :class:`Progress` after each piece of work; ``print`` will do.
+
+    Raises:
+        UnknownNameError, ModelError: as :func:`bekker.compare`; a candidate that does not exist.
+        InputError: an argument or the data of an :class:`bekker.Experiment` are refused.
+        SimulationError: the model cannot compute a measured row within the bounds of its parameters.
+        DiagnosisInterrupted: Ctrl-C; a KeyboardInterrupt whose ``partial`` is what was found by then. A second Ctrl-C
+            does not wait for that.
+        Exception: whatever the executor or ``progress`` raise, as it is.
+    """
+    _whole("max_effects", max_effects, 0)
+    # Fewer cannot give a p-value under 0.01, so that nothing would ever be named.
+    _whole("draws", draws, 100)
+    finding, raised = _bekker.diagnose(
+        source(experiment),
+        as_model(model, parameters),
+        None if candidates is None else names_of("candidates", candidates),
+        names_of("added", added or ()),
+        max_effects,
+        draws,
+        None if executor is None else through(executor),
+        None if progress is None else _telling(progress),
+    )
+    if isinstance(raised, KeyboardInterrupt):
+        raise DiagnosisInterrupted(None if finding is None else _diagnosis(finding)) from raised
+    if raised is not None:
+        raise raised
+    assert finding is not None, "the core raises or finds"
+    return _diagnosis(finding)
+
+
+def _telling(progress: Callable[[Progress], object]) -> Callable[[str, float, float], None]:
+    start = time.monotonic()
+
+    def tell(stage: str, done: float, total: float) -> None:
+        share, elapsed = done / total if total > 0.0 else 0.0, time.monotonic() - start
+        progress(Progress(stage, share, elapsed, elapsed * (1.0 - share) / share if share > 0.0 else None))
+
+    return tell
+
+
+def _whole(name: str, value: int, least: int) -> None:
+    if not isinstance(value, (int, np.integer)) or value < least:
+        raise InputError(f"{name} = {value!r}: expected a whole number from {least}")
+
+
+def _list(start: str, names: list[str]) -> str:
+    return start + ", ".join(names) if names else ""
+
+
+def _parameters(found: list[dict[str, Any]]) -> list[Parameter]:
+    return [Parameter(**parameter) for parameter in found]
+
+
+def _step(found: dict[str, Any]) -> Step:
+    fit = fit_from(found["fit"])
+    assert fit is not None, "a step has a fit"
+    return Step(**found | {"parameters": _parameters(found["parameters"]), "fit": fit})
+
+
+def _diagnosis(finding: "_bekker.Finding") -> Diagnosis:
+    found = finding.described()
+    made = {
+        "runs": [RunData(**run) for run in found["runs"]],
+        "noise_floor": floors_from(found["noise_floor"]),
+        "noise": {signal: NoiseModel(**noise) for signal, noise in found["noise"].items()},
+        "given": fit_from(found["given"]),
+        "steps": [_step(step) for step in found["steps"]],
+        "candidates": [Candidate(**c | {"parameters": _parameters(c["parameters"])}) for c in found["candidates"]],
+        "pairs": [Pair(**pair) for pair in found["pairs"]],
+        "share": Share(**found["share"]),
+        "lack_of_fit": LackOfFit(**found["lack_of_fit"]),
+        "profiles": [Profile(**profile) for profile in found["profiles"]],
+        "failures": failures_from(found["failures"]),
+        "failures_left": failures_from(found["failures_left"]),
+        "suggestions": [Suggestion(**suggestion) for suggestion in found["suggestions"]],
+    }
+    return Diagnosis(**found | made, improved=finding.improved(), _json=finding.json(), _finding=finding)

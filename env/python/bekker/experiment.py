@@ -1,0 +1,235 @@
+"""Measurements that are not on disk: an :class:`Experiment` from data frames or arrays."""
+
+import csv
+import io
+import json
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _bekker
+from .errors import InputError
+
+__all__ = ["Columns", "Experiment", "ExperimentLike", "MeasuredRun"]
+
+Columns: TypeAlias = Any
+"""A pandas or polars frame, a mapping from name to array, or a structured numpy array: named columns of one length."""
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredRun:
+    """One recording. Columns carry the model's own names, SI units; NaN (or None, NA) where nothing was measured.
+
+    A single wheel needs ``load`` (N), ``slip`` and ``wheel_speed`` (rad/s) and any of ``drawbar_pull`` (N), ``torque``
+    (N m), ``sinkage`` (m), one steady point a row; ``condition`` may label rows that repeat one set-point. A traverse
+    needs ``time`` (s), ``wheel[k].speed_command`` (rad/s) or ``wheel[k].torque_command`` (N m), and any signals.
+    """
+
+    data: Columns
+    name: str | None = None
+    """Name for people; ``run1``, ``run2`` ... where None."""
+    group: str | None = None
+    """Runs of a group repeat the same inputs; rows pair by index."""
+    terrain: tuple[ArrayLike, ArrayLike] | None = None
+    """Traverse: the ground, x (increasing) and z, m; flat where None."""
+    x0: float | None = None
+    """Traverse: where the rover starts, m."""
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    """What was changed for this run, by the model's names."""
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """Measurements, what they were made with and what is known of their noise; checked as strictly as a folder.
+
+    Raises:
+        InputError: names run, row (from 0) and column, and what was expected.
+    """
+
+    kind: Literal["single_wheel", "traverse"]
+    runs: Sequence[MeasuredRun | Columns]
+    """Runs, or their columns alone."""
+    name: str = "experiment"
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    """What is known of the rig, by the model's names; the rest keeps the model's value or is calibrated."""
+    priors: Mapping[str, float] = field(default_factory=dict)
+    """Standard deviation of a parameter known from a separate test."""
+    noise: Mapping[str, float] = field(default_factory=dict)
+    """Standard deviation of one sample by signal, where repeats do not tell it."""
+    ignore: Sequence[str] = ()
+    """Columns that are not for the model."""
+    signals: tuple[str, ...] = field(init=False)
+    """Names of the measured signals."""
+    _texts: dict[str, str] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        # As the files of a folder, so that one set of checks serves both, here and on any machine that makes fits.
+        texts = _files(self)
+        object.__setattr__(self, "_texts", texts)
+        object.__setattr__(self, "signals", tuple(_bekker.check_experiment(texts)))
+
+    def save(self, folder: str | os.PathLike[str]) -> None:
+        """Writes the experiment as a folder, for the command line; numbers keep their bits.
+
+        Raises:
+            FileExistsError: the folder holds an experiment already.
+            OSError: a file cannot be written.
+        """
+        root = Path(folder)
+        if (root / "experiment.toml").exists():
+            raise FileExistsError(f"{root} holds an experiment already")
+        for name, text in self._texts.items():
+            path = root / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8", newline="")
+
+
+ExperimentLike: TypeAlias = Experiment | str | os.PathLike[str]
+"""The folder with ``experiment.toml``, or an :class:`Experiment`."""
+
+
+def source(experiment: ExperimentLike) -> str | dict[str, str]:
+    """What the native side takes for an experiment."""
+    if isinstance(experiment, Experiment):
+        return experiment._texts
+    if isinstance(experiment, (str, os.PathLike)):
+        return os.fspath(experiment)
+    raise InputError(f"experiment: expected a folder or a bekker.Experiment, found {type(experiment).__name__}")
+
+
+def _files(experiment: Experiment) -> dict[str, str]:
+    lines = [f"name = {_text(experiment.name)}", f"kind = {_text(experiment.kind)}"]
+    lines.append(f"ignore = [{', '.join(_text(name) for name in experiment.ignore)}]")
+    for table in ("parameters", "priors", "noise"):
+        lines += [f"[{table}]", *_numbers(table, getattr(experiment, table))]
+    files: dict[str, str] = {}
+    for k, given in enumerate(experiment.runs):
+        run = given if isinstance(given, MeasuredRun) else MeasuredRun(given)
+        name = run.name or f"run{k + 1}"
+        parts = Path(name).parts
+        if Path(name).is_absolute() or ".." in parts:
+            raise InputError(f"run `{name}`: expected a name, or a path below the experiment's folder")
+        if f"{name}.csv" in files:
+            raise InputError(f"two runs are called `{name}`")
+        files[f"{name}.csv"] = _csv(name, _columns(name, run.data), experiment.ignore)
+        lines += ["[[run]]", f"file = {_text(f'{name}.csv')}"]
+        if run.group is not None:
+            lines.append(f"group = {_text(str(run.group))}")
+        if run.terrain is not None:
+            x, z = _ground(name, run.terrain)
+            files[f"{name}.terrain.csv"] = _csv(f"{name}` terrain", {"x": x, "z": z}, ())
+            lines.append(f"terrain = {_text(f'{name}.terrain.csv')}")
+        if run.x0 is not None:
+            lines.append(f"x0 = {_number(f'run `{name}`, x0', run.x0)}")
+        own = _numbers(f"run `{name}`, parameters", run.parameters)
+        lines.append(f"parameters = {{ {', '.join(own)} }}")
+    return {"experiment.toml": "\n".join(lines) + "\n"} | files
+
+
+def _ground(name: str, terrain: tuple[ArrayLike, ArrayLike]) -> tuple[ArrayLike, ArrayLike]:
+    if isinstance(terrain, tuple) and len(terrain) == 2:
+        return terrain
+    raise InputError(f"run `{name}`, terrain: expected a pair of arrays (x, z), m")
+
+
+def _text(text: object) -> str:
+    """A TOML string; JSON's is one but for the character DEL."""
+    if not isinstance(text, str):
+        raise InputError(f"expected a text, found {text!r}")
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _number(place: str, value: object) -> str:
+    try:
+        return repr(float(value))  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        raise InputError(f"{place}: expected a number, found {value!r}") from None
+
+
+def _numbers(place: str, values: Mapping[str, float]) -> list[str]:
+    if not isinstance(values, Mapping):
+        raise InputError(f"{place}: expected a mapping from name to number, found {type(values).__name__}")
+    return [f"{_text(name)} = {_number(f'{place}, `{name}`', value)}" for name, value in values.items()]
+
+
+def _columns(run: str, data: Columns) -> dict[str, Any]:
+    """Columns by name, whatever holds them."""
+    names: Iterable[Any] | None
+    if isinstance(data, np.ndarray):
+        names = data.dtype.names
+    else:
+        names = getattr(data, "columns", None) if not isinstance(data, Mapping) else data.keys()
+    if names is None:
+        expected = "expected a data frame, a mapping from name to array or a structured array"
+        raise InputError(f"run `{run}`: {expected}, found {type(data).__name__}")
+    found: dict[str, Any] = {}
+    for name in names:
+        if not isinstance(name, str):
+            raise InputError(f"run `{run}`: column {name!r}: expected a text for a name")
+        if name in found:
+            raise InputError(f"run `{run}`, column `{name}`: this column appears twice")
+        found[name] = data[name]
+    if not found:
+        raise InputError(f"run `{run}`: no columns")
+    return found
+
+
+def _csv(run: str, columns: Mapping[str, Any], ignore: Sequence[str]) -> str:
+    cells = {
+        name: _labels(run, name, column) if name == "condition" else _floats(run, name, column)
+        for name, column in columns.items()
+        if name not in ignore
+    }
+    first = next(iter(cells), None)
+    for name, column in cells.items():
+        if len(column) != len(cells[first or name]):
+            found, expected = len(column), len(cells[first or name])
+            raise InputError(f"run `{run}`, column `{name}`: {found} rows where `{first}` has {expected}")
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(cells)
+    writer.writerows(zip(*cells.values(), strict=True))
+    return text.getvalue()
+
+
+def _floats(run: str, name: str, column: Any) -> list[str]:
+    """Numbers that read back to the same bits; empty where missing."""
+    try:
+        return ["" if value != value else repr(value) for value in _array(column).tolist()]
+    except (TypeError, ValueError) as error:
+        raise InputError(f"run `{run}`, column `{name}`: expected one number a row: {error}") from None
+
+
+def _array(column: Any) -> NDArray[np.float64]:
+    if isinstance(column, np.ma.MaskedArray):
+        column = np.ma.filled(column.astype(np.float64), np.nan)
+    plain = np.asarray(column)
+    if plain.ndim != 1:
+        raise ValueError(f"the shape is {plain.shape}")
+    if plain.dtype.kind == "O":
+        # None and the NA of nullable columns, which do not equal themselves or anything else.
+        present = [np.nan if value is None or value is _na(value) else value for value in plain]
+        if texts := [value for value in present if isinstance(value, str)]:
+            raise ValueError(f"found the text {texts[0]!r}")
+        return np.array(present, dtype=np.float64)
+    if plain.dtype.kind not in "fiu":
+        raise ValueError(f"the type is {plain.dtype}")
+    return plain.astype(np.float64)
+
+
+def _na(value: Any) -> Any:
+    """The value itself where it is pandas' NA, without importing pandas."""
+    return value if type(value).__name__ == "NAType" else None
+
+
+def _labels(run: str, name: str, column: Any) -> list[str]:
+    values = np.asarray(column, dtype=object)
+    if values.ndim != 1:
+        raise InputError(f"run `{run}`, column `{name}`: expected one label a row, the shape is {values.shape}")
+    missing = (value is None or value is _na(value) or value != value for value in values)
+    return ["" if gone else str(value) for gone, value in zip(missing, values, strict=True)]

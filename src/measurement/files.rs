@@ -1,0 +1,68 @@
+//! Where the files of an experiment are: in a folder, or in memory.
+
+use super::error::{ExperimentError, Problem};
+use super::experiment::Experiment;
+use super::settings::Settings;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Name of the settings in an experiment's folder.
+pub(super) const SETTINGS: &str = "experiment.toml";
+
+/// The texts of an experiment's files.
+pub(super) enum Files<'a> {
+    /// Below a folder.
+    Folder(&'a Path),
+    /// By their names below a folder that need not exist.
+    Memory(&'a BTreeMap<String, String>),
+}
+
+impl Files<'_> {
+    pub fn folder(&self) -> PathBuf {
+        match self {
+            Self::Folder(folder) => folder.to_path_buf(),
+            Self::Memory(_) => PathBuf::new(),
+        }
+    }
+
+    /// How errors name a file.
+    pub fn path(&self, name: &str) -> PathBuf {
+        match self {
+            Self::Folder(folder) => folder.join(name),
+            Self::Memory(_) => PathBuf::from(name),
+        }
+    }
+
+    pub fn text(&self, name: &str) -> Result<String, ExperimentError> {
+        let path = self.path(name);
+        let read = match self {
+            Self::Folder(_) => std::fs::read_to_string(&path).map_err(|error| error.to_string()),
+            Self::Memory(texts) => texts.get(name).cloned().ok_or_else(|| "there is no such file".to_owned()),
+        };
+        read.map_err(|message| ExperimentError::in_file(&path, Problem::Unreadable(message)))
+    }
+}
+
+impl Experiment {
+    /// An experiment from the texts of its files, by their names below the folder: `experiment.toml` and the CSV files
+    /// that it names. For data that are not on disk, and for sending an experiment to another machine; it goes through
+    /// the same checks as a folder, and gives the same bits, since numbers are written so that they read back exactly.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read); files are named as in `texts`.
+    pub fn from_texts(texts: &BTreeMap<String, String>) -> Result<Self, ExperimentError> {
+        Self::read_from(&Files::Memory(texts), false)
+    }
+
+    /// The texts of all files of the experiment in `folder`, for [`from_texts`](Self::from_texts).
+    ///
+    /// # Errors
+    /// [`ExperimentError`] where the settings are refused or a file cannot be read; the tables are not checked.
+    pub fn texts(folder: impl AsRef<Path>) -> Result<BTreeMap<String, String>, ExperimentError> {
+        let files = Files::Folder(folder.as_ref());
+        let settings = Settings::read(&files)?;
+        let tables = settings.runs.iter().flat_map(|run| std::iter::once(&run.file).chain(&run.terrain));
+        let names = std::iter::once(SETTINGS).chain(tables.map(String::as_str));
+        names.map(|name| Ok((name.to_owned(), files.text(name)?))).collect()
+    }
+}
