@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# All tests: Rust, then Python in a virtual environment of its own (.venv).
+# All tests: Rust, then Python in a virtual environment of its own (.venv), then a small part of the study on hidden effects.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo test --workspace
@@ -7,3 +7,5 @@ python3 -m venv .venv
 .venv/bin/python -m pip install --quiet --disable-pip-version-check --upgrade "./env[test]"
 .venv/bin/python -m mypy --strict env/python/bekker
 .venv/bin/python -m pytest --quiet env/tests
+.venv/bin/python -m pytest --quiet tests/generators tests/study
+.venv/bin/python tests/study/study.py --quick --bekker target/debug/bekker --out target/study-quick

@@ -49,7 +49,7 @@ enum Command {
     Fmu(fmu::Fmu),
     /// List the vocabulary: every parameter, input and signal of a model.
     Parameters(parameters::Parameters),
-    /// Chapter 4's rover under both controllers, an FMU, and a comparison with measurements.
+    /// Chapter 4's rover under both controllers, an FMU, and the diagnosis of a wheel experiment.
     Demo(demo::Demo),
 }
 

@@ -1,19 +1,20 @@
 //! The model against a measured experiment that travels with the program.
 
-use crate::compare::{print, write_page};
+use crate::diagnosis_text::print;
 use crate::output::say;
 use anyhow::{Context, Result};
-use bekker::diagnosis::{CompareOptions, Comparison, compare};
+use bekker::diagnosis::{Control, DiagnoseOptions, diagnose};
 use bekker::measurement::Experiment;
 use bekker::model::Model;
+use bekker::report::diagnosis_page;
 use std::path::{Path, PathBuf};
 
 /// Files of `examples/sand_wheel`, embedded so that the demo works wherever the program was installed.
 const FILES: &[(&str, &str)] = &include!(concat!(env!("OUT_DIR"), "/sand_wheel.rs"));
 
-/// Unpacks the experiment, compares, and writes the page.
+/// Unpacks the experiment, diagnoses it, and writes the page and the improved model.
 pub fn run(out: &Path) -> Result<Vec<(PathBuf, &'static str)>> {
-    say!("\n3. The model against measurements: a single wheel at three loads and two speeds");
+    say!("\n3. Which effect is missing? A single wheel at three loads and two speeds, with noise and something hidden");
     let folder = out.join("sand_wheel");
     for (name, text) in FILES {
         let path = folder.join(name);
@@ -22,31 +23,17 @@ pub fn run(out: &Path) -> Result<Vec<(PathBuf, &'static str)>> {
         std::fs::write(&path, text).with_context(|| format!("cannot write `{}`", path.display()))?;
     }
     let experiment = Experiment::read(&folder)?;
-    let comparison = compare(
-        &Model::preset("two_wheeled")?,
-        &experiment,
-        &CompareOptions { calibrate: true, ..CompareOptions::default() },
-    )?;
-    print(&comparison, "   ")?;
-    judge(&comparison)?;
+    let control = Control::default();
+    let diagnosis = diagnose(&Model::preset("two_wheeled")?, &experiment, &DiagnoseOptions::default(), &control)?;
+    print(&diagnosis)?;
     let page = out.join("sand_wheel.html");
-    write_page(&comparison, &page)?;
-    Ok(vec![(folder, "the experiment"), (page, "overlay and residual plots: open it in a browser")])
-}
-
-/// Says what the errors mean beside the noise floor.
-fn judge(comparison: &Comparison) -> Result<()> {
-    let ratio = |(signal, error): (&String, &f64)| {
-        comparison.noise_floor.get(signal).and_then(|floor| floor.value()).map(|floor| error / floor)
-    };
-    let worst = comparison.fit().rmse.iter().filter_map(ratio).fold(0.0_f64, f64::max);
-    if worst > 1.2 {
-        say!(
-            "   After calibration the error is still up to {worst:.1} times the noise: no soil parameters explain these\n   \
-             data, so a physical effect is missing from the model."
-        );
-    } else {
-        say!("   After calibration the error is at the noise floor ({worst:.1} times): nothing is missing.");
-    }
-    Ok(())
+    std::fs::write(&page, diagnosis_page(&diagnosis)).with_context(|| format!("cannot write `{}`", page.display()))?;
+    let improved = out.join("improved.toml");
+    std::fs::write(&improved, diagnosis.improved.to_toml()?)
+        .with_context(|| format!("cannot write `{}`", improved.display()))?;
+    Ok(vec![
+        (folder, "the experiment"),
+        (page, "the diagnosis with all its plots: open it in a browser"),
+        (improved, "the improved model, for any command"),
+    ])
 }

@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use bekker::model::Model;
 use std::path::PathBuf;
 
-/// Chapter 4's rover under both controllers, an FMU, and a comparison with measurements.
+/// Chapter 4's rover under both controllers, an FMU, and the diagnosis of a wheel experiment.
 #[derive(clap::Args)]
 pub struct Demo {
     /// Folder to write to.
@@ -30,10 +30,10 @@ impl Demo {
         for (path, what) in &written {
             say!("   {:40} {what}", path.display().to_string());
         }
-        say!("\nNext: look at the page's residual plots; then");
+        say!("\nNext: open the page of the diagnosis; then");
         say!("   bekker parameters gentle_rtc                     every parameter, its unit, range and source");
         say!("   bekker simulate gentle_rtc --csv drive.csv       your own drive (--set soil.cohesion=500 ..)");
-        say!("   bekker compare YOUR_FOLDER --calibrate --html report.html     your own measurements");
+        say!("   bekker diagnose YOUR_FOLDER --html report.html   your own measurements");
         Ok(())
     }
 }

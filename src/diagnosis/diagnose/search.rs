@@ -18,6 +18,10 @@ const PAIRS_TRAVERSE: usize = 4;
 const SINGLES_TRAVERSE: usize = 8;
 const WORTH_A_REFIT: f64 = 0.3;
 
+/// Further starts as shares of a parameter's range, in case the neutral value is a poor place to look from: a flexible
+/// wheel's misfit first rises with its compliance, since the calibration leans the other way.
+const STARTS: [f64; 3] = [0.1, 0.3, 0.6];
+
 /// Chi-square by which a further parameter must pay for itself (Akaike).
 pub(crate) const PRICE: f64 = 2.0;
 
@@ -115,10 +119,14 @@ impl Search<'_> {
         if let Some(view) = signature.views.get(*view) {
             own.push(view.start(&candidate.free, coefficients));
         }
-        if self.problem.experiment.kind == Kind::SingleWheel || own.is_empty() {
-            // A second start at a tenth of the range, in case the neutral value is a poor place to look from.
-            own.push(candidate.free.iter().map(|free| free.start + 0.1 * span(free)).collect());
-        }
+        let shares: &[f64] = match self.problem.experiment.kind {
+            Kind::SingleWheel => &STARTS,
+            Kind::Traverse if own.is_empty() => &STARTS[..1],
+            Kind::Traverse => &[],
+        };
+        own.extend(
+            shares.iter().map(|share| candidate.free.iter().map(|free| free.start + share * span(free)).collect()),
+        );
         let before = stage.fit.values();
         let parts = |own| {
             let mut parts: Vec<(&str, &[f64])> =

@@ -19,7 +19,7 @@ const TOO_MUCH: f64 = 0.5;
 /// A rival ties within this fall of chi-square (a likelihood ratio of 20), or within this share of the gain, which form
 /// errors of the effects' laws reach.
 pub(crate) const REACH: f64 = 6.0;
-const REACH_SHARE: f64 = 0.05;
+const REACH_SHARE: f64 = 0.02;
 /// Cosine of signatures from which two effects can stand for each other.
 pub(crate) const ALIKE: f64 = 0.8;
 
