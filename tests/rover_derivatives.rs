@@ -51,6 +51,7 @@ fn switch_on(effects: &mut Effects) {
     effects.grousers.share = 0.8;
     effects.bulldozing.share = 0.8;
     effects.flexible_wheel.compliance = 5e-5;
+    effects.flexible_wheel.arm_share = 0.5;
     effects.rate.exponent = 0.1;
     effects.moisture.content = 0.1;
     effects.moisture.cohesion_slope = 5000.0;

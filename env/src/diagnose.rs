@@ -41,7 +41,7 @@ enum Event {
     Progress(Progress),
     /// Fits to be made, and where their outcomes go.
     Fits(Vec<Task>, Noise, Sender<Vec<Option<Outcome>>>),
-    Done(Result<Result<Diagnosis, CompareError>, Panic>),
+    Done(Result<Result<Box<Diagnosis>, CompareError>, Panic>),
 }
 
 /// Fits that are handed to the calling thread, which gives them to an executor.
@@ -108,7 +108,7 @@ pub fn diagnose<'py>(
     let found = match done {
         None => None,
         Some(done) => match (done?, &raised) {
-            (Ok(diagnosis), _) => Some(Finding::new(diagnosis)),
+            (Ok(diagnosis), _) => Some(Finding::new(*diagnosis)),
             (Err(refused), None) => return Err(failed(&refused)),
             (Err(_), Some(_)) => None,
         },
@@ -132,7 +132,7 @@ fn begin(
         let spread: &dyn Spread = if elsewhere { &there } else { &here };
         let control = Control { progress: &tell, stop: &stopped, spread };
         let done = error::fenced(|| core_diagnose(&model, &experiment, &options, &control));
-        drop(events.send(Event::Done(done)));
+        drop(events.send(Event::Done(done.map(|found| found.map(Box::new)))));
     });
     receiver
 }
@@ -146,7 +146,7 @@ struct Caller<'a, 'py> {
     options: &'a DiagnoseOptions,
 }
 
-type Done = Result<Result<Diagnosis, CompareError>, Panic>;
+type Done = Result<Result<Box<Diagnosis>, CompareError>, Panic>;
 
 impl Caller<'_, '_> {
     /// Serves the working thread until it is done. The first Ctrl-C asks it to end and waits for what it has; a second

@@ -244,11 +244,11 @@ struct Integrals<S> {
 fn integrate<S: Scalar>(rim: &Rim<S>, wheel: &Wheel<S>, surface: &Surface<S>) -> Integrals<S> {
     let sums = sums(rim);
     let area = wheel.radius * surface.arc * wheel.width;
-    let lugs = surface.shear_radius;
+    let (lugs, arm) = (surface.shear_radius, wheel.radius * surface.arm);
     let forces = |sigma_cos: S, sigma_sin: S, tau_cos: S, tau_sin: S, tau: S| Forces {
-        normal: area * (sigma_cos + tau_sin * lugs),       // (2.7)
-        drawbar: area * (tau_cos * lugs - sigma_sin),      // (2.8)
-        torque: area * wheel.radius * tau * (lugs * lugs), // (2.9)
+        normal: area * (sigma_cos + tau_sin * lugs),  // (2.7)
+        drawbar: area * (tau_cos * lugs - sigma_sin), // (2.8)
+        torque: area * arm * tau * (lugs * lugs),     // (2.9)
     };
     let zero = S::from(0.0);
     Integrals {

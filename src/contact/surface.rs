@@ -13,8 +13,10 @@ pub struct Surface<S = f64> {
     /// lambda of the exit angle theta_2 = -acos(1 - lambda z/r); 0 ends the contact at the bottom of the wheel.
     pub exit_ratio: S,
     /// Radius of the arc in contact over the wheel's radius: above 1 on a wheel that flattens. The rim moves over the
-    /// arc at r omega, and the shear turns the axle at the arm r.
+    /// arc at r omega.
     pub arc: S,
+    /// Arm at which the shear turns the axle, over the wheel's radius.
+    pub arm: S,
     /// Radius at which the soil is sheared over that of the arc: above 1 where lugs hold soil between them.
     pub shear_radius: S,
     /// Factor on the cohesion in the shear along the rim.
@@ -33,6 +35,7 @@ impl<S: From<f64>> Default for Surface<S> {
         Self {
             exit_ratio: zero(),
             arc: one(),
+            arm: one(),
             shear_radius: one(),
             cohesion_gain: one(),
             friction_gain: one(),

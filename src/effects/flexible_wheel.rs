@@ -17,6 +17,9 @@ parameters! {
     pub struct FlexibleWheel {
         /// Radial compliance C of the wheel.
         compliance: [Unit::METRE_PER_NEWTON] = 0.0, 0.0..=3e-4, Effect, "Schmid 1995, J. Terramechanics 32; 5 mm at 50 N: 1e-4";
+        /// Where the arm of the torque lies between the wheel's radius (0, as the axle's height demands) and the arc's (1, as
+        /// where the wheel is replaced by a larger one in all formulas).
+        arm_share: [Unit::ONE] = 0.0, 0.0..=1.0, Effect, "both are in use";
     }
 }
 
@@ -48,6 +51,10 @@ impl<S: Scalar> Effect<S> for FlexibleWheel<S> {
         }
         let sinkage = self.sinkage(place.sinkage, local);
         local.deflection += place.sinkage - sinkage;
-        local.surface.arc *= place.sinkage / sinkage;
+        let growth = place.sinkage / sinkage;
+        local.surface.arc *= growth;
+        if !self.arm_share.is_exactly(0.0) {
+            local.surface.arm *= self.arm_share * (growth - 1.0) + 1.0;
+        }
     }
 }
