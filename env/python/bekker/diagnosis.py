@@ -381,7 +381,7 @@ def diagnose(
     candidates: Iterable[str] | None = None,
     added: Iterable[str] | None = None,
     max_effects: int = 3,
-    draws: int = 499,
+    draws: int = 399,
     executor: Executor | None = None,
     progress: Callable[[Progress], object] | None = None,
 ) -> Diagnosis:
