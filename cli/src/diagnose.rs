@@ -27,7 +27,7 @@ pub struct Diagnose {
     #[arg(long, default_value_t = 3, value_name = "N")]
     max_effects: usize,
     /// Draws of the bootstrap: p-values are not below 1/(N + 1).
-    #[arg(long, default_value_t = 499, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, default_value_t = 399, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     draws: u32,
     /// Threads to work on; all cores if not given. The result does not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
