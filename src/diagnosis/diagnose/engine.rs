@@ -5,7 +5,7 @@ use super::control::{Control, Progress};
 use super::held_out::{Fold, HeldOut, folds, held_out};
 use super::prepare::{Prepared, prepare};
 use super::report_parts as parts;
-use super::result::Diagnosis;
+use super::result::{Diagnosis, Verdict};
 use super::search::{Fits, Search};
 use super::stage::{Ground, Stage};
 use super::verdict::{self, Case, Finding, NAMED};
@@ -87,7 +87,10 @@ pub fn diagnose(
     clock.tell("predicting what was left out", 0.75);
     let folds = folds(experiment);
     let held = all_held_out(&search, &folds, &chosen);
-    let finding = judge(&mut search, &stage, &chosen, &held)?;
+    let mut finding = judge(&mut search, &stage, &chosen, &held)?;
+    if !prepared.noise_is_known {
+        finding.verdict = Verdict::Undetermined;
+    }
     clock.tell("profiles", 0.9);
     let inputs = parts::Inputs { search: &search, stage: &stage, prepared: &prepared, folds: &folds, held: &held };
     let diagnosis = parts::assemble(&inputs, finding, &chosen, options)?;

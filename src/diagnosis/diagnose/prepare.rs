@@ -20,6 +20,9 @@ const MEDIAN: f64 = 0.674_489_750_196_081_7;
 const ENOUGH_REPEATS: usize = 10;
 const CONTRADICTION: f64 = 1.3;
 
+/// Degrees of freedom beyond calibration and flexible curve that tell an unknown noise to about a tenth.
+const ENOUGH_SCATTER: usize = 50;
+
 /// What the search starts from.
 pub(crate) struct Prepared {
     pub noise: Noise,
@@ -32,6 +35,8 @@ pub(crate) struct Prepared {
     pub modulations: Vec<Vec<Vec<f64>>>,
     pub invisible: Vec<String>,
     pub cautions: Vec<String>,
+    /// Whether the noise is known well enough for a verdict.
+    pub noise_is_known: bool,
 }
 
 /// Finds noise and baseline; takes out of the problem's library what cannot be seen.
@@ -66,6 +71,14 @@ pub(crate) fn prepare(problem: &mut Problem) -> Result<Prepared, CompareError> {
                 .to_owned(),
         );
     }
+    let rank = Basis::of(&flexible).rank();
+    let noise_is_known = source != FloorSource::Unknown || values >= problem.base.len() + rank + ENOUGH_SCATTER;
+    if !noise_is_known {
+        cautions.push(
+            "the noise is unknown and there are too few measurements to judge it by their scatter: nothing is decided; repeat some conditions or state the noise"
+                .to_owned(),
+        );
+    }
     let from_repeats = source == FloorSource::Replicates;
     Ok(Prepared {
         noise,
@@ -77,6 +90,7 @@ pub(crate) fn prepare(problem: &mut Problem) -> Result<Prepared, CompareError> {
         modulations,
         invisible,
         cautions,
+        noise_is_known,
     })
 }
 
