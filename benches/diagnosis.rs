@@ -1,9 +1,9 @@
 //! The model on a whole experiment, with derivatives: `cargo bench --bench diagnosis`.
 //!
 //! 18 different runs of 25 s at 10 Hz, two wheels with commanded speeds on waves: what one evaluation of a fit costs.
-//! `RAYON_NUM_THREADS=1` shows the cost on one core.
+//! `RAYON_NUM_THREADS=1` shows the cost on one core. And a diagnosis from beginning to end.
 
-use bekker::diagnosis::{modelled, sensitivity};
+use bekker::diagnosis::{Control, DiagnoseOptions, diagnose, modelled, sensitivity};
 use bekker::measurement::{Experiment, Kind, Run, Table};
 use bekker::model::Model;
 use divan::{Bencher, black_box};
@@ -84,4 +84,15 @@ fn traverse_values(bencher: Bencher) {
 fn traverse_slopes(bencher: Bencher, free: usize) {
     let (model, experiment) = (model(), experiment());
     bencher.bench(|| sensitivity(black_box(&model), &experiment, &FREE[..free]).expect("runs"));
+}
+
+/// The whole diagnosis of the shipped experiment: 3 loads, 2 speeds, 9 slips, 3 repeats, all effects alone and in pairs.
+#[divan::bench(sample_count = 3, sample_size = 1)]
+fn sand_wheel_diagnosed(bencher: Bencher) {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/sand_wheel");
+    let (model, experiment) =
+        (Model::preset("two_wheeled").expect("a preset"), Experiment::read(folder).expect("reads"));
+    bencher.bench(|| {
+        diagnose(&model, black_box(&experiment), &DiagnoseOptions::default(), &Control::default()).expect("an answer")
+    });
 }
