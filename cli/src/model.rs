@@ -12,8 +12,8 @@ pub struct ModelArguments {
     #[arg(default_value = "gentle_velocity")]
     model: String,
     /// Add effects of your own: a TOML file with `[[effect]]` tables; may be given several times.
-    #[arg(long = "effects-from", value_name = "FILE")]
-    effects: Vec<PathBuf>,
+    #[arg(long, value_name = "FILE")]
+    effects_from: Vec<PathBuf>,
     /// Set a parameter by its name, SI units; may be given several times.
     #[arg(long = "set", value_name = "NAME=VALUE")]
     changes: Vec<String>,
@@ -30,7 +30,7 @@ impl ModelArguments {
             let names: Vec<&str> = PRESETS.iter().map(|(name, _)| *name).collect();
             return Err(anyhow!("`{}` is neither a file nor a built-in model ({})", self.model, names.join(", ")));
         };
-        for file in &self.effects {
+        for file in &self.effects_from {
             let text = std::fs::read_to_string(file).with_context(|| format!("cannot read `{}`", file.display()))?;
             model.add_effects(&text).with_context(|| format!("in `{}`", file.display()))?;
         }
