@@ -2,15 +2,17 @@
 
 from pathlib import Path
 
-import fmpy
 import numpy as np
 import pytest
+from numpy.typing import NDArray
+from stepped_fmu import Slave
 
 import bekker
 
-TIME = np.arange(0.0, 4.05, 0.1)
+PERIOD = 0.1
+TIME = PERIOD * np.arange(41)
 # What the rover that was "measured" has and the model has not: dry friction of the drives, N m at the wheel.
-HIDDEN = 0.12
+HIDDEN = 0.3
 # Noise of the torques (N m), the pitch (rad) and the sinkages (m).
 NOISE = {"wheel[1].torque": 0.01, "wheel[2].torque": 0.01, "pitch": 0.0005, "wheel[1].sinkage": 1e-4, "wheel[2].sinkage": 1e-4}
 # Sand on which the rover drives at moderate slip; the calibration starts from the thesis's.
@@ -25,7 +27,7 @@ def commands(forward: float) -> np.ndarray:
 def driven(model: bekker.Model, forward: float) -> dict[str, np.ndarray]:
     run = model.start()
     at = [run.signal_names.index(name) for name in NOISE]
-    steps = round((TIME[1] - TIME[0]) / run.step_size)
+    steps = round(PERIOD / run.step_size)
     rows = []
     for command in commands(forward):
         rows.append(run.signals()[at])
@@ -50,26 +52,20 @@ def experiment() -> bekker.Experiment:
 
 
 def error_of_fmu(model: bekker.Model, experiment: bekker.Experiment, folder: Path) -> dict[str, float]:
-    """RMS of measured minus what FMPy computes with the model's FMU, by signal."""
-    fmu = folder / "rover.fmu"
-    bekker.export_fmu(model, fmu)
-    squares: dict[str, list[np.ndarray]] = {name: [] for name in NOISE}
-    for run in experiment.runs:
-        names = [f"wheel[{k}].speed_command" for k in (1, 2)]
-        # A command holds until the next row.
-        inputs = np.array(
-            [(t, c, c) for t, c in zip(TIME, run.data[names[0]], strict=True)],
-            dtype=[("time", float), *((name, float) for name in names)],
-        )
-        result = fmpy.simulate_fmu(
-            str(fmu), stop_time=TIME[-1], step_size=0.01, output_interval=0.01, input=inputs, output=list(NOISE)
-        )
-        at = np.array([np.argmin(np.abs(result["time"] - t)) for t in TIME])
-        for name in NOISE:
-            # FMPy ramps inputs between rows, so rows next to a change of speed are left out.
-            steady = np.abs(np.gradient(run.data[names[0]])) < 1e-9
-            squares[name].append((np.asarray(run.data[name]) - result[name][at])[steady] ** 2)
-    return {name: float(np.sqrt(np.mean(np.concatenate(all_runs)))) for name, all_runs in squares.items()}
+    """RMS of measured minus what the model's FMU computes when FMPy steps it, by signal."""
+    bekker.export_fmu(model, folder / "rover.fmu")
+    squares: dict[str, list[NDArray[np.float64]]] = {name: [] for name in NOISE}
+    for number, run in enumerate(experiment.runs):
+        fmu = Slave(folder / "rover.fmu", folder / str(number))
+        fmu.start()
+        for row, (time, command) in enumerate(zip(TIME, run.data["wheel[1].speed_command"], strict=True)):
+            for name, value in zip(NOISE, fmu.get(*NOISE), strict=True):
+                squares[name].append((run.data[name][row] - value) ** 2)
+            # A command holds until the next row.
+            fmu.set(**{f"wheel[{k}].speed_command": command for k in (1, 2)})
+            fmu.fmu.doStep(time, PERIOD)
+        fmu.free()
+    return {name: float(np.sqrt(np.mean(values))) for name, values in squares.items()}
 
 
 def test_agreement_the_named_effect_lowers_the_error_through_the_fmu(experiment, tmp_path) -> None:
@@ -80,5 +76,5 @@ def test_agreement_the_named_effect_lowers_the_error_through_the_fmu(experiment,
     without = bekker.calibrate(experiment, "two_wheeled_speed").model
     before, after = (error_of_fmu(model, experiment, tmp_path) for model in (without, found.improved))
     for name in ("wheel[1].torque", "wheel[2].torque"):
-        # To the noise, give or take what FMPy's ramps leave.
-        assert after[name] < 1.3 * NOISE[name] < before[name], (name, before, after)
+        # 164 values: their RMS scatters by 6 % about the noise.
+        assert after[name] < 1.2 * NOISE[name] < before[name], (name, before, after)
