@@ -20,6 +20,7 @@
 //! | [`signals`], [`sensors`] | commands, true signals, what sensors make of them | |
 //! | [`control`] | controllers: they see measurements, never the true state | signals |
 //! | [`model`] | all of it in one value; TOML in and out; a run | all above |
+//! | [`reproduction`] | the thesis's results beside ours | model |
 //! | [`measurement`], [`diagnosis`], [`report`] | experiments, comparison, calibration, pages | model |
 //!
 //! ```
@@ -48,6 +49,7 @@ mod parallel;
 mod recording;
 #[cfg(feature = "report")]
 pub mod report;
+pub mod reproduction;
 pub mod rover;
 pub mod scalar;
 pub mod sensors;

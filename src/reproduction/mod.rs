@@ -1,0 +1,112 @@
+//! The thesis's results beside ours: every figure and number of sections 2.4, 2.6 and 4.4 as a [`Finding`].
+//!
+//! A finding is computed, never stored: it drives the same models, sensors, estimators and controllers as every door
+//! and states the assumptions that the thesis leaves open. Nothing is tuned towards a published number; where ours
+//! differs, the row says why.
+
+use serde::Serialize;
+
+/// Median and interval of a quantity over seeds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Spread {
+    /// Median.
+    pub median: f64,
+    /// 10 % quantile.
+    pub low: f64,
+    /// 90 % quantile.
+    pub high: f64,
+    /// Trials.
+    pub trials: usize,
+}
+
+/// One number of the thesis beside ours.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// What is compared, with its unit: "RMS error of the front contact angle, deg".
+    pub quantity: String,
+    /// The thesis's figure; `None` where it gives none.
+    pub thesis: Option<f64>,
+    /// Ours, in the same unit.
+    pub ours: Spread,
+    /// Why they differ, or what ours assumes.
+    pub reason: String,
+}
+
+/// One line of a plot.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Series {
+    /// Its name in the legend.
+    pub name: String,
+    /// Abscissae, in the unit of the plot's label.
+    pub x: Vec<f64>,
+    /// Ordinates, in the unit of the plot's label; NaN leaves a gap.
+    pub y: Vec<f64>,
+}
+
+/// A plot in the form of one of the thesis's figures.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Plot {
+    /// Name for files and anchors: `figure_2_23a`.
+    pub id: String,
+    /// Title.
+    pub title: String,
+    /// Label of the abscissa with its unit: "time, s".
+    pub x_label: String,
+    /// Label of the ordinate with its unit.
+    pub y_label: String,
+    /// The lines.
+    pub series: Vec<Series>,
+}
+
+/// One experiment or simulation of the thesis, done again.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Finding {
+    /// Name for files and anchors: `contact_angles_undulating`.
+    pub id: String,
+    /// Where in the thesis: "2.6.1, figure 2.23".
+    pub section: String,
+    /// What was done, in one line.
+    pub title: String,
+    /// The numbers.
+    pub rows: Vec<Row>,
+    /// The figures.
+    pub plots: Vec<Plot>,
+    /// What the thesis leaves open and we assume.
+    pub assumptions: Vec<String>,
+}
+
+impl Spread {
+    /// Median and 10-90 % interval of the finite values, by linear interpolation between order statistics;
+    /// `None` without any.
+    #[must_use]
+    pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
+        let mut values: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
+        values.sort_by(f64::total_cmp);
+        let last = values.len().checked_sub(1)?;
+        let at = |share: f64| {
+            let place = share * last as f64;
+            let below = place as usize;
+            let above = (below + 1).min(last);
+            values[below] + (place - below as f64) * (values[above] - values[below])
+        };
+        Some(Self { median: at(0.5), low: at(0.1), high: at(0.9), trials: values.len() })
+    }
+
+    /// A figure that does not scatter: the same in each of `trials`.
+    #[must_use]
+    pub fn exact(value: f64) -> Self {
+        Self { median: value, low: value, high: value, trials: 1 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn analytic_spread_interpolates_between_order_statistics() {
+        let spread = Spread::of([4.0, 0.0, 2.0, f64::NAN, 1.0, 3.0]);
+        assert_eq!(spread, Some(Spread { median: 2.0, low: 0.4, high: 3.6, trials: 5 }));
+        assert_eq!(Spread::of([f64::NAN]), None);
+    }
+}
