@@ -6,12 +6,14 @@ mod file;
 mod presets;
 mod run;
 mod summary;
+mod variation;
 
 pub use closed_loop::{Control, ControlKind, RtcTiming, nominal};
 pub use file::ModelError;
 pub use presets::PRESETS;
 pub use run::{Inputs, Run, RunError};
 pub use summary::{Summary, SummaryBuilder};
+pub use variation::{Distribution, Variation, VariationError};
 
 use crate::rover::Rover;
 use crate::sensors::Sensors;

@@ -2,7 +2,7 @@
 
 use super::{ControlKind, Model, ModelError};
 use crate::rover::Rover;
-use crate::terrain::{Profile, Terrain, Waves};
+use crate::terrain::{Ditch, Incline, LooseDitch, Profile, Rough, Terrain, TerrainSpecError, Waves};
 
 /// Names and meanings of the built-in models.
 pub const PRESETS: &[(&str, &str)] = &[
@@ -16,6 +16,10 @@ pub const PRESETS: &[(&str, &str)] = &[
     ),
     ("rocker_bogie_speed", "the same, wheel speeds commanded and followed exactly"),
     ("rocker_bogie_velocity", "the same on gently rolling ground under individual-wheel velocity control"),
+    ("challenging_velocity", "the two-wheeled rover on ground as steep as the soil's friction angle, velocity control"),
+    ("challenging_rtc", "the same under rough-terrain control"),
+    ("fsrl_ditch", "one side of the FSRL rover of appendix C before a ditch of loose sand, velocity control"),
+    ("fsrl_incline", "the same before an incline of 20 degrees"),
 ];
 
 impl Model {
@@ -32,12 +36,16 @@ impl Model {
             "rocker_bogie" => (Rover::rocker_bogie(), ControlKind::Torque, Terrain::default()),
             "rocker_bogie_speed" => (Rover::rocker_bogie(), ControlKind::Speed, Terrain::default()),
             "rocker_bogie_velocity" => (Rover::rocker_bogie(), ControlKind::Velocity, gentle(1.0)),
+            "challenging_velocity" => (Rover::two_wheeled(), ControlKind::Velocity, rough()?),
+            "challenging_rtc" => (Rover::two_wheeled(), ControlKind::Rtc, rough()?),
+            "fsrl_ditch" => (Rover::fsrl(), ControlKind::Velocity, ditch(Rover::fsrl().soil.cohesion)?),
+            "fsrl_incline" => (Rover::fsrl(), ControlKind::Velocity, incline()?),
             _ => return Err(ModelError::UnknownPreset { name: name.to_owned() }),
         };
         let mut model = Self::new(name, vehicle);
         model.rover.terrain = terrain;
         model.control.kind = kind;
-        if name == "rocker_bogie_velocity" {
+        if !model.rover.links.is_empty() && kind == ControlKind::Velocity {
             // Lighter wheels than the controller's default gains are for.
             model.control.velocity.kp = 0.1;
             model.control.velocity.ki = 5.0;
@@ -52,4 +60,20 @@ fn gentle(wavelength: f64) -> Terrain {
     let steepest = 5.0_f64.to_radians().tan();
     let amplitude = steepest * wavelength / std::f64::consts::TAU;
     Terrain::new(Profile::Waves(Waves { amplitude, wavelength, start: 0.5 }))
+}
+
+/// The ditch of 4.4.2: about one wheel diameter deep, two to four wide, covered by loose sand. Three diameters and half
+/// the stiffness of the ground around are assumptions; the sand's cohesion is that of the thesis's bevameter sand.
+fn ditch(firm_cohesion: f64) -> Result<Terrain, TerrainSpecError> {
+    let diameter = 0.128;
+    let ditch = Ditch { depth: diameter, width: 3.0 * diameter, position: 0.7 };
+    Ok(LooseDitch { ditch, cohesion: 180.0, modulus_factor: 0.5 }.terrain(firm_cohesion)?)
+}
+
+fn rough() -> Result<Terrain, TerrainSpecError> {
+    Ok(Rough::default().terrain()?)
+}
+
+fn incline() -> Result<Terrain, TerrainSpecError> {
+    Ok(Incline::default().terrain()?)
 }

@@ -33,6 +33,36 @@ impl Rover<f64> {
         }
     }
 
+    /// One side of the six-wheeled FSRL rover of Iagnemma 2001, appendix C, as a plane sees it: half of 6.1 kg, rear
+    /// wheel on the rocker, middle and front wheel on a bogie.
+    ///
+    /// Given there: the mass; drives of 100 oz-in (0.706 N m) and 12 rpm; 8 cm/s at that speed, hence a wheel radius of
+    /// 6.4 cm; by section 4.4.2 the wheels carry 49, 35 and 16 % of the weight at rest on flat ground. Assumptions: wheel
+    /// spacing 20 cm and width 6 cm, a bogie of 0.6 kg with its mass in the middle of its wheels, heights, inertias; the
+    /// pivot and the centre of mass then follow from the shares of the weight. The body moves with its side's rocker
+    /// (the differential is not in a plane). The wheels of 14.6 cm in section 2.4 are the single-wheel rig's. The soil is
+    /// dry sand of Wong 2008: the thesis's soil of 4.4.1 does not carry wheels this narrow forward.
+    #[must_use]
+    pub fn fsrl() -> Self {
+        let mut rover = Self::rocker_bogie();
+        rover.wheel.radius = 0.064;
+        rover.motor.inverse_torque_limit = 1.0 / 0.706;
+        let spacing = 0.2;
+        let [rear, _, front] = [0.49, 0.35, 0.16];
+        let (total, bogie) = (3.05, 0.6);
+        // Moments about the pivot of the bogie, then of the whole rover about the middle wheel.
+        let pivot = spacing * (front * total - 0.5 * bogie) / ((1.0 - rear) * total - bogie);
+        let whole = spacing * (front - rear);
+        rover.body.mass = total - bogie;
+        rover.body.centre_of_mass_x = (total * whole - bogie * 0.5 * spacing) / rover.body.mass;
+        if let Some(link) = rover.links.first_mut() {
+            link.parameters.mass = bogie;
+            link.parameters.x = pivot;
+            link.parameters.centre_of_mass_x = 0.5 * spacing;
+        }
+        rover
+    }
+
     /// One side of a six-wheeled rocker-bogie rover after appendix C of Iagnemma 2001: half of 6.1 kg,
     /// rear wheel on the rocker, middle and front wheel on a bogie, on dry sand. Only the mass is in the thesis; wheel
     /// size, spacing and pivots are assumptions for a rover of that class.

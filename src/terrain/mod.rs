@@ -1,5 +1,6 @@
 //! The ground: its profile z = h(x), its soil along x, and the foot at which a wheel touches it.
 
+mod course;
 mod curve;
 mod error;
 mod foot;
@@ -10,6 +11,7 @@ mod samples;
 mod soil_table;
 mod spec;
 
+pub use course::{Incline, LooseDitch, Rough};
 pub use curve::Sample;
 pub use error::TerrainError;
 pub use foot::Foot;
