@@ -12,6 +12,7 @@ mod model;
 mod output;
 mod parameters;
 mod progress;
+mod reproduce;
 mod separate;
 mod simulate;
 
@@ -49,6 +50,8 @@ enum Command {
     Fmu(fmu::Fmu),
     /// List the vocabulary: every parameter, input and signal of a model.
     Parameters(parameters::Parameters),
+    /// Compute the thesis's results and write them beside the published ones.
+    Reproduce(reproduce::Reproduce),
     /// Chapter 4's rover under both controllers, an FMU, and the diagnosis of a wheel experiment.
     Demo(demo::Demo),
 }
@@ -63,6 +66,7 @@ fn main() -> ExitCode {
         Command::Experiment(command) => command.run(),
         Command::Fmu(command) => command.run(),
         Command::Parameters(command) => command.run(),
+        Command::Reproduce(command) => command.run(),
         Command::Demo(command) => command.run(),
     };
     match outcome {

@@ -4,8 +4,10 @@ mod comparison;
 mod diagnosis;
 mod page;
 mod plots;
+mod reproduction;
 mod units;
 mod words;
 
 pub use comparison::comparison_page;
 pub use diagnosis::diagnosis_page;
+pub use reproduction::reproduction_page;

@@ -4,7 +4,26 @@
 //! and states the assumptions that the thesis leaves open. Nothing is tuned towards a published number; where ours
 //! differs, the row says why.
 
+mod tables;
+
+pub use tables::{plot_csv, rows_csv};
+
 use serde::Serialize;
+
+/// Why a study could not be done: whatever its model, estimator or controller said.
+pub type ReproductionError = Box<dyn std::error::Error + Send + Sync>;
+
+/// One study of the thesis that can be done again.
+#[derive(Clone, Copy, Debug)]
+pub struct Study {
+    /// Its name for the command line.
+    pub id: &'static str,
+    /// Does it with this many trials of everything that is noisy or varied; the same number gives the same bits.
+    pub run: fn(usize) -> Result<Vec<Finding>, ReproductionError>,
+}
+
+/// All studies, in the thesis's order.
+pub const STUDIES: &[Study] = &[];
 
 /// Median and interval of a quantity over seeds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

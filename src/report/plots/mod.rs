@@ -4,6 +4,7 @@
 
 mod candidates;
 mod conditions;
+mod lines;
 mod map;
 mod overlay;
 mod profile;
@@ -12,6 +13,7 @@ mod steps;
 
 pub(super) use candidates::{probabilities, visible_shares};
 pub(super) use conditions::{Condition, Samples, conditions};
+pub(super) use lines::lines;
 pub(super) use map::map;
 pub(super) use overlay::{controls, overlay};
 pub(super) use profile::profile;

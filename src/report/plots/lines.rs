@@ -1,0 +1,29 @@
+//! Lines over an abscissa, as a finding holds them.
+
+use super::{COLOURS, all_rounded, axis, layout_with};
+use crate::reproduction::{Plot as Lines, Series};
+use plotly::common::{Line, Mode};
+use plotly::{Plot, Scatter};
+
+/// Longer series are thinned to this many points: more than a screen shows.
+const MOST_POINTS: usize = 1500;
+
+/// A plot of one line a series.
+pub(in crate::report) fn lines(of: &Lines) -> Plot {
+    let mut plot = Plot::new();
+    for (k, series) in of.series.iter().enumerate() {
+        let (x, y) = thinned(series);
+        let line = Line::new().color(COLOURS[k % COLOURS.len()]).width(2.0);
+        plot.add_trace(Scatter::new(x, y).mode(Mode::Lines).name(&series.name).line(line));
+    }
+    plot.set_layout(layout_with(axis(&of.x_label), axis(&of.y_label), of.series.len() > 1));
+    plot
+}
+
+/// Every k-th point, k the smallest that leaves few enough; a value that is not finite is a gap.
+fn thinned(series: &Series) -> (Vec<f64>, Vec<Option<f64>>) {
+    let stride = series.x.len().div_ceil(MOST_POINTS).max(1);
+    let x = all_rounded(series.x.iter().copied().step_by(stride));
+    let y = series.y.iter().step_by(stride).map(|y| y.is_finite().then(|| super::rounded(*y))).collect();
+    (x, y)
+}
