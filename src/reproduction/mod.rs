@@ -4,8 +4,15 @@
 //! and states the assumptions that the thesis leaves open. Nothing is tuned towards a published number; where ours
 //! differs, the row says why.
 
+mod benign;
+mod challenging;
+mod contender;
+mod ditch;
+mod drive;
+mod sled;
 mod tables;
 
+pub use drive::{Course, Drive, drive, drive_at};
 pub use tables::{plot_csv, rows_csv};
 
 use serde::Serialize;
@@ -23,7 +30,12 @@ pub struct Study {
 }
 
 /// All studies, in the thesis's order.
-pub const STUDIES: &[Study] = &[];
+pub const STUDIES: &[Study] = &[
+    Study { id: "benign", run: benign::benign },
+    Study { id: "challenging", run: challenging::challenging },
+    Study { id: "ditch", run: ditch::ditch },
+    Study { id: "sled", run: sled::sled },
+];
 
 /// Median and interval of a quantity over seeds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
