@@ -9,6 +9,7 @@ mod challenging;
 mod contender;
 mod ditch;
 mod drive;
+mod sensitivity;
 mod sled;
 mod tables;
 
@@ -32,6 +33,7 @@ pub struct Study {
 /// All studies, in the thesis's order.
 pub const STUDIES: &[Study] = &[
     Study { id: "benign", run: benign::benign },
+    Study { id: "sensitivity", run: sensitivity::sensitivity },
     Study { id: "challenging", run: challenging::challenging },
     Study { id: "ditch", run: ditch::ditch },
     Study { id: "sled", run: sled::sled },
