@@ -5,7 +5,24 @@ use crate::motor::Motor;
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 
-/// A controller's model of a rover with wheels fixed to one body, its data sheet. A model file gives it the rover's own
+/// A link of a nominal rover; positions from the chassis reference point with all joints at zero, in the chassis frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NominalLink {
+    /// Body that carries the joint: 0 the chassis, k link k (of a lower number).
+    pub parent: usize,
+    /// Joint along x, m.
+    pub x: f64,
+    /// Joint along z, m.
+    pub z: f64,
+    /// Mass, its wheels included, kg.
+    pub mass: f64,
+    /// Centre of mass along x, m.
+    pub centre_of_mass_x: f64,
+    /// Centre of mass along z, m.
+    pub centre_of_mass_z: f64,
+}
+
+/// A controller's or estimator's model of a rover, its data sheet. A model file gives it the rover's own
 /// parameters (without effects); whoever wants it to be wrong, or estimated, fills it in otherwise.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Nominal {
@@ -17,6 +34,10 @@ pub struct Nominal {
     pub centre_of_mass: [f64; 2],
     /// Wheel centres [x, z] from the chassis reference point, in the chassis frame, rear to front, m.
     pub wheel_centres: Vec<[f64; 2]>,
+    /// Passive links, parents before children; none for a rigid rover.
+    pub links: Vec<NominalLink>,
+    /// Body that each wheel sits on: 0 the chassis, k link k.
+    pub wheel_bodies: Vec<usize>,
     /// Wheels, all the same.
     pub wheel: Wheel,
     /// Drives, all the same.
@@ -75,6 +96,7 @@ impl Nominal {
             finite("nominal centre x", Some(index), centre[0])?;
             finite("nominal centre z", Some(index), centre[1])?;
         }
+        self.check_links()?;
         if self.wheels() < 2 {
             let value = self.wheels() as f64;
             return Err(ControlError::Nominal { quantity: "number of wheels", value, expected: "2 or more" });
@@ -83,6 +105,28 @@ impl Nominal {
         within_bounds("wheel", self.wheel)?;
         within_bounds("motor", self.motor)?;
         within_bounds("soil", self.soil)
+    }
+
+    /// Refuses a structure that is no tree, or wheels on bodies that do not exist.
+    fn check_links(&self) -> Result<(), ControlError> {
+        let refuse = |quantity, value: usize, expected| {
+            Err(ControlError::Nominal { quantity, value: value as f64, expected })
+        };
+        for (index, link) in self.links.iter().enumerate() {
+            for value in [link.x, link.z, link.mass, link.centre_of_mass_x, link.centre_of_mass_z] {
+                finite("nominal link", None, value)?;
+            }
+            if link.parent > index {
+                return refuse("parent of a link", link.parent, "the chassis (0) or a link of a lower number");
+            }
+        }
+        if self.wheel_bodies.len() != self.wheels() {
+            return refuse("number of wheels with a body", self.wheel_bodies.len(), "one body for every wheel centre");
+        }
+        match self.wheel_bodies.iter().find(|body| **body > self.links.len()) {
+            Some(&body) => refuse("body of a wheel", body, "the chassis (0) or a link's number"),
+            None => Ok(()),
+        }
     }
 }
 

@@ -2,9 +2,9 @@
 
 use super::Model;
 use crate::control::{
-    ControlError, Controller, Nominal, RoughTerrainControl, Rtc, VelocityControl, VelocityController,
+    ControlError, Controller, Nominal, NominalLink, RoughTerrainControl, Rtc, VelocityControl, VelocityController,
 };
-use crate::rover::Rover;
+use crate::rover::{Link, LinkParameters, Rover};
 use crate::signals::{Command, Measurement, Reference};
 use bekker_modeldescription::{Unit, parameters};
 use std::fmt;
@@ -104,8 +104,15 @@ pub fn nominal(rover: &Rover) -> Nominal {
         mass,
         centre_of_mass: [moment[0] / mass, moment[1] / mass],
         wheel_centres: rover.wheels.iter().map(|wheel| [wheel.mount.x, wheel.mount.z]).collect(),
+        links: rover.links.iter().map(nominal_link).collect(),
+        wheel_bodies: rover.wheels.iter().map(|wheel| wheel.body).collect(),
         wheel: rover.wheel,
         motor: rover.motor,
         soil: rover.soil,
     }
+}
+
+fn nominal_link(link: &Link) -> NominalLink {
+    let LinkParameters { x, z, mass, centre_of_mass_x, centre_of_mass_z, .. } = link.parameters;
+    NominalLink { parent: link.parent, x, z, mass, centre_of_mass_x, centre_of_mass_z }
 }
