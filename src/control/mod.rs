@@ -10,7 +10,7 @@ pub mod rtc;
 mod velocity;
 
 pub use error::ControlError;
-pub use nominal::Nominal;
+pub use nominal::{Nominal, NominalLink};
 pub use rtc::{Criterion, Outcome, RoughTerrainControl, Rtc};
 pub use velocity::{VelocityControl, VelocityController};
 

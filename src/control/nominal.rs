@@ -5,7 +5,24 @@ use crate::motor::Motor;
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 
-/// A controller's model of a rover with wheels fixed to one body, its data sheet. A model file gives it the rover's own
+/// A passive link of the data sheet; positions from the chassis reference point with all joints at zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NominalLink {
+    /// Body that carries the joint: 0 the chassis, k link k (of a lower number).
+    pub parent: usize,
+    /// Joint along x, m.
+    pub x: f64,
+    /// Joint along z, m.
+    pub z: f64,
+    /// Mass of the link, its wheels included, kg.
+    pub mass: f64,
+    /// Centre of mass along x, m.
+    pub centre_of_mass_x: f64,
+    /// Centre of mass along z, m.
+    pub centre_of_mass_z: f64,
+}
+
+/// A controller's model of a rover, its data sheet. A model file gives it the rover's own
 /// parameters (without effects); whoever wants it to be wrong, or estimated, fills it in otherwise.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Nominal {
@@ -23,6 +40,10 @@ pub struct Nominal {
     pub motor: Motor,
     /// Estimated soil.
     pub soil: Soil,
+    /// Passive links, parents before children; none where all wheels sit on the chassis.
+    pub links: Vec<NominalLink>,
+    /// Body of each wheel: 0 the chassis, k link k.
+    pub wheel_bodies: Vec<usize>,
 }
 
 impl Nominal {

@@ -2,9 +2,9 @@
 
 use super::Model;
 use crate::control::{
-    ControlError, Controller, Nominal, RoughTerrainControl, Rtc, VelocityControl, VelocityController,
+    ControlError, Controller, Nominal, NominalLink, RoughTerrainControl, Rtc, VelocityControl, VelocityController,
 };
-use crate::rover::Rover;
+use crate::rover::{Link, LinkParameters, Rover};
 use crate::signals::{Command, Measurement, Reference};
 use bekker_modeldescription::{Unit, parameters};
 use std::fmt;
@@ -99,6 +99,10 @@ pub fn nominal(rover: &Rover) -> Nominal {
         moment[0] += link.parameters.mass * link.parameters.centre_of_mass_x;
         moment[1] += link.parameters.mass * link.parameters.centre_of_mass_z;
     }
+    let link = |link: &Link| {
+        let LinkParameters { x, z, mass, centre_of_mass_x, centre_of_mass_z, .. } = link.parameters;
+        NominalLink { parent: link.parent, x, z, mass, centre_of_mass_x, centre_of_mass_z }
+    };
     Nominal {
         gravity: rover.environment.gravity,
         mass,
@@ -107,5 +111,7 @@ pub fn nominal(rover: &Rover) -> Nominal {
         wheel: rover.wheel,
         motor: rover.motor,
         soil: rover.soil,
+        links: rover.links.iter().map(link).collect(),
+        wheel_bodies: rover.wheels.iter().map(|wheel| wheel.body).collect(),
     }
 }

@@ -32,6 +32,8 @@ pub fn level_rover(wheels: usize) -> Nominal {
         wheel: Wheel::default(),
         motor: Motor::default(),
         soil: Soil::default(),
+        links: Vec::new(),
+        wheel_bodies: vec![0; wheels],
     }
 }
 
