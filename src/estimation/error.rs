@@ -1,6 +1,7 @@
 //! Why an estimator could not be built or take a measurement in.
 
 use crate::control::ControlError;
+use crate::linear_stress::OutsideClosedForms;
 use bekker_modeldescription::{Lookup, ParameterError};
 
 /// Why an estimator could not be built or take a measurement in.
@@ -61,22 +62,66 @@ pub enum EstimationError {
         /// Which parameter, and its allowed range.
         error: ParameterError,
     },
+    /// The nominal rover makes no sense to this estimator.
+    #[error("nominal {quantity} is {value}; expected {expected}")]
+    NominalValue {
+        /// What of it.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+        /// What was expected.
+        expected: &'static str,
+    },
+    /// A reading is outside what the soil's formulas are for.
+    #[error("{quantity} = {value}; the estimator expects {expected}")]
+    Reading {
+        /// Which reading.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+        /// What was expected.
+        expected: &'static str,
+    },
+    /// A reading is outside what the thesis's closed forms are for.
+    #[error(transparent)]
+    ClosedForm(#[from] OutsideClosedForms),
+    /// Too few readings for what is asked.
+    #[error("{found} readings of {what}; at least {expected} are needed")]
+    TooFew {
+        /// Of what.
+        what: &'static str,
+        /// How many are needed.
+        expected: usize,
+        /// How many there are.
+        found: usize,
+    },
+    /// The readings leave the answer open or contradict every answer.
+    #[error("the readings determine no {what}")]
+    Undetermined {
+        /// What they do not determine.
+        what: &'static str,
+    },
 }
 
 fn numbered(number: Option<usize>) -> String {
     number.map_or_else(String::new, |number| format!(" {number}"))
 }
 
-/// Refuses a reading that is not finite; `index` counts wheels or links from 0.
-pub(super) fn finite(quantity: &'static str, index: Option<usize>, value: f64) -> Result<(), EstimationError> {
+/// `value` if it is finite; `index` counts wheels or links from 0.
+pub(crate) fn finite(quantity: &'static str, index: Option<usize>, value: f64) -> Result<f64, EstimationError> {
     if value.is_finite() {
-        Ok(())
+        Ok(value)
     } else {
         Err(EstimationError::NotFinite { quantity, number: index.map(|k| k + 1), value })
     }
 }
 
+/// Refuses a measurement with another number of parts than the estimator's.
+pub(crate) fn same_count(what: &'static str, expected: usize, found: usize) -> Result<(), EstimationError> {
+    if expected == found { Ok(()) } else { Err(EstimationError::Count { what, expected, found }) }
+}
+
 /// Checks a parameter group against its bounds.
-pub(super) fn within_bounds(group: &'static str, mut parameters: impl Lookup) -> Result<(), EstimationError> {
+pub(crate) fn within_bounds(group: &'static str, mut parameters: impl Lookup) -> Result<(), EstimationError> {
     parameters.check().map_err(|error| EstimationError::Parameter { group, error })
 }

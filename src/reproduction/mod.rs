@@ -9,6 +9,7 @@ mod challenging;
 mod contender;
 mod ditch;
 mod drive;
+pub mod instruments;
 mod sensitivity;
 mod sled;
 mod tables;

@@ -5,7 +5,7 @@ use super::pairs::{Pair, Point, pairs};
 use super::parameters::{ContactAngleEstimation, NO_GYROSCOPE};
 use crate::control::Nominal;
 use crate::estimation::EstimationError;
-use crate::estimation::error::{finite, within_bounds};
+use crate::estimation::error::{finite, same_count, within_bounds};
 use crate::signals::Measurement;
 
 /// Estimates the contact angles of all wheels from pitch, pitch rate, wheel speeds and the links' angles and rates.
@@ -132,9 +132,7 @@ impl ContactAngles {
             ("links", self.parents.len(), measured.links.len()),
         ];
         for (what, expected, found) in counts {
-            if expected != found {
-                return Err(EstimationError::Count { what, expected, found });
-            }
+            same_count(what, expected, found)?;
         }
         finite("time", None, measured.time)?;
         finite("pitch", None, measured.pitch)?;
@@ -145,7 +143,10 @@ impl ContactAngles {
             finite("angle of link", Some(k), link.angle)?;
             finite("rate of link", Some(k), link.rate)?;
         }
-        measured.wheels.iter().enumerate().try_for_each(|(k, wheel)| finite("speed of wheel", Some(k), wheel.speed))
+        for (k, wheel) in measured.wheels.iter().enumerate() {
+            finite("speed of wheel", Some(k), wheel.speed)?;
+        }
+        Ok(())
     }
 
     fn has_gyroscope(&self) -> bool {
