@@ -18,6 +18,8 @@ fn rover(wheels: usize) -> Nominal {
         mass: 5.0 * wheels as f64,
         centre_of_mass: [0.175 * (wheels - 1) as f64, 0.15],
         wheel_centres: (0..wheels).map(|k| [0.35 * k as f64, 0.0]).collect(),
+        wheel_bodies: vec![0; wheels],
+        links: Vec::new(),
         wheel: Wheel::default(),
         motor: Motor { inverse_torque_limit: 0.2, ..Motor::default() },
         soil: Soil::default(),

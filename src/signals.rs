@@ -132,6 +132,15 @@ pub struct WheelMeasurement {
     pub contact_angle: f64,
 }
 
+/// What a sensor reports of one passive joint.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct LinkMeasurement {
+    /// Angle relative to the parent, nose up positive, rad.
+    pub angle: f64,
+    /// Its rate, rad/s.
+    pub rate: f64,
+}
+
 /// What a controller or estimator may see: sensor readings, never the true state.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Measurement {
@@ -145,6 +154,8 @@ pub struct Measurement {
     pub velocity: f64,
     /// One entry a wheel, rear to front.
     pub wheels: Vec<WheelMeasurement>,
+    /// One entry a link, in their order.
+    pub links: Vec<LinkMeasurement>,
 }
 
 /// What the rover is asked to do.

@@ -29,6 +29,8 @@ pub fn level_rover(wheels: usize) -> Nominal {
         mass: 10.0,
         centre_of_mass: [0.0, 0.15],
         wheel_centres: (0..wheels).map(at).collect(),
+        wheel_bodies: vec![0; wheels],
+        links: Vec::new(),
         wheel: Wheel::default(),
         motor: Motor::default(),
         soil: Soil::default(),
