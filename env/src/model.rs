@@ -100,7 +100,8 @@ impl Model {
         &self.core.name
     }
 
-    /// What drives the wheels: "torque", "speed", "speed_loop", "velocity" or "rtc".
+    /// What drives the wheels: "torque", "speed", "speed_loop", "velocity", "velocity_tuned", "rtc", "slip" or
+    /// "equal_torque".
     #[getter]
     fn control(&self) -> &'static str {
         match self.core.control.kind {
@@ -108,7 +109,10 @@ impl Model {
             ControlKind::Speed => "speed",
             ControlKind::SpeedLoop => "speed_loop",
             ControlKind::Velocity => "velocity",
+            ControlKind::VelocityTuned => "velocity_tuned",
             ControlKind::Rtc => "rtc",
+            ControlKind::Slip => "slip",
+            ControlKind::EqualTorque => "equal_torque",
         }
     }
 

@@ -127,6 +127,8 @@ impl Unit {
     pub const SPEED_GAIN: Unit = Unit::NEWTON_METRE_SECOND;
     /// One per second.
     pub const PER_SECOND: Unit = unit("1/s", Exponents { s: -1, ..NONE });
+    /// One per second squared.
+    pub const PER_SECOND2: Unit = unit("1/s2", Exponents { s: -2, ..NONE });
 
     /// All units of the vocabulary, each symbol once.
     pub const ALL: &[Unit] = &[
@@ -161,6 +163,7 @@ impl Unit {
         Unit::OHM,
         Unit::NEWTON_METRE_PER_AMPERE,
         Unit::PER_SECOND,
+        Unit::PER_SECOND2,
     ];
 
     /// The unit with this symbol; a space or an asterisk may stand for the dot, and nothing for `1`.

@@ -24,6 +24,22 @@ pub enum ControlError {
         /// Wheels in the measurement.
         found: usize,
     },
+    /// The measurement has another number of links than the controller.
+    #[error("the measurement has {found} links; the controller was built for {expected}")]
+    LinkCount {
+        /// Links of the nominal rover.
+        expected: usize,
+        /// Links in the measurement.
+        found: usize,
+    },
+    /// A controller that needs the true slip was not told it since its last command.
+    #[error("slip control was given {found} values of true slip; {expected} were expected, one a wheel")]
+    Privileged {
+        /// Wheels of the nominal rover.
+        expected: usize,
+        /// Values given.
+        found: usize,
+    },
     /// A dimension of the nominal rover makes no sense.
     #[error("nominal {quantity} is {value}; expected {expected}")]
     Nominal {
@@ -52,8 +68,8 @@ pub enum ControlError {
         /// The rover's weight, N.
         weight: f64,
     },
-    /// The contact points do not span the plane, so the balance (4.3) has no unique least-norm solution.
-    #[error("all contact points coincide at pitch {pitch} rad: the force distribution is singular")]
+    /// The contact points do not span the balance (4.3), so it has no unique least-norm solution.
+    #[error("all contact points of the rover or of a joint's wheels coincide at pitch {pitch} rad: the force distribution is singular")]
     Singular {
         /// The measured pitch, rad.
         pitch: f64,
@@ -79,6 +95,11 @@ pub(crate) fn finite(quantity: &'static str, index: Option<usize>, value: f64) -
 /// Refuses a measurement with another number of wheels than the controller's.
 pub(crate) fn same_count(expected: usize, found: usize) -> Result<(), ControlError> {
     if expected == found { Ok(()) } else { Err(ControlError::WheelCount { expected, found }) }
+}
+
+/// Refuses a measurement with another number of links than the controller's.
+pub(crate) fn same_links(expected: usize, found: usize) -> Result<(), ControlError> {
+    if expected == found { Ok(()) } else { Err(ControlError::LinkCount { expected, found }) }
 }
 
 /// Checks a parameter group against its bounds.

@@ -1,17 +1,30 @@
 //! Controllers: they see measurements and a reference, never the true state.
 //!
-//! [`VelocityController`] holds every wheel's speed by itself (the usual rover control, 4.4.1);
-//! [`Rtc`] shares one body force out among the wheels (rough-terrain control, 4.2-4.3). Both know the
-//! rover only as [`Nominal`] describes it.
+//! | controller | what it does |
+//! |---|---|
+//! | [`Rtc`] | shares one body force out among the wheels (rough-terrain control, 4.2-4.3) |
+//! | [`VelocityController`] | holds every wheel's speed by itself (the usual rover control, 4.4.1), with given gains or with those of [`TunedVelocity`], which follow from the plant |
+//! | [`EqualTorqueController`] | the same torque for all wheels, from the body's speed |
+//! | [`SlipController`] | the same slip at all wheels; it is told the true slip ([`Privileged`]), and a bound for the others |
+//!
+//! All know the rover only as [`Nominal`] describes it.
 
+mod equal_torque;
 mod error;
 mod nominal;
+mod posture;
 pub mod rtc;
+mod slip;
+mod tuning;
 mod velocity;
 
+pub use equal_torque::{EqualTorque, EqualTorqueController};
 pub use error::ControlError;
 pub use nominal::{Nominal, NominalLink};
-pub use rtc::{Criterion, Outcome, RoughTerrainControl, Rtc};
+pub use posture::Posture;
+pub use rtc::{Criterion, Footing, Outcome, RoughTerrainControl, Rtc, RtcOptions, Solver, Strength};
+pub use slip::{Privileged, SlipControl, SlipController};
+pub use tuning::{TunedVelocity, soil_slope};
 pub use velocity::{VelocityControl, VelocityController};
 
 use crate::signals::{Command, Measurement, Reference};

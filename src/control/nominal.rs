@@ -2,10 +2,11 @@
 
 use super::error::{ControlError, finite, within_bounds};
 use crate::motor::Motor;
+use crate::rover::MAX_COORDINATES;
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 
-/// A link of a nominal rover; positions from the chassis reference point with all joints at zero, in the chassis frame.
+/// A link on a passive joint, as a controller knows it; places from the chassis reference point with all joints at zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NominalLink {
     /// Body that carries the joint: 0 the chassis, k link k (of a lower number).
@@ -14,7 +15,7 @@ pub struct NominalLink {
     pub x: f64,
     /// Joint along z, m.
     pub z: f64,
-    /// Mass, its wheels included, kg.
+    /// Mass of the link, its wheels included, kg.
     pub mass: f64,
     /// Centre of mass along x, m.
     pub centre_of_mass_x: f64,
@@ -22,22 +23,23 @@ pub struct NominalLink {
     pub centre_of_mass_z: f64,
 }
 
-/// A controller's or estimator's model of a rover, its data sheet. A model file gives it the rover's own
-/// parameters (without effects); whoever wants it to be wrong, or estimated, fills it in otherwise.
+/// A controller's model of a rover, its data sheet. A model file gives it the rover's own parameters (without
+/// effects); whoever wants it to be wrong, or estimated, fills it in otherwise.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Nominal {
     /// Gravity g, m/s^2.
     pub gravity: f64,
     /// Mass m of the whole rover, kg.
     pub mass: f64,
-    /// Centre of mass [x, z] from the chassis reference point, in the chassis frame, m.
+    /// Centre of mass [x, z] of the whole rover from the chassis reference point, in the chassis frame, all joints at
+    /// zero, m.
     pub centre_of_mass: [f64; 2],
-    /// Wheel centres [x, z] from the chassis reference point, in the chassis frame, rear to front, m.
+    /// Wheel centres [x, z] from the chassis reference point, in the chassis frame, all joints at zero, rear to front, m.
     pub wheel_centres: Vec<[f64; 2]>,
-    /// Passive links, parents before children; none for a rigid rover.
-    pub links: Vec<NominalLink>,
-    /// Body that each wheel sits on: 0 the chassis, k link k.
+    /// Body that carries each wheel, rear to front: 0 the chassis, k link k.
     pub wheel_bodies: Vec<usize>,
+    /// Links on passive joints, parents before children.
+    pub links: Vec<NominalLink>,
     /// Wheels, all the same.
     pub wheel: Wheel,
     /// Drives, all the same.
@@ -64,6 +66,16 @@ impl Nominal {
     pub fn base(&self) -> f64 {
         let along = |f: fn(f64, f64) -> f64, start| self.wheel_centres.iter().map(|c| c[0]).fold(start, f);
         along(f64::max, f64::NEG_INFINITY) - along(f64::min, f64::INFINITY)
+    }
+
+    /// Whether link `link` (counted from 0) carries `body`, itself or through other links.
+    #[must_use]
+    pub fn carries(&self, link: usize, body: usize) -> bool {
+        let mut carrier = body;
+        while carrier > link + 1 {
+            carrier = self.links[carrier - 1].parent;
+        }
+        carrier == link + 1
     }
 
     /// Largest torque of one drive, wheel side, N m, from its torque and current limits; `None` without limit.
@@ -102,31 +114,38 @@ impl Nominal {
             return Err(ControlError::Nominal { quantity: "number of wheels", value, expected: "2 or more" });
         }
         positive("distance from rearmost to foremost wheel", self.base(), "over 0 m")?;
+        self.check_links()?;
         within_bounds("wheel", self.wheel)?;
         within_bounds("motor", self.motor)?;
         within_bounds("soil", self.soil)
     }
 
-    /// Refuses a structure that is no tree, or wheels on bodies that do not exist.
+    /// Refuses links that do not make a tree on the chassis.
     fn check_links(&self) -> Result<(), ControlError> {
         let refuse = |quantity, value: usize, expected| {
             Err(ControlError::Nominal { quantity, value: value as f64, expected })
         };
-        for (index, link) in self.links.iter().enumerate() {
-            for value in [link.x, link.z, link.mass, link.centre_of_mass_x, link.centre_of_mass_z] {
-                finite("nominal link", None, value)?;
-            }
-            if link.parent > index {
-                return refuse("parent of a link", link.parent, "the chassis (0) or a link of a lower number");
-            }
+        if self.links.len() > MAX_COORDINATES - 3 {
+            return refuse("number of links", self.links.len(), "5 or fewer");
         }
         if self.wheel_bodies.len() != self.wheels() {
-            return refuse("number of wheels with a body", self.wheel_bodies.len(), "one body for every wheel centre");
+            return refuse("number of wheel bodies", self.wheel_bodies.len(), "one a wheel");
         }
-        match self.wheel_bodies.iter().find(|body| **body > self.links.len()) {
-            Some(&body) => refuse("body of a wheel", body, "the chassis (0) or a link's number"),
-            None => Ok(()),
+        if let Some(&body) = self.wheel_bodies.iter().find(|&&body| body > self.links.len()) {
+            return refuse("wheel body", body, "0 (the chassis) to the number of links");
         }
+        let mut carried = 0.0;
+        for (index, link) in self.links.iter().enumerate() {
+            if link.parent > index {
+                return refuse("link parent", link.parent, "0 (the chassis) or a link of a lower number");
+            }
+            for value in [link.x, link.z, link.centre_of_mass_x, link.centre_of_mass_z] {
+                finite("nominal place of a link", None, value)?;
+            }
+            positive("link mass", link.mass, "over 0 kg")?;
+            carried += link.mass;
+        }
+        positive("mass of the chassis without its links", self.mass - carried, "over 0 kg")
     }
 }
 

@@ -2,10 +2,12 @@
 
 use super::Model;
 use crate::control::{
-    ControlError, Controller, Nominal, NominalLink, RoughTerrainControl, Rtc, VelocityControl, VelocityController,
+    ControlError, Controller, EqualTorque, EqualTorqueController, Nominal, NominalLink, RoughTerrainControl, Rtc,
+    RtcOptions, SlipControl, SlipController, Solver, Strength, TunedVelocity, VelocityControl, VelocityController,
 };
-use crate::rover::{Link, LinkParameters, Rover};
-use crate::signals::{Command, Measurement, Reference};
+use crate::rover::{Link, Rover};
+use crate::signals::{Command, Measurement, Reference, Signals};
+use crate::soil::Soil;
 use bekker_modeldescription::{Unit, parameters};
 use std::fmt;
 
@@ -23,8 +25,14 @@ pub enum ControlKind {
     SpeedLoop,
     /// Individual-wheel velocity control: input `velocity_command`.
     Velocity,
+    /// The same with gains that follow from the plant: input `velocity_command`.
+    VelocityTuned,
     /// Rough-terrain control: input `velocity_command`.
     Rtc,
+    /// Slip control that is told the true slip, a bound for the others: input `velocity_command`.
+    Slip,
+    /// The same torque for all wheels, from the body's speed: input `velocity_command`.
+    EqualTorque,
 }
 
 parameters! {
@@ -46,6 +54,31 @@ pub struct Control {
     pub rtc: RoughTerrainControl,
     /// How often rough-terrain control decides.
     pub rtc_timing: RtcTiming,
+    /// Which shear limit rough-terrain control keeps.
+    pub strength: Strength,
+    /// Who solves rough-terrain control's optimisation.
+    pub solver: Solver,
+    /// Individual-wheel velocity control with gains from the plant.
+    pub velocity_tuned: TunedVelocity,
+    /// Slip control by the true slip.
+    pub slip: SlipControl,
+    /// The same torque for all wheels.
+    pub equal_torque: EqualTorque,
+    /// The soil in the controllers' data sheet; `None` is the rover's own, which no rover knows.
+    pub nominal_soil: Option<Soil>,
+}
+
+impl Control {
+    /// Control period where a controller decides, s.
+    pub(super) fn period(&self) -> Option<f64> {
+        match self.kind {
+            ControlKind::Torque | ControlKind::Speed => None,
+            ControlKind::SpeedLoop | ControlKind::Velocity | ControlKind::Slip => Some(self.velocity.period),
+            ControlKind::VelocityTuned => Some(self.velocity_tuned.period),
+            ControlKind::Rtc => Some(self.rtc_timing.period),
+            ControlKind::EqualTorque => Some(self.equal_torque.period),
+        }
+    }
 }
 
 /// A controller at work.
@@ -53,6 +86,8 @@ pub struct Control {
 pub(super) enum AtWork {
     Velocity(VelocityController),
     Rtc(Box<Rtc>),
+    Slip(SlipController),
+    EqualTorque(EqualTorqueController),
 }
 
 impl fmt::Debug for AtWork {
@@ -60,6 +95,8 @@ impl fmt::Debug for AtWork {
         f.write_str(match self {
             Self::Velocity(_) => "individual-wheel velocity control",
             Self::Rtc(_) => "rough-terrain control",
+            Self::Slip(_) => "slip control by the true slip",
+            Self::EqualTorque(_) => "equal torque",
         })
     }
 }
@@ -67,30 +104,61 @@ impl fmt::Debug for AtWork {
 impl AtWork {
     /// The controller of `model`, `None` where commands come from outside.
     pub fn new(model: &Model) -> Result<Option<Self>, ControlError> {
-        let nominal = || nominal(&model.rover);
-        Ok(match model.control.kind {
+        let control = &model.control;
+        let mut nominal = nominal(&model.rover);
+        if let Some(soil) = control.nominal_soil {
+            nominal.soil = soil;
+        }
+        Ok(match control.kind {
             ControlKind::Torque | ControlKind::Speed => None,
             ControlKind::SpeedLoop | ControlKind::Velocity => {
-                Some(Self::Velocity(VelocityController::new(&nominal(), model.control.velocity)?))
+                Some(Self::Velocity(VelocityController::new(&nominal, control.velocity)?))
             }
-            ControlKind::Rtc => Some(Self::Rtc(Box::new(Rtc::new(nominal(), model.control.rtc)?))),
+            ControlKind::VelocityTuned => {
+                let gains = control.velocity_tuned.gains(&nominal)?;
+                Some(Self::Velocity(VelocityController::new(&nominal, gains)?))
+            }
+            ControlKind::Rtc => {
+                let (strength, solver, period) = (control.strength, control.solver, control.rtc_timing.period);
+                let options = RtcOptions { strength, solver, period };
+                Some(Self::Rtc(Box::new(Rtc::with_options(nominal, control.rtc, options)?)))
+            }
+            ControlKind::Slip => Some(Self::Slip(SlipController::new(nominal, control.slip, control.velocity)?)),
+            ControlKind::EqualTorque => {
+                Some(Self::EqualTorque(EqualTorqueController::new(&nominal, control.equal_torque)?))
+            }
         })
     }
 
+    /// Rough-terrain control, where it is at work.
+    pub fn rtc(&self) -> Option<&Rtc> {
+        match self {
+            Self::Rtc(controller) => Some(controller),
+            _ => None,
+        }
+    }
+
+    /// The command for the next period. `truth` is for the one kind that is allowed to know it.
     pub fn command(
         &mut self,
         measured: &Measurement,
+        truth: &Signals,
         goal: &Reference,
         command: &mut Command,
     ) -> Result<(), ControlError> {
         match self {
             Self::Velocity(controller) => controller.command(measured, goal, command),
             Self::Rtc(controller) => controller.command(measured, goal, command),
+            Self::Slip(controller) => {
+                controller.reveal(truth.wheels.iter().map(|wheel| wheel.slip));
+                controller.command(measured, goal, command)
+            }
+            Self::EqualTorque(controller) => controller.command(measured, goal, command),
         }
     }
 }
 
-/// What a controller believes of the rover: its data sheet, with joints at zero and without any effect.
+/// What a controller believes of the rover: its data sheet, without any effect. Its soil is the rover's.
 #[must_use]
 pub fn nominal(rover: &Rover) -> Nominal {
     let mass = rover.total_mass();
@@ -99,20 +167,23 @@ pub fn nominal(rover: &Rover) -> Nominal {
         moment[0] += link.parameters.mass * link.parameters.centre_of_mass_x;
         moment[1] += link.parameters.mass * link.parameters.centre_of_mass_z;
     }
+    let link = |link: &Link| NominalLink {
+        parent: link.parent,
+        x: link.parameters.x,
+        z: link.parameters.z,
+        mass: link.parameters.mass,
+        centre_of_mass_x: link.parameters.centre_of_mass_x,
+        centre_of_mass_z: link.parameters.centre_of_mass_z,
+    };
     Nominal {
         gravity: rover.environment.gravity,
         mass,
         centre_of_mass: [moment[0] / mass, moment[1] / mass],
         wheel_centres: rover.wheels.iter().map(|wheel| [wheel.mount.x, wheel.mount.z]).collect(),
-        links: rover.links.iter().map(nominal_link).collect(),
         wheel_bodies: rover.wheels.iter().map(|wheel| wheel.body).collect(),
+        links: rover.links.iter().map(link).collect(),
         wheel: rover.wheel,
         motor: rover.motor,
         soil: rover.soil,
     }
-}
-
-fn nominal_link(link: &Link) -> NominalLink {
-    let LinkParameters { x, z, mass, centre_of_mass_x, centre_of_mass_z, .. } = link.parameters;
-    NominalLink { parent: link.parent, x, z, mass, centre_of_mass_x, centre_of_mass_z }
 }

@@ -12,7 +12,11 @@
 //! [terrain]
 //! preset = "waves"
 //! [control]
-//! kind = "velocity"                # torque, speed, speed_loop, velocity, rtc
+//! kind = "rtc"                     # torque, speed, speed_loop, velocity, velocity_tuned, rtc, slip, equal_torque
+//! strength = "mohr_coulomb"        # shear limit of rtc; or "thesis", (4.15) as printed
+//! solver = "clarabel"              # of rtc's optimisation; or "active_set", for batches of rovers
+//! [control.nominal_soil]           # the soil that controllers believe in; without it, the true one
+//! cohesion = 500.0                 # names of `soil.*`; those that are not named are as the true soil's
 //! [simulation]
 //! step_size = 0.002
 //! duration = 20.0
@@ -24,7 +28,8 @@
 //! parameters = { k = { neutral = 0.0, min = 0.0, max = 10.0, unit = "N/m" } }
 //! ```
 
-use super::{ControlKind, Model, PRESETS, Stepping};
+use super::{Control, ControlKind, Model, PRESETS, Stepping};
+use crate::control::{Solver, Strength};
 use crate::effects::{DefinitionError, EffectDefinition};
 use crate::rover::{Link, LinkParameters, MAX_COORDINATES, MAX_WHEELS, Mount, Rover, WheelMount};
 use crate::terrain::{TerrainSpec, TerrainSpecError};
@@ -123,7 +128,36 @@ struct Vehicle {
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ControlSpec {
-    kind: ControlKind,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    kind: Option<ControlKind>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    strength: Option<Strength>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    solver: Option<Solver>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    nominal_soil: Option<toml::Table>,
+}
+
+/// Prefix of the soil that controllers believe in, which stands in its own table of a file.
+const NOMINAL_SOIL: &str = "nominal.soil";
+
+impl ControlSpec {
+    /// Takes over the words.
+    fn choose(&self, control: &mut Control) {
+        control.kind = self.kind.unwrap_or(control.kind);
+        control.strength = self.strength.unwrap_or(control.strength);
+        control.solver = self.solver.unwrap_or(control.solver);
+    }
+
+    /// The words of `control`, those that are not the usual ones.
+    fn of(control: &Control, nominal_soil: toml::Table) -> Self {
+        Self {
+            kind: Some(control.kind),
+            strength: Some(control.strength).filter(|strength| *strength != Strength::default()),
+            solver: Some(control.solver).filter(|solver| *solver != Solver::default()),
+            nominal_soil: control.nominal_soil.map(|_| nominal_soil),
+        }
+    }
 }
 
 impl Model {
@@ -147,15 +181,29 @@ impl Model {
         if let Some(terrain) = &file.terrain {
             model.rover.terrain = terrain.terrain(folder.unwrap_or(Path::new(".")))?;
         }
-        if let Some(control) = file.control {
-            model.control.kind = control.kind;
+        if let Some(control) = &file.control {
+            control.choose(&mut model.control);
         }
         if let Some(stepping) = file.simulation {
             model.stepping = stepping.checked()?;
         }
         model.define_effects(file.effect)?;
         model.set_parameters(&file.parameters)?;
+        if let Some(soil) = file.control.and_then(|control| control.nominal_soil) {
+            model.believe(&soil)?;
+        }
         Ok(model)
+    }
+
+    /// Gives the controllers a soil of their own: the rover's, but for the numbers in `soil`.
+    fn believe(&mut self, soil: &toml::Table) -> Result<(), ModelError> {
+        self.control.nominal_soil = Some(self.rover.soil);
+        let mut flat = Vec::new();
+        flatten(NOMINAL_SOIL, soil, &mut flat)?;
+        for (name, value) in flat {
+            self.set(&name, value)?;
+        }
+        Ok(())
     }
 
     /// Reads a model file.
@@ -187,10 +235,12 @@ impl Model {
     /// # Errors
     /// [`ModelError::Unwritable`] where a value has no form in TOML.
     pub fn to_toml(&self) -> Result<String, ModelError> {
-        let mut parameters = toml::Table::new();
+        let (mut parameters, mut nominal_soil) = (toml::Table::new(), toml::Table::new());
         self.clone().visit("", &mut |variable, value| {
-            // The terrain's own numbers stand in its section.
-            if !variable.name.starts_with("terrain.") {
+            // The numbers of terrain and nominal soil stand in their own sections.
+            if let Some(name) = variable.name.strip_prefix(NOMINAL_SOIL) {
+                nominal_soil.insert(name.trim_start_matches('.').to_owned(), toml::Value::Float(*value));
+            } else if !variable.name.starts_with("terrain.") {
                 parameters.insert(variable.name, toml::Value::Float(*value));
             }
         });
@@ -203,7 +253,7 @@ impl Model {
             }),
             parameters,
             terrain: Some(self.rover.terrain.to_spec()),
-            control: Some(ControlSpec { kind: self.control.kind }),
+            control: Some(ControlSpec::of(&self.control, nominal_soil)),
             simulation: Some(self.stepping),
             effect: self.rover.effects.custom.iter().map(|effect| effect.definition().clone()).collect(),
         };

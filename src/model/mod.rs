@@ -117,11 +117,29 @@ impl Parameters<f64> for Model {
                 self.sensors.encoder.visit(&join(prefix, "sensor"), f);
                 self.control.velocity.visit(&join(prefix, "velocity_control"), f);
             }
+            ControlKind::VelocityTuned => {
+                self.sensors.encoder.visit(&join(prefix, "sensor"), f);
+                self.control.velocity_tuned.visit(&join(prefix, "velocity_tuned"), f);
+            }
             ControlKind::Rtc => {
                 self.sensors.body.visit(&join(prefix, "sensor"), f);
                 self.control.rtc.visit(&join(prefix, "rtc"), f);
                 self.control.rtc_timing.visit(&join(prefix, "rtc"), f);
+                self.sensors.encoder.visit(&join(prefix, "sensor"), f);
             }
+            ControlKind::Slip => {
+                self.sensors.body.visit(&join(prefix, "sensor"), f);
+                self.sensors.encoder.visit(&join(prefix, "sensor"), f);
+                self.control.velocity.visit(&join(prefix, "velocity_control"), f);
+                self.control.slip.visit(&join(prefix, "slip_control"), f);
+            }
+            ControlKind::EqualTorque => {
+                self.sensors.body.visit(&join(prefix, "sensor"), f);
+                self.control.equal_torque.visit(&join(prefix, "equal_torque"), f);
+            }
+        }
+        if let Some(soil) = &mut self.control.nominal_soil {
+            soil.visit(&join(prefix, "nominal.soil"), f);
         }
     }
 

@@ -2,9 +2,9 @@
 
 use super::closed_loop::AtWork;
 use super::{ControlKind, Model};
-use crate::control::ControlError;
+use crate::control::{ControlError, Rtc};
 use crate::sensors::SensorSuite;
-use crate::signals::{Command, Measurement, Reference, Signals};
+use crate::signals::{Command, LinkMeasurement, Measurement, Reference, Signals};
 use crate::simulation::{Simulation, Status, StepError};
 use bekker_modeldescription::{Lookup, ParameterError, Parameters, Unit, Variable, join, parameters};
 
@@ -55,7 +55,11 @@ impl Inputs {
         match model.control.kind {
             ControlKind::Torque => Self::Torque(vec![TorqueCommand::default(); wheels]),
             ControlKind::Speed | ControlKind::SpeedLoop => Self::Speed(vec![SpeedCommand::default(); wheels]),
-            ControlKind::Velocity | ControlKind::Rtc => Self::Velocity(VelocityCommand::default()),
+            ControlKind::Velocity
+            | ControlKind::VelocityTuned
+            | ControlKind::Rtc
+            | ControlKind::Slip
+            | ControlKind::EqualTorque => Self::Velocity(VelocityCommand::default()),
         }
     }
 
@@ -146,12 +150,6 @@ pub enum RunError {
         /// The place of the wheel before it, m.
         before: f64,
     },
-    /// Rough-terrain control of a rover with joints.
-    #[error("rough-terrain control is for wheels on one body; this vehicle has {links} links")]
-    RtcWithLinks {
-        /// Links of the vehicle.
-        links: usize,
-    },
     /// The wrong number of input values.
     #[error("{got} input values were given, this model has {expected} inputs")]
     InputLength {
@@ -185,11 +183,7 @@ impl Run {
             ControlKind::Speed => Command::speed(zeros),
             _ => Command::torque(zeros),
         };
-        let seconds = match model.control.kind {
-            ControlKind::Torque | ControlKind::Speed => step_size,
-            ControlKind::SpeedLoop | ControlKind::Velocity => model.control.velocity.period,
-            ControlKind::Rtc => model.control.rtc_timing.period,
-        };
+        let seconds = model.control.period().unwrap_or(step_size);
         let mut run = Self {
             simulation,
             sensors: SensorSuite::new(model.sensors, u64::from(model.stepping.seed)),
@@ -200,7 +194,7 @@ impl Run {
             measurement: Measurement::default(),
         };
         if run.controller.is_some() {
-            run.sensors.read(0.0, run.simulation.signals(), &mut run.measurement);
+            see(&mut run.sensors, &run.simulation, &mut run.measurement);
         }
         Ok(run)
     }
@@ -233,7 +227,7 @@ impl Run {
             }
             (Inputs::Speed(wheels), Some(AtWork::Velocity(controller))) => {
                 let time = self.simulation.time();
-                self.sensors.read(time, self.simulation.signals(), &mut self.measurement);
+                see(&mut self.sensors, &self.simulation, &mut self.measurement);
                 controller
                     .hold(&self.measurement, |k| wheels[k].speed_command, &mut self.command)
                     .map_err(|source| RunError::Control { time, source })?;
@@ -243,10 +237,10 @@ impl Run {
             }
             (Inputs::Velocity(input), Some(controller)) => {
                 let time = self.simulation.time();
-                self.sensors.read(time, self.simulation.signals(), &mut self.measurement);
+                see(&mut self.sensors, &self.simulation, &mut self.measurement);
                 let goal = Reference { velocity: input.velocity_command };
                 controller
-                    .command(&self.measurement, &goal, &mut self.command)
+                    .command(&self.measurement, self.simulation.signals(), &goal, &mut self.command)
                     .map_err(|source| RunError::Control { time, source })?;
             }
             (Inputs::Velocity(_), None) => {}
@@ -269,6 +263,12 @@ impl Run {
     #[must_use]
     pub fn measurement(&self) -> &Measurement {
         &self.measurement
+    }
+
+    /// Rough-terrain control, where it drives: its last outcome tells loads, torques and what was missing.
+    #[must_use]
+    pub fn rtc(&self) -> Option<&Rtc> {
+        self.controller.as_ref().and_then(AtWork::rtc)
     }
 
     /// Signals at the present time: the true ones, but for the errors of sensors among the rover's effects.
@@ -302,6 +302,15 @@ impl Run {
     }
 }
 
+/// Reads the sensors, those of the joints included.
+fn see(sensors: &mut SensorSuite, simulation: &Simulation, measurement: &mut Measurement) {
+    sensors.read(simulation.time(), simulation.signals(), measurement);
+    let state = simulation.state();
+    let links = state.position.iter().zip(&state.rate).skip(3);
+    measurement.links.clear();
+    measurement.links.extend(links.map(|(&angle, &rate)| LinkMeasurement { angle, rate }));
+}
+
 impl Model {
     /// Checks what [`Model::start`] needs: every parameter within its bounds, a vehicle that the control can drive.
     pub(crate) fn check_start(&self) -> Result<(), RunError> {
@@ -316,10 +325,6 @@ fn check_vehicle(model: &Model) -> Result<(), RunError> {
     if let Some(k) = wheels.windows(2).position(|pair| pair[1].mount.x <= pair[0].mount.x) {
         let (before, x) = (wheels[k].mount.x, wheels[k + 1].mount.x);
         return Err(RunError::WheelOrder { wheel: k + 2, x, before });
-    }
-    let links = model.rover.links.len();
-    if model.control.kind == ControlKind::Rtc && links > 0 {
-        return Err(RunError::RtcWithLinks { links });
     }
     Ok(())
 }

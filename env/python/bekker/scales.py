@@ -40,7 +40,10 @@ _COMMANDED = {
     "speed": "wheel.speed",
     "speed_loop": "wheel.speed",
     "velocity": "velocity",
+    "velocity_tuned": "velocity",
     "rtc": "velocity",
+    "slip": "velocity",
+    "equal_torque": "velocity",
 }
 
 

@@ -1,7 +1,17 @@
 //! The planar force distribution (4.3): which contact forces balance a given body force.
+//!
+//! A passive joint carries no moment, so that a jointed vehicle has one more row a joint: the contact forces of the
+//! wheels that it carries balance, about the joint, what weight and commanded acceleration of the carried bodies
+//! ask for. The motors' torques are inner to these bodies, each motor sitting on the body that carries its wheel.
+//! Friction of the joints and the bodies' turning are neglected: the balance is quasi-static, and a joint's damping
+//! (0.05 N m s in the built-in rocker-bogie) is unknown to the controller.
 
-use crate::control::Nominal;
-use nalgebra::{Matrix3, Vector3};
+use crate::control::{Nominal, Posture};
+use crate::rover::MAX_COORDINATES;
+use nalgebra::{SMatrix, SVector};
+
+/// Most rows of the balance: three of the whole rover, one a passive joint.
+const MOST_ROWS: usize = MAX_COORDINATES;
 
 /// One wheel's contact with the ground, as the controller believes it.
 ///
@@ -35,11 +45,27 @@ impl Contact {
         [self.cos, self.sin, self.arm[1]]
     }
 
+    /// Moments of a unit T and a unit N at `foot` (world axes, from the point about which they count, m), m.
+    fn moments(&self, foot: [f64; 2]) -> [f64; 2] {
+        [foot[0] * self.sin - foot[1] * self.cos, foot[0] * self.cos + foot[1] * self.sin]
+    }
+
     /// Column of G that belongs to the normal force N: [force x, force z, moment].
     #[must_use]
     pub fn load_column(&self) -> [f64; 3] {
         [-self.sin, self.cos, -self.arm[0]]
     }
+}
+
+/// Balance of moments about one passive joint.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct JointBalance {
+    /// Which wheels it carries, itself or through other joints.
+    pub carries: Vec<bool>,
+    /// Arms of (T_i, N_i) about the joint, nose up positive, m; zero for wheels that the joint does not carry.
+    pub arms: Vec<[f64; 2]>,
+    /// Moment that the contact forces add up to, nose up positive, N m.
+    pub moment: f64,
 }
 
 /// The equations G x = f_s (4.3, 4.4) with x = [T_1, N_1, .., T_n, N_n].
@@ -50,20 +76,56 @@ pub struct Distribution {
     /// f_s: horizontal and vertical force that the contact forces add up to, N, and their moment about the
     /// centre of mass, nose up positive, N m.
     pub body_force: [f64; 3],
+    /// One a passive joint.
+    pub joints: Vec<JointBalance>,
+    /// Where the bodies are.
+    posture: Posture,
 }
 
 impl Distribution {
-    /// Equations for `wheels` wheels, to be filled by [`place`](Self::place).
+    /// Equations for the nominal rover, to be filled by [`place`](Self::place).
     #[must_use]
-    pub fn new(wheels: usize) -> Self {
-        Self { contacts: vec![Contact::default(); wheels], body_force: [0.0; 3] }
+    pub fn new(nominal: &Nominal) -> Self {
+        let wheels = nominal.wheels();
+        let joint = |link: usize| JointBalance {
+            carries: nominal.wheel_bodies.iter().map(|&body| nominal.carries(link, body)).collect(),
+            arms: vec![[0.0; 2]; wheels],
+            moment: 0.0,
+        };
+        Self {
+            contacts: vec![Contact::default(); wheels],
+            body_force: [0.0; 3],
+            joints: (0..nominal.links.len()).map(joint).collect(),
+            posture: Posture::new(nominal),
+        }
     }
 
-    /// Puts the contacts where nominal geometry, pitch and contact angles (rad, rear to front) say.
-    pub fn place(&mut self, nominal: &Nominal, pitch: f64, angles: impl Iterator<Item = f64>) {
-        let places = nominal.wheel_centres.iter().zip(angles);
-        for (contact, (centre, angle)) in self.contacts.iter_mut().zip(places) {
-            *contact = Contact::new(from_centre_of_mass(nominal, *centre, pitch), nominal.wheel.radius, angle);
+    /// Number of equations.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        3 + self.joints.len()
+    }
+
+    /// Puts the contacts where nominal geometry, pitch, joint angles and contact angles (rad, rear to front) say.
+    pub fn place(
+        &mut self,
+        nominal: &Nominal,
+        pitch: f64,
+        joint_angles: impl Iterator<Item = f64>,
+        angles: impl Iterator<Item = f64>,
+    ) {
+        self.posture.update(nominal, pitch, joint_angles);
+        for (k, angle) in angles.enumerate().take(self.contacts.len()) {
+            let centre = self.posture.point(nominal.wheel_bodies[k], nominal.wheel_centres[k]);
+            let contact = Contact::new(centre, nominal.wheel.radius, angle);
+            self.contacts[k] = contact;
+            let foot = [centre[0] + nominal.wheel.radius * contact.sin, centre[1] - nominal.wheel.radius * contact.cos];
+            for (j, joint) in self.joints.iter_mut().enumerate() {
+                if joint.carries[k] {
+                    let pivot = self.posture.joint(j);
+                    joint.arms[k] = contact.moments([foot[0] - pivot[0], foot[1] - pivot[1]]);
+                }
+            }
         }
     }
 
@@ -71,6 +133,10 @@ impl Distribution {
     /// moments: f_s = [m K (v_desired - v), m g, 0] (errata 8 and 11). `acceleration` in m/s^2.
     pub fn demand(&mut self, nominal: &Nominal, acceleration: f64) {
         self.body_force = [nominal.mass * acceleration, nominal.weight(), 0.0];
+        for (j, joint) in self.joints.iter_mut().enumerate() {
+            let (mass, [x, z]) = self.posture.carried(j);
+            joint.moment = mass * (x * nominal.gravity - z * acceleration);
+        }
     }
 
     /// Adds to f_s what a force of `resistance` N against the motion at the centre of wheel `index` takes:
@@ -81,45 +147,68 @@ impl Distribution {
         for (force, share) in self.body_force.iter_mut().zip(column) {
             *force += share * resistance;
         }
-    }
-
-    /// G x for `forces` = x, in the units of f_s.
-    #[must_use]
-    pub fn balance(&self, forces: &[f64]) -> [f64; 3] {
-        let mut sum = [0.0; 3];
-        for (contact, pair) in self.contacts.iter().zip(forces.chunks_exact(2)) {
-            let (traction, load) = (contact.traction_column(), contact.load_column());
-            for (row, total) in sum.iter_mut().enumerate() {
-                *total += traction[row] * pair[0] + load[row] * pair[1];
+        for joint in &mut self.joints {
+            if joint.carries[index] {
+                joint.moment += (joint.arms[index][0] - radius) * resistance;
             }
         }
-        sum
     }
 
-    /// The least-norm forces G' (G G')^-1 f that balance `body_force` = f (N, N, N m), written into
-    /// `forces`, with forces counted in N and moments in N times `length` m. `None` where all contact
-    /// points coincide.
-    pub fn least_norm(&self, body_force: [f64; 3], length: f64, forces: &mut [f64]) -> Option<()> {
-        let scaled = |column: [f64; 3]| Vector3::new(column[0], column[1], column[2] / length);
-        let mut gram = Matrix3::zeros();
-        for contact in &self.contacts {
-            for column in [scaled(contact.traction_column()), scaled(contact.load_column())] {
+    /// Row `row` of G at wheel `wheel`: the coefficients of T_i and N_i. Rows 0..3 are those of the whole rover.
+    #[must_use]
+    pub fn coefficients(&self, row: usize, wheel: usize) -> [f64; 2] {
+        let contact = &self.contacts[wheel];
+        match row {
+            0..3 => [contact.traction_column()[row], contact.load_column()[row]],
+            _ => self.joints[row - 3].arms[wheel],
+        }
+    }
+
+    /// Right-hand side of row `row`: N, N, N m, and N m for every joint.
+    #[must_use]
+    pub fn wanted(&self, row: usize) -> f64 {
+        if row < 3 { self.body_force[row] } else { self.joints[row - 3].moment }
+    }
+
+    /// Row `row` of G x for `forces` = x, in the units of [`wanted`](Self::wanted).
+    #[must_use]
+    pub fn sum(&self, row: usize, forces: &[f64]) -> f64 {
+        let mut total = 0.0;
+        for (wheel, pair) in forces.chunks_exact(2).enumerate() {
+            let [traction, load] = self.coefficients(row, wheel);
+            total += traction * pair[0] + load * pair[1];
+        }
+        total
+    }
+
+    /// The least-norm forces G' (G G')^-1 f that carry the weight alone, of the whole and of what each joint
+    /// carries, written into `forces`, N, with forces counted in N and moments in N times `length` m. `None` where
+    /// the contact points do not span the rows.
+    pub fn carry_weight(&self, nominal: &Nominal, length: f64, forces: &mut [f64]) -> Option<()> {
+        let rows = self.rows();
+        let mut right = SVector::<f64, MOST_ROWS>::zeros();
+        right[1] = nominal.weight();
+        for j in 0..self.joints.len() {
+            let (mass, [x, _]) = self.posture.carried(j);
+            right[3 + j] = mass * nominal.gravity * x / length;
+        }
+        let column = |wheel: usize, which: usize| {
+            let scaled = |row: usize| self.coefficients(row, wheel)[which] / if row < 2 { 1.0 } else { length };
+            SVector::<f64, MOST_ROWS>::from_fn(|row, _| if row < rows { scaled(row) } else { 0.0 })
+        };
+        let mut gram = SMatrix::<f64, MOST_ROWS, MOST_ROWS>::zeros();
+        // Rows that this vehicle does not have.
+        (rows..MOST_ROWS).for_each(|row| gram[(row, row)] = 1.0);
+        for wheel in 0..self.contacts.len() {
+            for column in [column(wheel, 0), column(wheel, 1)] {
                 gram += column * column.transpose();
             }
         }
-        let multipliers = gram.cholesky()?.solve(&scaled(body_force));
-        for (contact, pair) in self.contacts.iter().zip(forces.chunks_exact_mut(2)) {
-            pair[0] = scaled(contact.traction_column()).dot(&multipliers);
-            pair[1] = scaled(contact.load_column()).dot(&multipliers);
+        let multipliers = gram.cholesky()?.solve(&right);
+        for (wheel, pair) in forces.chunks_exact_mut(2).enumerate() {
+            pair[0] = column(wheel, 0).dot(&multipliers);
+            pair[1] = column(wheel, 1).dot(&multipliers);
         }
         forces.iter().all(|force| force.is_finite()).then_some(())
     }
-}
-
-/// A point of the chassis (from its reference point, m), seen from the centre of mass along world axes.
-fn from_centre_of_mass(nominal: &Nominal, point: [f64; 2], pitch: f64) -> [f64; 2] {
-    let (sin, cos) = pitch.sin_cos();
-    let x = point[0] - nominal.centre_of_mass[0];
-    let z = point[1] - nominal.centre_of_mass[1];
-    [x * cos - z * sin, x * sin + z * cos]
 }

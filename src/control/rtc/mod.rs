@@ -4,30 +4,43 @@
 //! f_s = [m K (v_desired - v), m g, 0]; choose the criterion ([`Criterion`], 4.11); find the best forces
 //! within load, torque and soil strength ([`Problem`], [`Optimiser`]); command the torques r T_i. The speed
 //! is not held: without a term for the soil's resistance the rover drives slower than asked (4.4.1).
+//!
+//! Beyond the thesis, each neutral by default: compensation of the soil's resistance and integral action on the
+//! body's speed, so that it is held; and a [`SpeedLoop`] at each wheel, which trims its torque where the soil gives
+//! way under it and finds wheels that are off the ground. Soil strength ([`Rtc::set_soil`]) and contact angles (in
+//! the [`Measurement`]) may come from estimators.
 
+mod active_set;
 mod distribution;
+mod interior_point;
 mod nearest;
 mod optimiser;
 mod power;
 mod problem;
 mod solver;
+mod speed_loop;
 mod strength;
 mod switch;
 mod traction;
 
-pub use distribution::{Contact, Distribution};
+pub use distribution::{Contact, Distribution, JointBalance};
 pub use nearest::{CHEAPNESS, LAW_WEIGHT, Nearest, WISH_OUT_OF_BALANCE};
 pub use optimiser::{Found, Optimiser};
 pub use power::MinimumPower;
 pub use problem::{Problem, load_of, traction_of};
-pub use solver::{Program, Rows, Unsolved};
-pub use strength::{compaction_resistance, contact_area, sinkage};
+pub use solver::{Program, Rows, Solver, Unsolved};
+pub use speed_loop::SpeedLoop;
+use speed_loop::Speeds;
+pub use strength::{
+    ShearLimit, Strength, compaction_resistance, contact_area, largest_stress, projected_area, sinkage,
+};
 pub use switch::Criterion;
 pub use traction::{MaximumTraction, Search};
 
-use super::error::{ControlError, finite, same_count, within_bounds};
+use super::error::{ControlError, finite, same_count, same_links, within_bounds};
 use super::{Controller, Nominal};
 use crate::signals::{Command, Drive, Measurement, Reference};
+use crate::soil::Soil;
 use bekker_modeldescription::{Unit, parameters};
 
 parameters! {
@@ -43,8 +56,48 @@ parameters! {
         margin: [Unit::ONE] = 0.0, 0.0..=0.95, Fixed, "neutral: Iagnemma 2001 (4.16)";
         /// Share of Bekker's compaction resistance that the body force makes up for.
         resistance: [Unit::ONE] = 0.0, 0.0..=5.0, Fixed, "neutral: Iagnemma 2001 has no such term";
+        /// Gain of the commanded acceleration on the integral of v_desired - v, against the droop that resistance causes.
+        integral_gain: [Unit::PER_SECOND2] = 0.0, 0.0..=1e3, Fixed, "neutral: Iagnemma 2001 holds no speed";
+        /// Proportional gain of each wheel's speed loop, which acts outside `speed_band`.
+        speed_kp: [Unit::SPEED_GAIN] = 0.0, 0.0..=1e3, Fixed, "neutral: Iagnemma 2001 commands torques alone";
+        /// Integral gain of each wheel's speed loop.
+        speed_ki: [Unit::NEWTON_METRE_PER_RADIAN] = 0.0, 0.0..=1e5, Fixed, "neutral: Iagnemma 2001 commands torques alone";
+        /// How far a wheel's speed may be from v_desired / r, of that, before its loop acts.
+        speed_band: [Unit::ONE] = 0.2, 0.0..=10.0, Fixed, "assumption: 1/(1 + 0.2) is the rim's travel at 17 % slip";
     }
 }
+
+/// How rough-terrain control goes about it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RtcOptions {
+    /// Which shear limit the forces keep (4.16).
+    pub strength: Strength,
+    /// Who solves the optimisation.
+    pub solver: Solver,
+    /// Control period at which commands are asked for, s; integral action and speed loops count with it.
+    pub period: f64,
+}
+
+impl Default for RtcOptions {
+    fn default() -> Self {
+        Self { strength: Strength::default(), solver: Solver::default(), period: 0.01 }
+    }
+}
+
+/// How a wheel stands, as the controller sees it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Footing {
+    /// Its load is over the minimum.
+    #[default]
+    Loaded,
+    /// Its load is the minimum (4.13): it is about to lift off.
+    Light,
+    /// It is off the ground: its speed ran away under next to no torque. Its loop holds its speed, the others carry.
+    Lifted,
+}
+
+/// Load over the minimum, of the weight, up to which a wheel counts as about to lift off.
+const LIGHT: f64 = 1e-6;
 
 /// What the last optimisation found.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -63,22 +116,33 @@ pub struct Outcome {
     pub body_force: [f64; 3],
     /// f_s - G x: what of the body force is missing; N, N, N m.
     pub shortfall: [f64; 3],
+    /// The same about every passive joint, N m.
+    pub joint_shortfall: Vec<f64>,
+    /// How every wheel stands.
+    pub footing: Vec<Footing>,
+    /// What the wheels' speed loops add to the torques r T_i, N m.
+    pub trim: Vec<f64>,
     /// Linear programs of the traction search.
     pub steps: usize,
 }
 
-/// Rough-terrain control of a rover with n >= 2 wheels on one body; commands torques.
+/// Rough-terrain control of a rover with n >= 2 wheels on a chassis or on links with passive joints; commands torques.
 ///
-/// It keeps no history: the same readings give the same torques, bit for bit, whatever came before.
+/// Without integral action and speed loops it keeps no history: the same readings give the same torques, bit for
+/// bit, whatever came before.
 #[derive(Clone)]
 pub struct Rtc {
     nominal: Nominal,
     parameters: RoughTerrainControl,
+    options: RtcOptions,
     problem: Problem,
     optimiser: Optimiser,
     /// Forces of the running optimisation, N.
     forces: Vec<f64>,
     outcome: Option<Outcome>,
+    /// Acceleration that the integral action asks for, m/s^2.
+    integral: f64,
+    speed_loops: Vec<SpeedLoop>,
 }
 
 impl Rtc {
@@ -88,15 +152,47 @@ impl Rtc {
     /// [`ControlError`] where the rover or a parameter makes no sense, or the minimum loads together are
     /// not under the weight.
     pub fn new(nominal: Nominal, parameters: RoughTerrainControl) -> Result<Self, ControlError> {
+        Self::with_options(nominal, parameters, RtcOptions::default())
+    }
+
+    /// A controller for the nominal rover that goes about it as `options` say.
+    ///
+    /// # Errors
+    /// As [`Rtc::new`].
+    pub fn with_options(
+        nominal: Nominal,
+        parameters: RoughTerrainControl,
+        options: RtcOptions,
+    ) -> Result<Self, ControlError> {
         nominal.check()?;
         within_bounds("rough_terrain_control", parameters)?;
         let (load, wheels, weight) = (parameters.minimum_load, nominal.wheels(), nominal.weight());
         if load * wheels as f64 >= weight {
             return Err(ControlError::MinimumLoad { load, wheels, weight });
         }
-        let problem = Problem::new(&nominal, load, parameters.margin);
-        let optimiser = Optimiser::new(&problem);
-        Ok(Self { nominal, parameters, problem, optimiser, forces: vec![0.0; 2 * wheels], outcome: None })
+        let problem = Problem::new(&nominal, load);
+        let optimiser = Optimiser::new(&problem, options.solver);
+        let (forces, speed_loops) = (vec![0.0; 2 * wheels], vec![SpeedLoop::default(); wheels]);
+        let outcome = None;
+        Ok(Self { nominal, parameters, options, problem, optimiser, forces, outcome, integral: 0.0, speed_loops })
+    }
+
+    /// Takes over an estimate of the soil's strength: cohesion, Pa, and friction angle, rad, within the bounds that
+    /// the vocabulary sets for both. It holds from the next command on.
+    ///
+    /// # Errors
+    /// [`ControlError::Parameter`] where a value is out of bounds or not finite; the soil is then as before.
+    pub fn set_soil(&mut self, cohesion: f64, friction_angle: f64) -> Result<(), ControlError> {
+        let soil = Soil { cohesion, friction_angle, ..self.nominal.soil };
+        within_bounds("estimated soil", soil)?;
+        self.nominal.soil = soil;
+        Ok(())
+    }
+
+    /// What the controller believes of the rover and its soil.
+    #[must_use]
+    pub fn nominal(&self) -> &Nominal {
+        &self.nominal
     }
 
     /// What the last [`command`](Controller::command) found; `None` before the first, and after one that failed.
@@ -114,20 +210,62 @@ impl Rtc {
     /// Formulates the problem that the readings pose.
     fn pose(&mut self, measured: &Measurement, goal: &Reference) -> Result<(), ControlError> {
         same_count(self.nominal.wheels(), measured.wheels.len())?;
+        same_links(self.nominal.links.len(), measured.links.len())?;
         let pitch = finite("measured pitch", None, measured.pitch)?;
         let speed = finite("measured velocity", None, measured.velocity)?;
         let wanted = finite("the goal's velocity", None, goal.velocity)?;
         for (index, wheel) in measured.wheels.iter().enumerate() {
             finite("measured contact angle", Some(index), wheel.contact_angle)?;
+            if self.holds_speed() {
+                finite("measured speed", Some(index), wheel.speed)?;
+            }
         }
+        for link in &measured.links {
+            finite("measured joint angle", None, link.angle)?;
+        }
+        let joint_angles = measured.links.iter().map(|link| link.angle);
         let angles = measured.wheels.iter().map(|wheel| wheel.contact_angle);
-        self.problem.distribution.place(&self.nominal, pitch, angles);
-        let acceleration = self.parameters.gain * (wanted - speed);
+        self.problem.distribution.place(&self.nominal, pitch, joint_angles, angles);
+        let acceleration = self.parameters.gain * (wanted - speed) + self.integral;
         self.problem.distribution.demand(&self.nominal, finite("the wanted acceleration", None, acceleration)?);
-        self.problem.expect_loads(pitch)?;
-        self.problem.renew_adhesion(&self.nominal, self.parameters.margin);
+        self.problem.expect_loads(&self.nominal, pitch)?;
+        self.problem.renew_strength(&self.nominal, self.parameters.margin, self.options.strength);
+        for (lifted, wheel) in self.problem.lifted.iter_mut().zip(&self.speed_loops) {
+            *lifted = wheel.lifted();
+        }
         self.compensate(wanted);
         Ok(())
+    }
+
+    /// Whether the wheels' speed loops are at work.
+    fn holds_speed(&self) -> bool {
+        self.parameters.speed_kp > 0.0 || self.parameters.speed_ki > 0.0
+    }
+
+    /// Integral action on the body's speed: not further into what the ground does not give, and within one weight.
+    fn integrate(&mut self, error: f64, feasible: bool) {
+        let step = self.parameters.integral_gain * self.options.period * error;
+        if feasible || step * self.integral < 0.0 {
+            self.integral = (self.integral + step).clamp(-self.nominal.gravity, self.nominal.gravity);
+        }
+    }
+
+    /// Torques r T_i with what the speed loops add, within the drives' limit, N m; moves the loops on.
+    fn torques(&mut self, measured: &Measurement, goal: &Reference, torques: &mut Vec<f64>) {
+        let (radius, limit) = (self.nominal.wheel.radius, self.nominal.torque_limit().unwrap_or(f64::INFINITY));
+        torques.clear();
+        torques.extend(self.forces.iter().step_by(2).map(|traction| radius * traction));
+        if !self.holds_speed() {
+            return;
+        }
+        // The least torque that a wheel on the ground can pass on.
+        let touch = radius * self.nominal.soil.friction_angle.tan() * self.problem.minimum_load;
+        let wheels = self.speed_loops.iter_mut().zip(&measured.wheels);
+        for (torque, (wheel, seen)) in torques.iter_mut().zip(wheels) {
+            let speeds =
+                Speeds { wanted: goal.velocity / radius, wheel: seen.speed, body: measured.velocity / radius };
+            *torque = wheel.torque(&self.parameters, self.options.period, &speeds, *torque, touch, limit);
+        }
     }
 
     /// Adds the soil's resistance, against the wanted direction of motion, to the body force.
@@ -137,13 +275,16 @@ impl Rtc {
         }
         let Nominal { soil, wheel, .. } = &self.nominal;
         for (index, &load) in self.problem.expected_loads.iter().enumerate() {
+            if self.problem.lifted[index] {
+                continue;
+            }
             let resistance = self.parameters.resistance * compaction_resistance(soil, wheel, load);
             self.problem.distribution.resist(index, wheel.radius, resistance * wanted.signum());
         }
     }
 
-    /// Renews the outcome, reusing its memory.
-    fn report(&mut self, mut outcome: Outcome, criterion: Criterion, found: Found) {
+    /// Renews the outcome, reusing its memory; `torques` are the commanded ones, N m.
+    fn report(&mut self, mut outcome: Outcome, criterion: Criterion, found: Found, torques: &[f64]) {
         outcome.forces.clone_from(&self.forces);
         outcome.criterion = criterion;
         outcome.feasible = found.feasible;
@@ -153,10 +294,27 @@ impl Rtc {
             Criterion::Power => self.power(),
             Criterion::Traction => self.problem.ratio(&self.forces),
         };
-        outcome.body_force = self.problem.distribution.body_force;
-        let balance = self.problem.distribution.balance(&self.forces);
-        outcome.shortfall = std::array::from_fn(|row| outcome.body_force[row] - balance[row]);
+        let balance = &self.problem.distribution;
+        outcome.body_force = balance.body_force;
+        let missing = |row: usize| balance.wanted(row) - balance.sum(row, &self.forces);
+        outcome.shortfall = std::array::from_fn(missing);
+        outcome.joint_shortfall.clear();
+        outcome.joint_shortfall.extend((3..balance.rows()).map(missing));
+        outcome.footing.clear();
+        outcome.footing.extend((0..self.nominal.wheels()).map(|wheel| self.footing(wheel)));
+        outcome.trim.clear();
+        let pairs = torques.iter().zip(self.forces.iter().step_by(2));
+        outcome.trim.extend(pairs.map(|(torque, traction)| torque - self.nominal.wheel.radius * traction));
         self.outcome = Some(outcome);
+    }
+
+    fn footing(&self, wheel: usize) -> Footing {
+        let over = self.forces[load_of(wheel)] - self.problem.minimum_load;
+        match self.problem.lifted[wheel] {
+            true => Footing::Lifted,
+            false if over <= LIGHT * self.problem.force_unit() => Footing::Light,
+            false => Footing::Loaded,
+        }
     }
 
     /// P = sum R r^2 / (K_t^2 gear^2) T_i^2 (4.10), W.
@@ -176,14 +334,16 @@ impl Controller for Rtc {
         for (index, &traction) in self.forces.iter().step_by(2).enumerate() {
             finite("tractive force", Some(index), traction)?;
         }
-        self.report(outcome, criterion, found);
         command.drive = Drive::Torque;
-        command.values.clear();
-        command.values.extend(self.forces.iter().step_by(2).map(|traction| self.nominal.wheel.radius * traction));
+        self.torques(measured, goal, &mut command.values);
+        self.integrate(goal.velocity - measured.velocity, found.feasible);
+        self.report(outcome, criterion, found, &command.values);
         Ok(())
     }
 
     fn reset(&mut self) {
         self.outcome = None;
+        self.integral = 0.0;
+        self.speed_loops.fill(SpeedLoop::default());
     }
 }

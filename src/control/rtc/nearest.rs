@@ -2,7 +2,7 @@
 
 use super::power::{to_newton, traction_weights};
 use super::problem::Problem;
-use super::solver::{Program, Rows, Unsolved};
+use super::solver::{Program, Rows, Solver, Unsolved};
 
 /// Weight of sum T_i^2 beside the squared miss: chooses the cheapest among the nearest, and moves the
 /// nearest by about this share of the tractive forces.
@@ -21,10 +21,10 @@ pub const WISH_OUT_OF_BALANCE: f64 = 1.0;
 
 /// Finds the admissible forces whose sum is nearest to the wanted body force.
 ///
-/// The vertical force and the moment are laws, the horizontal force is a wish: a rover cannot be driven by
+/// The vertical force and the moments are laws, the horizontal force is a wish: a rover cannot be driven by
 /// a balance in which part of its weight is missing. So the wish alone gives way, as little as it can, as
 /// long as the laws can be kept. Where they cannot (a wheel that would have to hold on to the ground), all
-/// three give way by least squares; this always has a solution, since (4.13), (4.14) and (4.16) hold at
+/// rows give way by least squares; this always has a solution, since (4.13), (4.14) and (4.16) hold at
 /// T = 0 and any large N.
 #[derive(Clone)]
 pub struct Nearest {
@@ -37,17 +37,20 @@ pub struct Nearest {
 impl Nearest {
     /// A solver for problems of the structure of `problem`.
     #[must_use]
-    pub fn new(problem: &Problem) -> Self {
+    pub fn new(problem: &Problem, solver: Solver) -> Self {
+        let mut weights = vec![LAW_WEIGHT; problem.rows()];
+        weights[0] = 1.0;
         let program = |name, weights: &[f64]| {
+            let rows = problem.rows();
             let mut quadratic = traction_weights(problem.wheels(), CHEAPNESS);
             quadratic.extend(weights.iter().map(|weight| weight * weight));
             let linear = vec![0.0; quadratic.len()];
             let limit = LARGEST_WISH;
-            Program::new(name, quadratic, linear, 3, |rows| write(problem, weights.len(), limit, rows))
+            Program::new(name, solver, quadratic, linear, rows, |rows| write(problem, weights.len(), limit, rows))
         };
         Self {
             wish: program("nearest balanced forces", &[1.0]),
-            all: program("nearest admissible forces", &[1.0, LAW_WEIGHT, LAW_WEIGHT]),
+            all: program("nearest admissible forces", &weights),
         }
     }
 
@@ -58,7 +61,7 @@ impl Nearest {
     pub fn solve(&mut self, problem: &Problem, forces: &mut [f64]) -> Result<(), Unsolved> {
         let solution = match self.wish.solve(|rows| write(problem, 1, LARGEST_WISH, rows)) {
             Ok(solution) => solution,
-            Err(_) => self.all.solve(|rows| write(problem, 3, WISH_OUT_OF_BALANCE, rows))?,
+            Err(_) => self.all.solve(|rows| write(problem, problem.rows(), WISH_OUT_OF_BALANCE, rows))?,
         };
         to_newton(problem, solution, forces);
         Ok(())

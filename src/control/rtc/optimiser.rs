@@ -3,7 +3,7 @@
 use super::nearest::Nearest;
 use super::power::MinimumPower;
 use super::problem::Problem;
-use super::solver::Unsolved;
+use super::solver::{Solver, Unsolved};
 use super::switch::Criterion;
 use super::traction::MaximumTraction;
 
@@ -34,11 +34,11 @@ pub struct Optimiser {
 impl Optimiser {
     /// An optimiser for problems of the structure of `problem`.
     #[must_use]
-    pub fn new(problem: &Problem) -> Self {
+    pub fn new(problem: &Problem, solver: Solver) -> Self {
         Self {
-            power: MinimumPower::new(problem),
-            traction: MaximumTraction::new(problem),
-            nearest: Nearest::new(problem),
+            power: MinimumPower::new(problem, solver),
+            traction: MaximumTraction::new(problem, solver),
+            nearest: Nearest::new(problem, solver),
         }
     }
 
@@ -64,8 +64,7 @@ impl Optimiser {
 
 /// Largest miss of the balance in the optimiser's units.
 fn miss(problem: &Problem, forces: &[f64]) -> f64 {
-    let sum = problem.distribution.balance(forces);
-    let wanted = problem.distribution.body_force;
-    let rows = sum.iter().zip(wanted).zip(problem.row_units());
-    rows.map(|((have, want), unit)| ((have - want) / unit).abs()).fold(0.0, f64::max)
+    let balance = &problem.distribution;
+    let row = |row: usize| ((balance.sum(row, forces) - balance.wanted(row)) / problem.row_unit(row)).abs();
+    (0..problem.rows()).map(row).fold(0.0, f64::max)
 }

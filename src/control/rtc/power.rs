@@ -1,7 +1,7 @@
 //! Minimum power (4.10): a quadratic program.
 
 use super::problem::{Problem, load_of, traction_of};
-use super::solver::{Program, Rows, Unsolved};
+use super::solver::{Program, Rows, Solver, Unsolved};
 
 /// Weights of the unknowns in sum T_i^2, which is P up to a factor that all wheels share (same drives).
 pub(super) fn traction_weights(wheels: usize, weight: f64) -> Vec<f64> {
@@ -22,12 +22,14 @@ pub struct MinimumPower {
 impl MinimumPower {
     /// A solver for problems of the structure of `problem`.
     #[must_use]
-    pub fn new(problem: &Problem) -> Self {
-        let wheels = problem.wheels();
+    pub fn new(problem: &Problem, solver: Solver) -> Self {
+        let (wheels, rows) = (problem.wheels(), problem.rows());
         let (quadratic, linear) = (traction_weights(wheels, 1.0), vec![0.0; 2 * wheels]);
         Self {
-            program: Program::new("minimum power", quadratic.clone(), linear.clone(), 3, |rows| write(problem, rows)),
-            bounded: Program::new("minimum power at a ratio", quadratic, linear, 3, |rows| {
+            program: Program::new("minimum power", solver, quadratic.clone(), linear.clone(), rows, |rows| {
+                write(problem, rows);
+            }),
+            bounded: Program::new("minimum power at a ratio", solver, quadratic, linear, rows, |rows| {
                 write_bounded(problem, 1.0, rows);
             }),
         }
@@ -54,10 +56,10 @@ impl MinimumPower {
     }
 }
 
-/// Turns the optimiser's first unknowns into forces in N.
+/// Turns the optimiser's first unknowns into forces in N; none on wheels off the ground.
 pub(super) fn to_newton(problem: &Problem, solution: &[f64], forces: &mut [f64]) {
-    for (force, value) in forces.iter_mut().zip(solution) {
-        *force = value * problem.force_unit();
+    for (k, (force, value)) in forces.iter_mut().zip(solution).enumerate() {
+        *force = if problem.lifted[k / 2] { 0.0 } else { value * problem.force_unit() };
     }
 }
 

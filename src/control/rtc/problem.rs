@@ -2,7 +2,7 @@
 
 use super::distribution::Distribution;
 use super::solver::Rows;
-use super::strength::contact_area;
+use super::strength::Strength;
 use crate::control::{ControlError, Nominal};
 
 /// Column of T_i among the unknowns x = [T_1, N_1, .., T_n, N_n].
@@ -26,10 +26,12 @@ pub struct Problem {
     pub minimum_load: f64,
     /// Largest tractive force of a drive, tau_max / r (4.14; wheel side, errata 9), N; `None` without limit.
     pub drive_limit: Option<f64>,
-    /// Usable part of tan phi: strength that grows with the load (4.16, errata 12), dimensionless.
-    pub friction: f64,
-    /// Usable part of A_i c: strength that does not (4.16, errata 12), N, one a wheel.
+    /// Usable strength that grows with the load (4.16), of that load, one a wheel: tan phi by Mohr and Coulomb.
+    pub friction: Vec<f64>,
+    /// Usable strength that does not, A_i c (4.16), N, one a wheel.
     pub adhesion: Vec<f64>,
+    /// Wheels off the ground: the balance knows nothing of their forces.
+    pub lifted: Vec<bool>,
     /// Loads of a rover at rest, from which the contact areas follow, N, one a wheel.
     pub expected_loads: Vec<f64>,
     /// Units in which the optimiser counts: force, N, and length, m.
@@ -39,17 +41,17 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// Constraints of the nominal rover: minimum load in N, and the share `margin` of the soil's strength
-    /// that is kept in reserve.
+    /// Constraints of the nominal rover, with the minimum load in N.
     #[must_use]
-    pub fn new(nominal: &Nominal, minimum_load: f64, margin: f64) -> Self {
+    pub fn new(nominal: &Nominal, minimum_load: f64) -> Self {
         let wheels = nominal.wheels();
         Self {
-            distribution: Distribution::new(wheels),
+            distribution: Distribution::new(nominal),
             minimum_load,
             drive_limit: nominal.torque_limit().map(|torque| torque / nominal.wheel.radius),
-            friction: (1.0 - margin) * nominal.soil.friction_angle.tan(),
+            friction: vec![0.0; wheels],
             adhesion: vec![0.0; wheels],
+            lifted: vec![false; wheels],
             expected_loads: vec![0.0; wheels],
             unit: (nominal.weight(), 0.5 * nominal.base()),
             forces: vec![0.0; 2 * wheels],
@@ -68,21 +70,26 @@ impl Problem {
         self.unit.0
     }
 
-    /// Units of the three rows of the balance in the optimiser: N, N, N m.
+    /// Number of rows of the balance.
     #[must_use]
-    pub fn row_units(&self) -> [f64; 3] {
+    pub fn rows(&self) -> usize {
+        self.distribution.rows()
+    }
+
+    /// Unit of row `row` of the balance in the optimiser: N for the first two, N m for moments.
+    #[must_use]
+    pub fn row_unit(&self, row: usize) -> f64 {
         let (force, length) = self.unit;
-        [force, force, force * length]
+        if row < 2 { force } else { force * length }
     }
 
     /// Estimates the loads by the least-norm forces that carry the weight alone, kept at the minimum load
     /// at least. The wanted acceleration stays out: strength must not grow with what is asked for.
     ///
     /// # Errors
-    /// [`ControlError::Singular`] where all contact points coincide.
-    pub fn expect_loads(&mut self, pitch: f64) -> Result<(), ControlError> {
-        let (weight, length) = self.unit;
-        let carried = self.distribution.least_norm([0.0, weight, 0.0], length, &mut self.forces);
+    /// [`ControlError::Singular`] where all contact points coincide, or those of the wheels that a joint carries do.
+    pub fn expect_loads(&mut self, nominal: &Nominal, pitch: f64) -> Result<(), ControlError> {
+        let carried = self.distribution.carry_weight(nominal, self.unit.1, &mut self.forces);
         carried.ok_or(ControlError::Singular { pitch })?;
         for (wheel, load) in self.expected_loads.iter_mut().enumerate() {
             *load = self.forces[load_of(wheel)].max(self.minimum_load);
@@ -90,18 +97,19 @@ impl Problem {
         Ok(())
     }
 
-    /// Renews the usable adhesion (1 - margin) A_i c from the expected loads by (4.18).
-    pub fn renew_adhesion(&mut self, nominal: &Nominal, margin: f64) {
-        for (adhesion, &load) in self.adhesion.iter_mut().zip(&self.expected_loads) {
-            let area = contact_area(&nominal.soil, &nominal.wheel, load);
-            *adhesion = (1.0 - margin) * area * nominal.soil.cohesion;
+    /// Renews the usable strength, all but the share `margin` of it, at the expected loads.
+    pub fn renew_strength(&mut self, nominal: &Nominal, margin: f64, strength: Strength) {
+        let wheels = self.adhesion.iter_mut().zip(&mut self.friction);
+        for ((adhesion, friction), &load) in wheels.zip(&self.expected_loads) {
+            let limit = strength.limit(&nominal.soil, &nominal.wheel, load, 1.0 - margin);
+            (*adhesion, *friction) = (limit.adhesion, limit.friction);
         }
     }
 
     /// Largest tractive force that ground and drive allow wheel `wheel` under the load `load` (N), N.
     #[must_use]
     pub fn traction_limit(&self, wheel: usize, load: f64) -> f64 {
-        let strength = self.adhesion[wheel] + self.friction * load;
+        let strength = self.adhesion[wheel] + self.friction[wheel] * load;
         self.drive_limit.map_or(strength, |limit| limit.min(strength))
     }
 
@@ -109,12 +117,13 @@ impl Problem {
     /// first `slacks` rows, and the horizontal force is asked for within `limit` weights.
     pub(super) fn write_balance(&self, rows: &mut Rows, slacks: usize, limit: f64) {
         let (force, length) = self.unit;
-        for (row, scale) in [1.0, 1.0, length].into_iter().enumerate() {
-            let wanted = self.distribution.body_force[row] / (force * scale);
+        for row in 0..self.rows() {
+            let scale = if row < 2 { 1.0 } else { length };
+            let wanted = self.distribution.wanted(row) / (force * scale);
             rows.row(if row == 0 { wanted.clamp(-limit, limit) } else { wanted });
-            for (wheel, contact) in self.distribution.contacts.iter().enumerate() {
-                rows.term(traction_of(wheel), contact.traction_column()[row] / scale);
-                rows.term(load_of(wheel), contact.load_column()[row] / scale);
+            for wheel in 0..self.wheels() {
+                let contact = if self.lifted[wheel] { [0.0; 2] } else { self.distribution.coefficients(row, wheel) };
+                rows.term(traction_of(wheel), contact[0] / scale).term(load_of(wheel), contact[1] / scale);
             }
             if row < slacks {
                 rows.term(2 * self.wheels() + row, 1.0);
@@ -129,7 +138,7 @@ impl Problem {
             rows.row(-self.minimum_load / unit).term(load_of(wheel), -1.0); // (4.13)
             for sign in [1.0, -1.0] {
                 let strength = rows.row(self.adhesion[wheel] / unit); // (4.16)
-                strength.term(traction_of(wheel), sign).term(load_of(wheel), -self.friction);
+                strength.term(traction_of(wheel), sign).term(load_of(wheel), -self.friction[wheel]);
                 if let Some(limit) = self.drive_limit {
                     rows.row(limit / unit).term(traction_of(wheel), sign); // (4.14)
                 }

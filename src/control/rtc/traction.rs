@@ -2,7 +2,7 @@
 
 use super::power::{MinimumPower, to_newton};
 use super::problem::{Problem, load_of, traction_of};
-use super::solver::{Program, Rows};
+use super::solver::{Program, Rows, Solver};
 
 /// Gain in the ratio at which the search ends: a hundredth of [`RATIO_ROOM`].
 const RATIO_TOLERANCE: f64 = 1e-8;
@@ -47,11 +47,11 @@ pub struct MaximumTraction {
 impl MaximumTraction {
     /// A solver for problems of the structure of `problem`.
     #[must_use]
-    pub fn new(problem: &Problem) -> Self {
+    pub fn new(problem: &Problem, solver: Solver) -> Self {
         let unknowns = 2 * problem.wheels();
         let mut linear = vec![0.0; unknowns + 1];
         linear[unknowns] = 1.0;
-        let program = Program::new("maximum traction", vec![0.0; unknowns + 1], linear, 3, |rows| {
+        let program = Program::new("maximum traction", solver, vec![0.0; unknowns + 1], linear, problem.rows(), |rows| {
             write(problem, 1.0, &problem.expected_loads, rows);
         });
         Self { program, trial: vec![0.0; unknowns], loads: problem.expected_loads.clone() }
@@ -70,7 +70,7 @@ impl MaximumTraction {
     /// Improves `forces` until their ratio is the least.
     fn least_ratio(&mut self, problem: &Problem, forces: &mut [f64]) -> Search {
         let mut reached = problem.ratio(forces);
-        let mut lambda = reached.min(problem.friction);
+        let mut lambda = reached.min(problem.friction.iter().copied().fold(0.0, f64::max));
         self.loads.copy_from_slice(&problem.expected_loads);
         if lambda == reached {
             self.weigh_by(forces);
