@@ -16,14 +16,36 @@ pub(super) struct Contender {
 const PITCH_NOISE: f64 = 0.05 * 0.17;
 const WHEEL_SPEED_NOISE: f64 = 0.05 * 2.5;
 
-/// Velocity control first: the others are compared with it.
+/// Velocity control first: the others are compared with it; then the thesis's RTC.
 pub(super) const FIELD: &[Contender] = &[
     Contender { name: VELOCITY, apply: |model| with(model, ControlKind::Velocity), in_figures: true },
     Contender { name: RTC, apply: |model| with(model, ControlKind::Rtc), in_figures: true },
+    Contender { name: "RTC holding its speed", apply: holding_speed, in_figures: false },
+    Contender {
+        name: "velocity control, tuned to the plant",
+        apply: |model| with(model, ControlKind::VelocityTuned),
+        in_figures: false,
+    },
+    Contender { name: "equal torque", apply: |model| with(model, ControlKind::EqualTorque), in_figures: false },
+    Contender {
+        name: "slip control by the true slip",
+        apply: |model| with(model, ControlKind::Slip),
+        in_figures: false,
+    },
 ];
 
 const VELOCITY: &str = "velocity control";
 const RTC: &str = "RTC";
+
+/// RTC with all that the thesis leaves out and the project offers: it makes up for the soil's resistance, integrates the
+/// speed error, and each wheel's own loop (the gains of velocity control) keeps it within 20 % of the wanted speed.
+fn holding_speed(model: &mut Model) {
+    with(model, ControlKind::Rtc);
+    let velocity = model.control.velocity;
+    let rtc = &mut model.control.rtc;
+    (rtc.resistance, rtc.integral_gain) = (1.0, 10.0);
+    (rtc.speed_kp, rtc.speed_ki) = (velocity.kp, velocity.ki);
+}
 
 fn with(model: &mut Model, kind: ControlKind) {
     model.control.kind = kind;

@@ -262,8 +262,7 @@ impl Rtc {
         let touch = radius * self.nominal.soil.friction_angle.tan() * self.problem.minimum_load;
         let wheels = self.speed_loops.iter_mut().zip(&measured.wheels);
         for (torque, (wheel, seen)) in torques.iter_mut().zip(wheels) {
-            let speeds =
-                Speeds { wanted: goal.velocity / radius, wheel: seen.speed, body: measured.velocity / radius };
+            let speeds = Speeds { wanted: goal.velocity / radius, wheel: seen.speed, body: measured.velocity / radius };
             *torque = wheel.torque(&self.parameters, self.options.period, &speeds, *torque, touch, limit);
         }
     }

@@ -106,7 +106,8 @@ impl PairFilter {
         }
         covariance[(GAMMA[0], GAMMA[1])] = alpha_variance;
         covariance[(GAMMA[1], GAMMA[0])] = alpha_variance;
-        let mut filter = Self { model, state: [alpha, rate, v1, v2, mean, mean].into(), covariance, bias: 0.0, restarts: 0 };
+        let mut filter =
+            Self { model, state: [alpha, rate, v1, v2, mean, mean].into(), covariance, bias: 0.0, restarts: 0 };
         filter.constrain();
         filter
     }

@@ -127,10 +127,8 @@ impl ContactAngles {
     }
 
     fn check(&self, measured: &Measurement) -> Result<(), EstimationError> {
-        let counts = [
-            ("wheels", self.angles.len(), measured.wheels.len()),
-            ("links", self.parents.len(), measured.links.len()),
-        ];
+        let counts =
+            [("wheels", self.angles.len(), measured.wheels.len()), ("links", self.parents.len(), measured.links.len())];
         for (what, expected, found) in counts {
             same_count(what, expected, found)?;
         }

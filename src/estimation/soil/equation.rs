@@ -61,8 +61,7 @@ fn parts<S: Scalar>(wheel: &Wheel, soil: &Soil, strength: [S; 3], sinkage: S, sl
     let velocity = -slip + 1.0; // r omega = 1 m/s
     let at = |soil: &Soil<S>| rolling(&wheel, soil, zero, sinkage, velocity, spin);
     let cohesive = at(&Soil { cohesion: strength[0], shear_modulus, ..bare });
-    let pressed =
-        at(&Soil { k_phi: S::from(REFERENCE_MODULUS), friction_angle: strength[1], shear_modulus, ..bare });
+    let pressed = at(&Soil { k_phi: S::from(REFERENCE_MODULUS), friction_angle: strength[1], shear_modulus, ..bare });
     Parts { cohesive: [cohesive.normal, cohesive.torque], frictional: pressed.torque / pressed.normal }
 }
 
@@ -97,12 +96,7 @@ pub(super) fn predict_at(wheel: &Wheel, soil: &Soil, at: [f64; 3], reading: &Rea
 ///
 /// # Errors
 /// [`EstimationError`] where the reading makes no sense, or no angle in 0.6..74 degrees gives its torque.
-pub fn friction_angle_at(
-    wheel: &Wheel,
-    soil: &Soil,
-    reading: &Reading,
-    cohesion: f64,
-) -> Result<f64, EstimationError> {
+pub fn friction_angle_at(wheel: &Wheel, soil: &Soil, reading: &Reading, cohesion: f64) -> Result<f64, EstimationError> {
     /// Steps of Newton's method; 4 to 6 are needed.
     const STEPS: usize = 30;
     reading.check(wheel)?;

@@ -69,11 +69,8 @@ impl StrengthFilter {
         within_bounds("soil", *soil)?;
         within_bounds("soil_identification", parameters)?;
         let prior = Vector3::from(Strength::of(soil).coordinates());
-        let deviations = [
-            parameters.cohesion_deviation,
-            parameters.friction_angle_deviation,
-            parameters.shear_modulus_deviation,
-        ];
+        let deviations =
+            [parameters.cohesion_deviation, parameters.friction_angle_deviation, parameters.shear_modulus_deviation];
         let covariance = Matrix3::from_diagonal(&Vector3::from(deviations.map(|d| d * d)));
         Ok(Self { wheel: *wheel, soil: *soil, parameters, deviations, prior, mean: prior, covariance })
     }
