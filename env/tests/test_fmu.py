@@ -8,6 +8,7 @@ import fmpy
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
+from fmpy.model_description import read_model_description
 from fmpy.validation import validate_fmu
 from stepped_fmu import Slave
 
