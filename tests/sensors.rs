@@ -66,7 +66,8 @@ fn property_neutral_sensors_read_the_signals_to_the_last_bit() {
 #[test]
 fn regress_the_first_noises_keep_their_bits_whatever_else_is_set() {
     // Pitch, velocity, then speed and contact angle wheel by wheel: the order in which they have always been drawn.
-    let noises = [("pitch_noise", 0.01), ("velocity_noise", 0.02), ("wheel_speed_noise", 0.3), ("contact_angle_noise", 0.04)];
+    let noises =
+        [("pitch_noise", 0.01), ("velocity_noise", 0.02), ("wheel_speed_noise", 0.3), ("contact_angle_noise", 0.04)];
     let noises: Vec<(String, f64)> = noises.map(|(name, value)| (name.to_owned(), value)).to_vec();
     let further = ["pitch_rate_noise", "torque_noise", "link_angle_noise", "link_rate_noise"];
     let with_further = noises.iter().cloned().chain(further.map(|name| (name.to_owned(), 0.5))).collect::<Vec<_>>();
@@ -91,7 +92,8 @@ fn regress_the_first_noises_keep_their_bits_whatever_else_is_set() {
 fn property_noise_and_bias_of_every_channel_are_those_set() {
     for name in CHANNELS {
         let (noise, bias) = (0.05, -0.2);
-        let mut suite = SensorSuite::new(sensors(&[(format!("{name}_noise"), noise), (format!("{name}_bias"), bias)]), 7);
+        let mut suite =
+            SensorSuite::new(sensors(&[(format!("{name}_noise"), noise), (format!("{name}_bias"), bias)]), 7);
         let (truth, mut measured) = (signals(), Measurement::default());
         let mut errors = Vec::with_capacity(SAMPLES);
         for k in 0..SAMPLES {
@@ -113,7 +115,8 @@ fn property_noise_and_bias_of_every_channel_are_those_set() {
 #[test]
 fn analytic_readings_are_whole_steps_and_hold_between_samples() {
     for name in CHANNELS {
-        let values = [(format!("{name}_resolution"), 0.05), (format!("{name}_period"), 0.1), (format!("{name}_noise"), 0.2)];
+        let values =
+            [(format!("{name}_resolution"), 0.05), (format!("{name}_period"), 0.1), (format!("{name}_noise"), 0.2)];
         let mut suite = SensorSuite::new(sensors(&values), 1);
         let (truth, mut measured) = (signals(), Measurement::default());
         let mut readings = Vec::new();
@@ -146,7 +149,8 @@ fn analytic_an_encoder_of_few_counts_loses_no_way() {
 
 #[test]
 fn property_clones_read_the_same() {
-    let values = [("pitch_noise", 0.1), ("torque_noise", 0.1), ("wheel_speed_resolution", 0.3), ("link_rate_period", 0.05)];
+    let values =
+        [("pitch_noise", 0.1), ("torque_noise", 0.1), ("wheel_speed_resolution", 0.3), ("link_rate_period", 0.05)];
     let mut suite = SensorSuite::new(sensors(&values.map(|(name, value)| (name.to_owned(), value))), 9);
     let (truth, mut a, mut b) = (signals(), Measurement::default(), Measurement::default());
     (0..7).for_each(|k| suite.read(f64::from(k) * 0.01, &truth, &mut a));

@@ -109,9 +109,8 @@ impl Nominal {
 
     /// Refuses a structure that is no tree, or wheels on bodies that do not exist.
     fn check_links(&self) -> Result<(), ControlError> {
-        let refuse = |quantity, value: usize, expected| {
-            Err(ControlError::Nominal { quantity, value: value as f64, expected })
-        };
+        let refuse =
+            |quantity, value: usize, expected| Err(ControlError::Nominal { quantity, value: value as f64, expected });
         for (index, link) in self.links.iter().enumerate() {
             for value in [link.x, link.z, link.mass, link.centre_of_mass_x, link.centre_of_mass_z] {
                 finite("nominal link", None, value)?;
