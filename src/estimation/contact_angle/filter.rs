@@ -23,6 +23,9 @@ const GAMMA: [usize; 2] = [4, 5];
 /// Error of the kinematic equations that is always left, m/s: far under any speed, so that no variance vanishes.
 const LEAST_ERROR: f64 = 1e-6;
 
+/// Deviations of a speed within which a point counts as standing: noise goes no way.
+const STANDING: f64 = 4.0;
+
 /// Factor by which the rate may change faster than contact angles let it: the kinematic equations say so already, and the
 /// same knowledge is not to count twice.
 const FREE: f64 = 10.0;
@@ -122,24 +125,27 @@ impl PairFilter {
 
     /// Prediction over `dt` seconds and update by a reading, (D.4)-(D.8). Measurements come one after the other, which
     /// for a diagonal R is the same as together and needs no inverse; the two equations come last, about the state that
-    /// the readings have led to. A filter that has lost its way starts anew at the reading.
+    /// the readings have led to. At rest they are left out, since they say nothing there (2.5), and noise of the speeds would
+    /// pass for knowledge. A filter that has lost its way starts anew at the reading.
     pub fn step(&mut self, dt: f64, reading: &PairReading) -> Innovation {
         self.predict(dt);
         self.watch(reading.inclination);
         let mut nis = self.absorb_entry(ALPHA, reading.inclination);
         nis += reading.rate.map_or(0.0, |rate| self.absorb_entry(RATE, rate));
         nis += self.absorb_entry(SPEED[0], reading.speeds[0]) + self.absorb_entry(SPEED[1], reading.speeds[1]);
-        nis += self.constrain(dt);
+        let moving = !self.stands();
+        nis += if moving { self.constrain(dt) } else { 0.0 };
         if self.lost() {
             let restarts = self.restarts.saturating_add(1);
             *self = Self { restarts, ..Self::new(self.model, reading) };
         }
-        Innovation { nis, count: 5 + usize::from(reading.rate.is_some()) }
+        Innovation { nis, count: 3 + usize::from(reading.rate.is_some()) + 2 * usize::from(moving) }
     }
 
     /// (D.4), (D.5): the line turns at its rate, rate and speeds walk randomly, and a contact angle is a Gauss-Markov
     /// process along the way about the ground's mean, so that without information it tends to that.
     fn predict(&mut self, dt: f64) {
+        let going = SPEED.map(|speed| self.beyond_noise(speed));
         let model = &self.model;
         let x = &mut self.state;
         let mut f = Covariance::identity();
@@ -150,13 +156,16 @@ impl PairFilter {
         let memory = 2.0 * mean_speed(speeds) / model.correlation_length;
         q[RATE] = (model.rate_drift * model.rate_drift + FREE * memory * model.rate_spread(speeds)) * dt;
         for k in [0, 1] {
-            let (speed, gamma) = (x[SPEED[k]], GAMMA[k]);
-            let kept = (-speed.abs() * dt / model.correlation_length).exp();
+            let gamma = GAMMA[k];
+            let forgets = dt / model.correlation_length;
+            let kept = (-going[k] * forgets).exp();
             let mean = x[ALPHA] - model.offset;
             let apart = x[gamma] - mean;
             f[(gamma, ALPHA)] = 1.0 - kept;
             f[(gamma, gamma)] = kept;
-            f[(gamma, SPEED[k])] = -speed.signum() * dt / model.correlation_length * kept * apart;
+            if going[k] > 0.0 {
+                f[(gamma, SPEED[k])] = -x[SPEED[k]].signum() * forgets * kept * apart;
+            }
             x[gamma] = mean + kept * apart;
             q[SPEED[k]] = model.speed_drift * model.speed_drift * dt;
             q[gamma] = model.angle_deviation * model.angle_deviation * (1.0 - kept * kept);
@@ -185,6 +194,17 @@ impl PairFilter {
     /// which the slope of the second depends.
     fn constrain(&mut self, dt: f64) -> f64 {
         self.absorb_equation(true, dt) + self.absorb_equation(false, dt)
+    }
+
+    /// Whether both points may be standing.
+    fn stands(&self) -> bool {
+        SPEED.iter().all(|speed| self.beyond_noise(*speed) == 0.0)
+    }
+
+    /// A speed's size beyond its own noise, m/s.
+    fn beyond_noise(&self, speed: usize) -> f64 {
+        let (value, variance) = (self.state[speed], self.covariance[(speed, speed)]);
+        (value * value - STANDING * STANDING * variance).max(0.0).sqrt()
     }
 
     fn absorb_equation(&mut self, turning: bool, dt: f64) -> f64 {
