@@ -60,8 +60,8 @@ pub struct PairModel {
     pub angle_deviation: f64,
     /// Way over which a contact angle forgets itself, m.
     pub correlation_length: f64,
-    /// Error of the kinematic equations, share of the speed: slip, radii, distances. It lasts as long as a contact angle
-    /// does, and counts as white noise of the same density.
+    /// Error of either speed in the kinematic equations, share of the speed: slip, radii, distances. It lasts as long as a
+    /// contact angle does, and counts as white noise of the same density.
     pub kinematic_error: f64,
 }
 
@@ -214,13 +214,14 @@ impl PairFilter {
             row[RATE] = -self.model.distance;
         }
         let speed = mean_speed([self.state[SPEED[0]], self.state[SPEED[1]]]);
-        let error = self.model.kinematic_error * speed;
+        let error = self.model.kinematic_error;
         // An error that is correlated over the time tau has the density of white noise 2 tau/dt times its variance.
         let way = speed * dt;
         let lasting = if way > 0.0 { (2.0 * self.model.correlation_length / way).max(1.0) } else { 1.0 };
         let (mean, spread) = self.beyond_first_order(&bends);
+        let parts = self.parts_squared(&row);
         let column = self.covariance * row;
-        let total = row.dot(&column) + lasting * error * error + LEAST_ERROR * LEAST_ERROR + spread;
+        let total = row.dot(&column) + lasting * error * error * parts + LEAST_ERROR * LEAST_ERROR + spread;
         self.absorb(column, -(value + mean), total)
     }
 
@@ -237,6 +238,18 @@ impl PairFilter {
         let mean = self.state[ALPHA] - self.model.offset;
         let biased = self.bias.abs() * (2.0 * WINDOW).sqrt() > BIASED;
         biased || GAMMA.iter().any(|gamma| (self.state[*gamma] - mean).abs() > most)
+    }
+
+    /// Sum of the squares of v cos or v sin of both points, which errors of the speeds are shares of; the directions with
+    /// their uncertainty.
+    fn parts_squared(&self, row: &State) -> f64 {
+        let p = &self.covariance;
+        let square = |k: usize| {
+            let (part, by_angle, gamma) = (row[SPEED[k]] * self.state[SPEED[k]], row[GAMMA[k]], GAMMA[k]);
+            let of_angle = p[(gamma, gamma)] - 2.0 * p[(gamma, ALPHA)] + p[(ALPHA, ALPHA)];
+            part * part + by_angle * by_angle * of_angle
+        };
+        square(0) + square(1)
     }
 
     /// Mean and variance of the second-order part of an equation, tr(H P)/2 and tr(H P H P)/2: without them the filter
