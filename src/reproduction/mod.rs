@@ -6,6 +6,7 @@
 
 mod benign;
 mod challenging;
+pub mod contact_angles;
 mod contender;
 mod ditch;
 mod drive;

@@ -20,14 +20,14 @@ parameters! {
         wheel_speed_noise: [Unit::RADIAN_PER_SECOND] = 0.05, 1e-6..=10.0, Fixed, "assumption: a tachometer";
         /// Slip that all wheels are taken to have: a centre's speed is (1 - slip) r omega.
         slip: [Unit::ONE] = 0.0, -1.0..=0.95, Fixed, "neutral";
-        /// Standard deviation of the slip about that.
-        slip_deviation: [Unit::ONE] = 0.05, 0.0..=1.0, Fixed, "assumption: firm ground, slip below 10 %";
-        /// Error of the kinematic equations, share of the speed.
+        /// Standard deviation of the slip about that; it lasts as long as a contact angle does.
+        slip_deviation: [Unit::ONE] = 0.1, 0.0..=1.0, Fixed, "assumption: firm ground, slip about 10 %";
+        /// Other error of the kinematic equations, share of the speed; it lasts as long.
         kinematic_error: [Unit::ONE] = 0.01, 0.0..=1.0, Fixed, "assumption: radii and distances known to 1 %";
         /// Factor on the variances of all measurements.
         covariance_factor: [Unit::ONE] = 1.5, 0.01..=100.0, Fixed, "Iagnemma 2001, 2.6.1: 150 %";
-        /// Standard deviation of the change of a pair's rate within a second, a random walk.
-        rate_drift: [Unit::RADIAN_PER_SECOND] = 1.0, 1e-6..=1e3, Fixed, "assumption: large, the kinematic equations tell the rate";
+        /// Standard deviation of the change of a pair's rate within a second, a random walk, beyond what the ground does.
+        rate_drift: [Unit::RADIAN_PER_SECOND] = 0.05, 0.0..=1e3, Fixed, "assumption: small, the suspension hardly swings";
         /// Standard deviation of the change of a wheel centre's speed within a second, a random walk.
         speed_drift: [Unit::METRE_PER_SECOND] = 0.05, 1e-9..=100.0, Fixed, "assumption: control holds the speed";
         /// Standard deviation of the contact angles about the ground's mean.

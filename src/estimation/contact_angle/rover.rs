@@ -154,7 +154,7 @@ impl ContactAngles {
     fn model(&self, pair: &Pair) -> PairModel {
         let ContactAngleEstimation { rate_drift, speed_drift, angle_deviation, correlation_length, .. } =
             self.parameters;
-        let kinematic_error = self.parameters.kinematic_error;
+        let kinematic_error = self.parameters.kinematic_error.hypot(self.parameters.slip_deviation);
         // Ground under two wheels is parallel to their line on the average; a line to a joint is inclined to it.
         let wheels = pair.points.iter().all(|point| matches!(point, Point::Wheel(_)));
         let offset = if wheels { 0.0 } else { pair.inclination };
@@ -190,13 +190,12 @@ impl ContactAngles {
 
     /// Speed of a wheel's centre and its variance from an encoder's reading and the rate [value, variance] of the body.
     fn wheel_speed(&self, encoder: f64, rate: [f64; 2]) -> [f64; 2] {
-        let ContactAngleEstimation { wheel_speed_noise, slip, slip_deviation, covariance_factor, .. } = self.parameters;
+        let ContactAngleEstimation { wheel_speed_noise, slip, covariance_factor, .. } = self.parameters;
         // The soil sees the absolute rate of the wheel; nose up is against rolling forward.
         let rim = self.radius * (encoder - rate[0]);
         let keeps = (1.0 - slip) * self.radius;
         let noise = keeps * keeps * (covariance_factor * wheel_speed_noise * wheel_speed_noise + rate[1]);
-        let slips = slip_deviation * rim;
-        [(1.0 - slip) * rim, noise + covariance_factor * slips * slips]
+        [(1.0 - slip) * rim, noise]
     }
 
     /// Speed of a joint and its variance from the filter of a pair on one of its bodies.
