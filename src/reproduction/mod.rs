@@ -5,6 +5,10 @@
 //! differs, the row says why.
 
 pub mod instruments;
+pub mod on_board;
+pub mod soil;
+pub mod soil_on_board;
+mod stresses;
 
 use serde::Serialize;
 

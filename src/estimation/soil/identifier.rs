@@ -165,11 +165,7 @@ impl SoilIdentifier {
     }
 
     /// What wheel `k` says, and its use by the filter.
-    fn read(
-        &mut self,
-        scene: &Scene,
-        k: usize,
-    ) -> Result<(WheelUse, Option<(Reading, Deviations)>), EstimationError> {
+    fn read(&mut self, scene: &Scene, k: usize) -> Result<(WheelUse, Option<(Reading, Deviations)>), EstimationError> {
         let parameters = *self.filter.parameters();
         let Rolling { velocity, rim_speed } = self.rolling(scene, k);
         let load = scene.loads[k];

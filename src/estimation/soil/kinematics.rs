@@ -74,9 +74,8 @@ impl Posture {
 
 /// Refuses a rover with more parts than an estimator on board has room for, or links that are not a tree.
 pub(super) fn check_structure(nominal: &Nominal) -> Result<(), EstimationError> {
-    let refuse = |quantity, value: usize, expected| {
-        Err(EstimationError::Nominal { quantity, value: value as f64, expected })
-    };
+    let refuse =
+        |quantity, value: usize, expected| Err(EstimationError::Nominal { quantity, value: value as f64, expected });
     if !(2..=MAX_WHEELS).contains(&nominal.wheels()) {
         return refuse("number of wheels", nominal.wheels(), "2 to 8");
     }
