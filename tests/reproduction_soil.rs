@@ -2,8 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
-use bekker::reproduction::soil::{bevameter, drawbar_pull_of_models, stress_distributions, wheel_testbed};
+use bekker::reproduction::soil::{drawbar_pull_of_models, stress_distributions};
 use bekker::reproduction::soil_on_board::rover_identification;
+use bekker::reproduction::soil_testbed::{bevameter, wheel_testbed};
 use bekker::reproduction::{Finding, Spread};
 
 fn show(finding: &Finding) {

@@ -66,8 +66,9 @@ fn property_strength_is_found_while_driving() {
         );
         assert!((found.cohesion - truth.cohesion).abs() < WITHIN * deviations[0]);
         assert!((found.friction_angle - truth.friction_angle).abs() < WITHIN * deviations[1]);
-        // Something was learned: the prior has 6 degrees.
-        assert!(deviations[1] < 3.0_f64.to_radians());
+        // One load and nearly one slip a wheel settle one combination of c and phi, and leave the other open.
+        let left = identifier.directions().map(|direction| direction.left);
+        assert!(left[1] < 0.1 && left[2] > 0.3, "{left:?}");
     }
 }
 

@@ -8,6 +8,7 @@ pub mod instruments;
 pub mod on_board;
 pub mod soil;
 pub mod soil_on_board;
+pub mod soil_testbed;
 mod stresses;
 
 use serde::Serialize;
