@@ -11,8 +11,13 @@ mod contender;
 mod ditch;
 mod drive;
 pub mod instruments;
+pub mod on_board;
 mod sensitivity;
 mod sled;
+pub mod soil;
+pub mod soil_on_board;
+pub mod soil_testbed;
+mod stresses;
 mod tables;
 
 pub use drive::{Course, Drive, drive, drive_at};

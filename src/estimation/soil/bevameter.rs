@@ -47,6 +47,8 @@ pub struct ShearStrength {
     pub strength: f64,
     /// Shear modulus K, m.
     pub shear_modulus: f64,
+    /// K by the classical least squares in logarithms (Wong 1980), which noise near the plateau lifts, m.
+    pub classical_shear_modulus: f64,
 }
 
 /// Coulomb's line through the strengths, and their mean shear modulus.
@@ -58,6 +60,8 @@ pub struct StrengthLine {
     pub friction_angle: f64,
     /// Shear modulus K, m.
     pub shear_modulus: f64,
+    /// K by the classical least squares in logarithms, m.
+    pub classical_shear_modulus: f64,
 }
 
 /// n, k_c and k_phi from plates of at least two widths: each plate's n and k by least squares in ln p weighted with
@@ -96,8 +100,9 @@ fn weighted_sums(test: &PlateTest) -> Result<Sums, EstimationError> {
     Ok(Sums { p: mean(|p, _| p), z: mean(|_, z| z), pz: mean(|p, z| p * z), zz: mean(|_, z| z * z) })
 }
 
-/// Developed strength and K of one annulus test: the strength from the end of the record, K by least squares in
-/// ln(1 - tau/tau_max) weighted with (1 - tau/tau_max)^2.
+/// Developed strength and K of one annulus test. Classically the strength is that of the record's end and K follows by
+/// least squares in ln(1 - tau/tau_max) weighted with (1 - tau/tau_max)^2; from there both are brought to the least
+/// squares in tau itself, which noise does not bias.
 ///
 /// # Errors
 /// [`EstimationError`] with fewer than five points, or a record that never develops.
@@ -124,11 +129,33 @@ pub fn reduce_annulus(test: &AnnulusTest) -> Result<ShearStrength, EstimationErr
         shear_modulus = above / below;
         strength = plateau(&|j| -(-j / shear_modulus).exp_m1());
     }
+    let classical_shear_modulus = shear_modulus;
+    for _ in 0..PASSES {
+        let [ds, dk] = step_in_stress(&test.points, strength, shear_modulus);
+        (strength, shear_modulus) = (strength + ds, (shear_modulus + dk).max(0.1 * shear_modulus));
+    }
     if strength > 0.0 && shear_modulus > 0.0 && shear_modulus.is_finite() {
-        Ok(ShearStrength { pressure: test.pressure, strength, shear_modulus })
+        Ok(ShearStrength { pressure: test.pressure, strength, shear_modulus, classical_shear_modulus })
     } else {
         Err(EstimationError::Undetermined { what: "developed shear strength" })
     }
+}
+
+/// Gauss-Newton step of sum (tau - s (1 - e^(-j/K)))^2 in s and K.
+fn step_in_stress(points: &[[f64; 2]], strength: f64, shear_modulus: f64) -> [f64; 2] {
+    let (mut ss, mut sk, mut kk, mut se, mut ke) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for [j, tau] in points {
+        let decay = (-j / shear_modulus).exp();
+        let (by_s, by_k) = (1.0 - decay, -strength * decay * j / (shear_modulus * shear_modulus));
+        let residual = tau - strength * by_s;
+        ss += by_s * by_s;
+        sk += by_s * by_k;
+        kk += by_k * by_k;
+        se += by_s * residual;
+        ke += by_k * residual;
+    }
+    let determinant = ss * kk - sk * sk;
+    [(kk * se - sk * ke) / determinant, (ss * ke - sk * se) / determinant]
 }
 
 /// c and phi from the line of strength over pressure, K as the mean.
@@ -142,8 +169,13 @@ pub fn strength_line(tests: &[ShearStrength]) -> Result<StrengthLine, Estimation
     }
     let [cohesion, tan_phi] = line(tests.iter().map(|test| [test.pressure, test.strength]))
         .ok_or(EstimationError::Undetermined { what: "c and phi of one pressure" })?;
-    let shear_modulus = tests.iter().map(|test| test.shear_modulus).sum::<f64>() / found as f64;
-    Ok(StrengthLine { cohesion, friction_angle: tan_phi.atan(), shear_modulus })
+    let mean = |f: fn(&ShearStrength) -> f64| tests.iter().map(f).sum::<f64>() / found as f64;
+    Ok(StrengthLine {
+        cohesion,
+        friction_angle: tan_phi.atan(),
+        shear_modulus: mean(|test| test.shear_modulus),
+        classical_shear_modulus: mean(|test| test.classical_shear_modulus),
+    })
 }
 
 /// Intercept and slope of the least-squares line; `None` where all abscissae are the same.

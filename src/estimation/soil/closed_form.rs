@@ -64,10 +64,10 @@ impl ClosedForm {
         (sum / self.equations.len() as f64).atan()
     }
 
-    /// Cohesion as the mean of the non-negative roots of (2.25) over consecutive pairs, and the friction angle by (2.26).
+    /// Cohesion as the mean of the reasonable roots of (2.25) over consecutive pairs, and the friction angle by (2.26).
     ///
-    /// Where both roots are non-negative the smaller one is taken; a pair without any is left out, which the thesis
-    /// does not mention and which biases the mean of a soil without cohesion upward.
+    /// A root is reasonable where it is not negative and tan phi is positive with it; of two the smaller is taken. A
+    /// pair without any is left out, which the thesis does not mention and which lifts the mean where c is small.
     ///
     /// # Errors
     /// [`EstimationError::TooFew`] under two readings, [`EstimationError::Undetermined`] where no pair has a root.
@@ -76,7 +76,7 @@ impl ClosedForm {
         let roots = self.equations.windows(2).filter_map(|pair| cohesion_of_pair(&pair[0], &pair[1]));
         let (sum, used) = roots.fold((0.0, 0), |(sum, used), root| (sum + root, used + 1));
         if used == 0 {
-            return Err(EstimationError::Undetermined { what: "non-negative cohesion" });
+            return Err(EstimationError::Undetermined { what: "reasonable cohesion" });
         }
         let cohesion = sum / used as f64;
         let strength = FrictionAndCohesion { cohesion, friction_angle: self.friction_angle(cohesion) };
@@ -145,7 +145,8 @@ fn cohesion_of_pair(a: &StrengthEquation, b: &StrengthEquation) -> Option<f64> {
     // Without cancellation: one root over the square, the other over the constant.
     let larger = -0.5 * (linear + linear.signum() * root);
     let roots = [larger / square, constant / larger];
-    roots.into_iter().filter(|c| c.is_finite() && *c >= 0.0).min_by(f64::total_cmp)
+    let reasonable = |c: &f64| *c >= 0.0 && c.is_finite() && a.tan_phi(*c) > 0.0 && b.tan_phi(*c) > 0.0;
+    roots.into_iter().filter(reasonable).min_by(f64::total_cmp)
 }
 
 /// Drawbar pull (N) that a strength predicts for a measured load, with linear stresses: by (B.2), (B.3) and by the

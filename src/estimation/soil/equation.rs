@@ -45,6 +45,51 @@ impl Prediction {
     }
 }
 
+/// The torque's equation about present guesses of the strength and of what load, sinkage and slip really are.
+///
+/// The errors of a reading's inputs are no small ones where the torque is curved (slip), so the equation is taken at the
+/// inputs that the torque itself makes likely, not at the measured ones; otherwise noise makes slopes and weights go
+/// with the error and biases the strength.
+pub(super) struct Linearised {
+    pub prediction: Prediction,
+    /// Measured torque less the predicted one at the guessed strength, inputs accounted for to first order.
+    pub innovation: f64,
+    /// Variance of that innovation, (N m)^2.
+    pub variance: f64,
+}
+
+impl Linearised {
+    pub fn new(
+        wheel: &Wheel,
+        soil: &Soil,
+        at: [f64; 3],
+        guess: &Reading,
+        measured: &Reading,
+        errors: &Deviations,
+    ) -> Self {
+        let prediction = predict_at(wheel, soil, at, guess);
+        let [load, sinkage, slip] = prediction.by_input;
+        let shift = load * (measured.load - guess.load)
+            + sinkage * (measured.sinkage - guess.sinkage)
+            + slip * (measured.slip - guess.slip);
+        let innovation = measured.torque - prediction.torque - shift;
+        Self { prediction, innovation, variance: prediction.variance(errors) }
+    }
+
+    /// The inputs that an innovation, in units of its variance, makes likely.
+    pub fn likely(&self, wheel: &Wheel, measured: &Reading, errors: &Deviations, innovation: f64) -> Reading {
+        let [load, sinkage, slip] = self.prediction.by_input;
+        let moved = |x: f64, slope: f64, deviation: f64| x + deviation * deviation * slope * innovation;
+        let Reading { load: w, sinkage: z, slip: i, .. } = *measured;
+        Reading {
+            load: moved(w, load, errors.load).clamp(0.2 * w, 5.0 * w),
+            torque: measured.torque,
+            sinkage: moved(z, sinkage, errors.sinkage).clamp(0.2 * z, (5.0 * z).min(0.99 * wheel.radius).max(z)),
+            slip: moved(i, slip, errors.slip).clamp(0.2 * i, 1.0),
+        }
+    }
+}
+
 /// Parts of load and torque at a sinkage and a slip.
 struct Parts<S> {
     /// Load and torque of cohesion alone.

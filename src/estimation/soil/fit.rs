@@ -3,7 +3,7 @@
 use super::super::EstimationError;
 use super::super::error::within_bounds;
 use super::directions::{Direction, directions};
-use super::equation::predict_at;
+use super::equation::Linearised;
 use super::parameters::SoilIdentification;
 use super::reading::{Deviations, Reading, Strength};
 use crate::soil::Soil;
@@ -12,6 +12,9 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Most steps of Gauss-Newton; 3 to 6 are needed.
 const STEPS: usize = 60;
+
+/// Steps by which each reading's inputs are brought to their likely values; the third moves them by under 1e-6.
+const INPUT_STEPS: usize = 4;
 
 /// Step in prior standard deviations at which the search ends.
 const SETTLED: f64 = 1e-9;
@@ -61,9 +64,13 @@ pub fn fit(
     let normal = |u: &Vector3<f64>| {
         let (mut information, mut slope, mut chi_squared) = (Matrix3::identity(), -*u, 0.0);
         for (reading, errors) in readings {
-            let seen = predict_at(wheel, soil, at(u).into(), reading);
-            let row = Vector3::from(seen.by_strength).component_mul(&scale);
-            let (residual, variance) = (reading.torque - seen.torque, seen.variance(errors));
+            let mut seen = Linearised::new(wheel, soil, at(u).into(), reading, reading, errors);
+            for _ in 0..INPUT_STEPS {
+                let guess = seen.likely(wheel, reading, errors, seen.innovation / seen.variance);
+                seen = Linearised::new(wheel, soil, at(u).into(), &guess, reading, errors);
+            }
+            let row = Vector3::from(seen.prediction.by_strength).component_mul(&scale);
+            let (residual, variance) = (seen.innovation, seen.variance);
             information += row * row.transpose() / variance;
             slope += row * (residual / variance);
             chi_squared += residual * residual / variance;

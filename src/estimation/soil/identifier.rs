@@ -19,8 +19,8 @@ use crate::rover::MAX_WHEELS;
 use crate::signals::Measurement;
 use crate::soil::Soil;
 
-/// A slip counts where it is this many of its own standard deviations.
-const SURE_SLIP: f64 = 3.0;
+/// A slip, or a motion backward, counts where it is this many of its own standard deviations.
+const SURE: f64 = 3.0;
 
 /// What one wheel contributed to the last update.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -172,14 +172,14 @@ impl SoilIdentifier {
         if rim_speed.abs().max(velocity.abs()) < parameters.minimum_speed {
             return Ok((WheelUse::Standing, None));
         }
-        if rim_speed <= 0.0 || velocity < 0.0 {
+        if rim_speed <= 0.0 || velocity < -SURE * parameters.velocity_noise {
             return Ok((WheelUse::Reversing, None));
         }
         if load <= parameters.minimum_load * self.nominal.weight() / self.nominal.wheels() as f64 {
             return Ok((WheelUse::OffGround, None));
         }
-        let (slip, slip_deviation) = self.slip(velocity, rim_speed);
-        if slip < parameters.minimum_slip.max(SURE_SLIP * slip_deviation) {
+        let (slip, slip_deviation) = self.slip(velocity.max(0.0), rim_speed);
+        if slip < parameters.minimum_slip.max(SURE * slip_deviation) {
             return Ok((WheelUse::NoSlip, None));
         }
         let Some((sinkage, sinkage_deviation)) = self.sinkage(scene, k, slip) else {

@@ -14,13 +14,22 @@
 //! |---|---|---|
 //! | [`ClosedForm`] | the thesis's (2.24)-(2.26): linear stresses, c known or from pairs or least squares | phi +1.8 deg on average, without noise |
 //! | [`friction_angle_at`] | the same equation with the full integrals, c and K known | none but noise |
-//! | [`StrengthFilter`] | recursive on the full integrals, 3 numbers and a 3 x 3 covariance, no allocation | noise; consistent (NEES) |
+//! | [`StrengthFilter`] | recursive on the full integrals, bounded memory, no allocation | noise; consistent (NEES 3.2 of 3) |
 //! | [`fit`] | all readings at once, for reference | as the filter |
 //! | [`SoilIdentifier`] | the filter in the loop: loads, slips and sinkages from a rover's sensors | and those of its inputs |
 //!
 //! What cannot be told apart: at one load and one slip there is one equation, so one combination of c, phi and K is
 //! learned and the other two keep their prior. Loads separate c from phi (cohesion carries a share of T that does
-//! not grow with W); slips separate K (at high slip the shear is developed and K no longer matters).
+//! not grow with W); slips separate K (at high slip the shear is developed and K no longer matters). Measured with 400
+//! readings of the test wheel, the share of the prior deviation that is left in the three combinations:
+//!
+//! | readings | best settled | | worst settled |
+//! |---|---|---|---|
+//! | one load, one slip | 0.4 % | 100 % | 100 % |
+//! | one load, three slips | 0.4 % | 2.5 % | 99.9 % |
+//! | three loads, one slip | 0.3 % | 2.8 % | 21 % |
+//! | three loads at three slips | 0.3 % | 1.7 % | 2.8 % |
+//!
 //! [`StrengthFilter::directions`] says which combinations the readings have settled.
 
 mod bevameter;
