@@ -2,7 +2,8 @@
 
 mod control_support;
 
-use bekker::control::Criterion;
+use bekker::control::{Criterion, Solver};
+use control_support::nonnegative::cone_distance;
 use control_support::{Case, choices, level_rover, null_space};
 use nalgebra::{DMatrix, DVector};
 
@@ -154,4 +155,53 @@ fn property_traction_never_needs_more_than_power_and_converges_fast() {
         }
     }
     assert!((2..=15).contains(&most) && total < 500 * 5, "{most} linear programs at most, {total} in all");
+}
+
+/// How near a wheel's ratio has to be to the largest to count as that, and a limit to count as active, in weights:
+/// ten times the room in which the cheapest distribution is sought.
+const ACTIVE: f64 = 1e-5;
+/// What is left of the gradient of the largest ratio outside the cone of what is active.
+const STATIONARY: f64 = 1e-6;
+
+/// Distance of the direction in which the largest ratio falls from what the active ratios, limits and the balance
+/// forbid. Zero certifies the optimum: a ratio of linear functions is quasi-convex, and the conditions of Karush, Kuhn
+/// and Tucker of min t: |T_i| - R N_i <= t N_i at t = 0 suffice.
+fn improvable(case: &Case, forces: &[f64]) -> f64 {
+    let (g, _) = case.balance();
+    let (a, b) = case.limits();
+    let (unknowns, weight) = (forces.len(), case.nominal.weight());
+    let x = DVector::from_column_slice(forces);
+    let largest = ratio(&x);
+    let stacked = |row: DVector<f64>, last: f64| row.push(last);
+    let active = (0..b.len()).filter(|&k| b[k] - a.row(k).transpose().dot(&x) < ACTIVE * weight);
+    let mut rays: Vec<DVector<f64>> = active.map(|k| stacked(a.row(k).transpose(), 0.0)).collect();
+    for wheel in (0..unknowns / 2).filter(|&k| forces[2 * k].abs() / forces[2 * k + 1] > largest - ACTIVE) {
+        let mut row = DVector::zeros(unknowns);
+        row[2 * wheel] = forces[2 * wheel].signum();
+        row[2 * wheel + 1] = -largest;
+        rays.push(stacked(row, -forces[2 * wheel + 1] / weight));
+    }
+    rays.extend((0..g.nrows()).flat_map(|k| [stacked(g.row(k).transpose(), 0.0), stacked(-g.row(k).transpose(), 0.0)]));
+    let mut falling = DVector::zeros(unknowns + 1);
+    falling[unknowns] = -1.0;
+    cone_distance(&rays, &falling)
+}
+
+#[test]
+fn property_no_ratio_can_be_lowered_for_three_to_eight_wheels_and_joints() {
+    let mut certified = 0;
+    for seed in 0..240 {
+        let wheels = 3 + seed as usize % 6;
+        let mut case = if seed % 2 == 0 { Case::random(seed, wheels) } else { Case::jointed(seed, wheels) };
+        case.parameters.switch_angle = 0.0;
+        case.solver = [Solver::Clarabel, Solver::ActiveSet][seed as usize / 12 % 2];
+        let (rtc, _) = case.run();
+        let outcome = rtc.outcome().expect("commanded");
+        if outcome.feasible && outcome.objective > 2.0 * ACTIVE {
+            let distance = improvable(&case, &outcome.forces);
+            assert!(distance <= STATIONARY, "seed {seed}: {distance} off the cone at R = {}", outcome.objective);
+            certified += 1;
+        }
+    }
+    assert!(certified > 100, "only {certified} ratios certified");
 }

@@ -10,8 +10,10 @@
 use super::solver::Numbers;
 use std::borrow::Cow;
 
-/// Weight of the proximal term, of the least weight in the objective (of 1 in a linear program).
+/// Weight of the proximal term, of the least weight in the objective.
 const PROXIMAL: f64 = 1e-6;
+/// The same in a linear program, whose first step is its gradient over this weight: the larger, the less rounding.
+const PROXIMAL_LINEAR: f64 = 1e-2;
 /// Pull of the proximal term at which the optimum is reached: what is left of the objective's gradient.
 const PULL: f64 = 1e-11;
 /// Violation of a row, for data of order 1, from which it counts.
@@ -67,7 +69,7 @@ impl ActiveSet {
     pub fn new(numbers: &Numbers) -> Self {
         let (n, rows) = (numbers.linear.len(), numbers.rows.bounds.len());
         let least = numbers.quadratic.iter().copied().filter(|p| *p > 0.0).fold(f64::INFINITY, f64::min);
-        let weight = if least.is_finite() { PROXIMAL * least } else { PROXIMAL };
+        let weight = if least.is_finite() { PROXIMAL * least } else { PROXIMAL_LINEAR };
         let proximal: Vec<f64> = numbers.quadratic.iter().map(|&p| if p > 0.0 { 0.0 } else { weight }).collect();
         Self {
             n,
