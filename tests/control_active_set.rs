@@ -10,9 +10,9 @@ use control_support::Case;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Violation of a row, for data of order 1: the method takes in rows from 1e-11 on, dependent ones from 1e-9 on.
+/// Violation of a row, for data of order 1: the method takes in rows from 1e-10 on, dependent ones from 1e-9 on.
 const FEASIBLE: f64 = 2e-9;
-/// What is left of the gradient: the proximal term's pull of 1e-11 and rounding.
+/// What is left of the gradient: the proximal term's pull of 1e-10 and rounding.
 const STATIONARY: f64 = 1e-9;
 /// Product of a row's room and its multiplier.
 const COMPLEMENTARY: f64 = 1e-9;

