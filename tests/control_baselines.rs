@@ -109,7 +109,6 @@ fn property_tuned_gains_are_damped_on_every_soil_and_the_best() {
     let nominal = thesis_rover();
     let gains = TunedVelocity::default().gains(&nominal).unwrap();
     let slope = soil_slope(&nominal, 0.25);
-    println!("{gains:?}, soil slope {slope}");
     assert!((1.0..20.0).contains(&slope), "{slope} N m s/rad");
     // The step responses of the sampled loop, computed here: overshoot of a second-order pair with damping 0.71 is
     // 4.3 %, and more with the zero of the proportional part off the ground.

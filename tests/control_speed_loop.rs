@@ -51,7 +51,6 @@ fn property_at_equal_speed_the_loops_keep_the_wheels_from_running_away() {
         looped.set(name, value).unwrap();
     }
     let trimmed = at_speed(&looped, held.speed, 15.0);
-    println!("velocity control {held:?}\nrtc {free:?}\nwith loops {trimmed:?}");
     for summary in [&free, &trimmed] {
         assert!((summary.speed - held.speed).abs() < EQUAL * held.speed, "{} m/s, {} m/s", summary.speed, held.speed);
     }

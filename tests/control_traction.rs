@@ -197,7 +197,7 @@ fn improvable(case: &Case, forces: &[f64]) -> f64 {
 
 #[test]
 fn property_no_ratio_can_be_lowered_for_three_to_eight_wheels_and_joints() {
-    let (mut certified, mut worst) = (0, 0.0_f64);
+    let mut certified = 0;
     for seed in 0..240 {
         let wheels = 3 + seed as usize % 6;
         let mut case = if seed % 2 == 0 { Case::random(seed, wheels) } else { Case::jointed(seed, wheels) };
@@ -207,11 +207,9 @@ fn property_no_ratio_can_be_lowered_for_three_to_eight_wheels_and_joints() {
         let outcome = rtc.outcome().expect("commanded");
         if outcome.feasible && outcome.objective > 0.01 {
             let distance = improvable(&case, &outcome.forces);
-            worst = worst.max(distance);
             assert!(distance <= PROOF, "seed {seed}: {distance} off a proof at R = {}", outcome.objective);
             certified += 1;
         }
     }
-    println!("{certified} certified, worst {worst}");
     assert!(certified > 100, "only {certified} ratios certified");
 }
