@@ -6,11 +6,12 @@
 
 use crate::effects::SensorLag;
 use crate::scalar::Scalar;
-use crate::signals::{BodySignals, WheelSignals};
+use crate::signals::{BodySignals, LinkSignals, Signals, WheelSignals};
 
-/// Signals of the body and of a wheel that are lagged.
+/// Signals of the body, of a wheel and of a link that are lagged.
 const BODY: usize = 7;
 const WHEEL: usize = 8;
+const LINK: usize = 2;
 
 /// Time constants under this share of a step have no past: exp(-40) is below rounding.
 const NO_PAST: f64 = 1.0 / 40.0;
@@ -40,9 +41,10 @@ struct Lag<S> {
 }
 
 impl<S: Scalar> Recorder<S> {
-    /// A recorder for a rover with `wheels` wheels and inner steps of `step_size` seconds.
-    pub fn new(lag: &SensorLag<S>, wheels: usize, step_size: f64) -> Self {
-        Self { lag: lag.acts().then(|| Lag::new(lag, wheels, step_size)) }
+    /// A recorder for such signals and inner steps of `step_size` seconds.
+    pub fn new(lag: &SensorLag<S>, signals: &Signals<S>, step_size: f64) -> Self {
+        let channels = BODY + WHEEL * signals.wheels.len() + LINK * signals.links.len();
+        Self { lag: lag.acts().then(|| Lag::new(lag, channels, step_size)) }
     }
 
     /// Whether it has to see every step.
@@ -51,25 +53,25 @@ impl<S: Scalar> Recorder<S> {
     }
 
     /// Takes in the signals at the end of an inner step.
-    pub fn step(&mut self, body: &mut BodySignals<S>, wheels: &mut [WheelSignals<S>]) {
+    pub fn step(&mut self, signals: &mut Signals<S>) {
         if let Some(lag) = &mut self.lag {
-            lag.step(body, wheels);
+            lag.step(signals);
         }
     }
 
     /// Takes in signals that have jumped between two steps, as torques do with a new command.
-    pub fn jump(&mut self, body: &mut BodySignals<S>, wheels: &mut [WheelSignals<S>]) {
+    pub fn jump(&mut self, signals: &mut Signals<S>) {
         if let Some(lag) = &mut self.lag {
             let mut input = lag.input.iter_mut();
-            each(body, wheels, |signal| input.next().into_iter().for_each(|place| *place = *signal));
+            each(signals, |signal| input.next().into_iter().for_each(|place| *place = *signal));
         }
     }
 
     /// Replaces the signals by what is recorded at their instant.
-    pub fn record(&self, body: &mut BodySignals<S>, wheels: &mut [WheelSignals<S>]) {
+    pub fn record(&self, signals: &mut Signals<S>) {
         if let Some(lag) = &self.lag {
             let mut channel = 0;
-            each(body, wheels, |signal| {
+            each(signals, |signal| {
                 *signal = lag.delayed(channel);
                 channel += 1;
             });
@@ -78,14 +80,13 @@ impl<S: Scalar> Recorder<S> {
 }
 
 impl<S: Scalar> Lag<S> {
-    fn new(lag: &SensorLag<S>, wheels: usize, step_size: f64) -> Self {
+    fn new(lag: &SensorLag<S>, channels: usize, step_size: f64) -> Self {
         let zero = S::from(0.0);
         let constant = lag.time_constant / step_size;
         let decay = if constant.value() > NO_PAST { (-constant.recip()).exp() } else { zero };
         let delay = lag.dead_time / step_size;
         // Two rows to interpolate between, one older for the slope.
         let rows = delay.value().floor() as usize + 3;
-        let channels = BODY + WHEEL * wheels;
         Self {
             decay,
             mean: (S::from(1.0) - decay) * constant,
@@ -97,12 +98,12 @@ impl<S: Scalar> Lag<S> {
         }
     }
 
-    fn step(&mut self, body: &mut BodySignals<S>, wheels: &mut [WheelSignals<S>]) {
+    fn step(&mut self, signals: &mut Signals<S>) {
         let channels = self.input.len();
         let rows = self.ring.len() / channels;
         let (old, new) = (self.newest, (self.newest + 1) % rows);
         let mut channel = 0;
-        each(body, wheels, |signal| {
+        each(signals, |signal| {
             let now = *signal;
             if self.started {
                 let before = self.input[channel];
@@ -146,12 +147,15 @@ fn slope<S: Scalar>(before: S, after: S) -> S {
 }
 
 /// Calls `f` with every signal that is lagged, in a fixed order: all but the energies, which nothing measures.
-fn each<S>(body: &mut BodySignals<S>, wheels: &mut [WheelSignals<S>], mut f: impl FnMut(&mut S)) {
-    let BodySignals { x, z, velocity, pitch, pitch_rate, power, electrical_power, .. } = body;
+fn each<S>(signals: &mut Signals<S>, mut f: impl FnMut(&mut S)) {
+    let BodySignals { x, z, velocity, pitch, pitch_rate, power, electrical_power, .. } = &mut signals.body;
     [x, z, velocity, pitch, pitch_rate, power, electrical_power].into_iter().for_each(&mut f);
-    for wheel in wheels {
+    for wheel in &mut signals.wheels {
         let WheelSignals { speed, slip, sinkage, normal_force, drawbar_pull, torque, current, contact_angle } = wheel;
         [speed, slip, sinkage, normal_force, drawbar_pull, torque, current, contact_angle].into_iter().for_each(&mut f);
+    }
+    for LinkSignals { angle, rate } in &mut signals.links {
+        [angle, rate].into_iter().for_each(&mut f);
     }
 }
 
@@ -166,15 +170,15 @@ mod tests {
 
     /// The record of x(t) = sin 3t + t^2 after one second.
     fn record<S: Scalar>(time_constant: S, dead_time: S) -> S {
-        let mut recorder = Recorder::new(&SensorLag { time_constant, dead_time }, 1, STEP);
-        let (mut body, mut wheels) = (BodySignals::default(), [WheelSignals::default()]);
+        let mut recorder = Recorder::new(&SensorLag { time_constant, dead_time }, &Signals::of(1, 0), STEP);
+        let mut signals = Signals::of(1, 0);
         for k in 0..=100 {
             let t = f64::from(k) * STEP;
-            body.x = S::from((3.0 * t).sin() + t * t);
-            recorder.step(&mut body, &mut wheels);
+            signals.body.x = S::from((3.0 * t).sin() + t * t);
+            recorder.step(&mut signals);
         }
-        recorder.record(&mut body, &mut wheels);
-        body.x
+        recorder.record(&mut signals);
+        signals.body.x
     }
 
     #[test]

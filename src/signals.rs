@@ -58,6 +58,17 @@ parameters! {
     }
 }
 
+parameters! {
+    /// Signals of one link.
+    pub struct LinkSignals {
+        /// Angle of the joint that carries the link, nose up positive, relative to the body that carries the joint;
+        /// zero in the vehicle's drawing.
+        angle: [Unit::RADIAN] = 0.0, ANY, Signal, "physics";
+        /// Rate of the joint's angle.
+        rate: [Unit::RADIAN_PER_SECOND] = 0.0, ANY, Signal, "physics";
+    }
+}
+
 /// All true signals of the rover at one instant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Signals<S = f64> {
@@ -65,11 +76,25 @@ pub struct Signals<S = f64> {
     pub body: BodySignals<S>,
     /// Signals of wheel 1..n, rear to front.
     pub wheels: Vec<WheelSignals<S>>,
+    /// Signals of link 1..m; none for a rigid vehicle.
+    pub links: Vec<LinkSignals<S>>,
+}
+
+impl<S: Clone + From<f64>> Signals<S> {
+    /// Signals, all at their defaults, of a rover with so many wheels and links.
+    #[must_use]
+    pub fn of(wheels: usize, links: usize) -> Self {
+        Self {
+            body: BodySignals::default(),
+            wheels: vec![WheelSignals::default(); wheels],
+            links: vec![LinkSignals::default(); links],
+        }
+    }
 }
 
 impl<S: From<f64>> Default for Signals<S> {
     fn default() -> Self {
-        Self { body: BodySignals::default(), wheels: Vec::new() }
+        Self { body: BodySignals::default(), wheels: Vec::new(), links: Vec::new() }
     }
 }
 
@@ -79,11 +104,15 @@ impl<S: Copy> Parameters<S> for Signals<S> {
         for (k, wheel) in self.wheels.iter_mut().enumerate() {
             wheel.visit(&bekker_modeldescription::join(prefix, &format!("wheel[{}]", k + 1)), f);
         }
+        for (k, link) in self.links.iter_mut().enumerate() {
+            link.visit(&bekker_modeldescription::join(prefix, &format!("link[{}]", k + 1)), f);
+        }
     }
 
     fn values(&self, f: &mut dyn FnMut(S)) {
         self.body.values(f);
         self.wheels.iter().for_each(|wheel| wheel.values(f));
+        self.links.iter().for_each(|link| link.values(f));
     }
 }
 
@@ -132,12 +161,12 @@ pub struct WheelMeasurement {
     pub contact_angle: f64,
 }
 
-/// What a sensor reports of one passive joint.
+/// What sensors report of one link.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct LinkMeasurement {
-    /// Angle relative to the parent, nose up positive, rad.
+    /// Angle of its joint, nose up, relative to the body that carries the joint, rad.
     pub angle: f64,
-    /// Its rate, rad/s.
+    /// Rate of that angle, rad/s.
     pub rate: f64,
 }
 
@@ -154,7 +183,7 @@ pub struct Measurement {
     pub velocity: f64,
     /// One entry a wheel, rear to front.
     pub wheels: Vec<WheelMeasurement>,
-    /// One entry a link, in their order.
+    /// One entry a link; none for a rigid vehicle.
     pub links: Vec<LinkMeasurement>,
 }
 

@@ -5,7 +5,7 @@ use crate::recording::Recorder;
 use crate::rover::dynamics::{DynamicsError, Powers};
 use crate::rover::{Rover, SettleError, State};
 use crate::scalar::Scalar;
-use crate::signals::{BodySignals, Command, Drive, Signals, WheelSignals};
+use crate::signals::{Command, Drive, Signals};
 use crate::terrain::TerrainError;
 use std::fmt;
 
@@ -149,8 +149,8 @@ impl<S: Scalar> Simulation<S> {
             .evaluate(&rover, &mut state, &command)
             .map_err(|source| StepError::Dynamics { time: 0.0, source })?;
         let window = Window { start_x: state.position[0].value(), ..Window::default() };
-        let signals = Signals { wheels: vec![WheelSignals::default(); rover.wheels.len()], ..Signals::default() };
-        let recorder = Recorder::new(&rover.effects.sensor_lag, rover.wheels.len(), step_size);
+        let signals = Signals::of(rover.wheels.len(), rover.links.len());
+        let recorder = Recorder::new(&rover.effects.sensor_lag, &signals, step_size);
         let mut simulation = Self {
             rover,
             state,
@@ -278,17 +278,17 @@ impl<S: Scalar> Simulation<S> {
     }
 
     /// Lets a recorder that lags take in the present signals.
-    fn observe(&mut self, take: fn(&mut Recorder<S>, &mut BodySignals<S>, &mut [WheelSignals<S>])) {
+    fn observe(&mut self, take: fn(&mut Recorder<S>, &mut Signals<S>)) {
         if self.recorder.lags() {
             self.sense();
-            take(&mut self.recorder, &mut self.signals.body, &mut self.signals.wheels);
+            take(&mut self.recorder, &mut self.signals);
         }
     }
 
     /// Writes the signals as they are recorded at the present time.
     fn refresh(&mut self) {
         self.sense();
-        self.recorder.record(&mut self.signals.body, &mut self.signals.wheels);
+        self.recorder.record(&mut self.signals);
     }
 
     /// Writes the signals from the present state, as sensors without memory see it.
@@ -319,6 +319,10 @@ impl<S: Scalar> Simulation<S> {
             signals.torque = wheel.motor_torque;
             signals.current = wheel.current;
             signals.contact_angle = wheel.contact_angle;
+        }
+        for (j, link) in self.signals.links.iter_mut().enumerate() {
+            link.angle = state.position[3 + j];
+            link.rate = state.rate[3 + j];
         }
         self.rover.effects.record(state.start_x, &mut self.signals.body, &mut self.signals.wheels);
     }

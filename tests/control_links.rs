@@ -151,10 +151,10 @@ fn property_links_that_make_no_sense_are_refused() {
         change(&mut case);
         Rtc::new(case.nominal, case.parameters).err().unwrap().to_string()
     };
-    assert!(refused(|c| c.nominal.links[0].parent = 1).contains("link parent"));
+    assert!(refused(|c| c.nominal.links[0].parent = 1).contains("parent of a link"));
     assert!(refused(|c| c.nominal.links[2].mass = c.nominal.mass).contains("mass of the chassis"));
-    assert!(refused(|c| c.nominal.wheel_bodies[0] = 4).contains("wheel body"));
-    assert!(refused(|c| c.nominal.wheel_bodies.truncate(3)).contains("wheel bodies"));
+    assert!(refused(|c| c.nominal.wheel_bodies[0] = 4).contains("body of a wheel"));
+    assert!(refused(|c| c.nominal.wheel_bodies.truncate(3)).contains("wheels with a body"));
     let case = Case::jointed(1, 6);
     let (mut rtc, _) = case.run();
     let measured = Measurement { links: Vec::new(), ..case.measurement() };

@@ -4,7 +4,7 @@ use crate::run::Run;
 use crate::{error, vocabulary};
 use bekker::model::{ControlKind, Model as CoreModel, ModelError};
 use bekker::modeldescription::Lookup;
-use bekker::signals::{Signals, WheelSignals};
+use bekker::signals::Signals;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 use std::path::PathBuf;
@@ -62,8 +62,8 @@ impl Model {
 
     /// The signals that a run computes, in order.
     fn signals<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
-        let wheels = vec![WheelSignals::default(); self.core.rover.wheels.len()];
-        vocabulary::list(py, &mut Signals { wheels, ..Signals::default() })
+        let rover = &self.core.rover;
+        vocabulary::list(py, &mut Signals::of(rover.wheels.len(), rover.links.len()))
     }
 
     /// Value of a parameter.

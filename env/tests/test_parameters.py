@@ -21,6 +21,11 @@ BITING = {
     # Whole numbers of inner steps.
     "velocity_control.period": 0.02,
     "rtc.period": 0.02,
+    # Longer than the control period.
+    "sensor.pitch_period": 0.05,
+    "sensor.velocity_period": 0.05,
+    "sensor.contact_angle_period": 0.05,
+    "sensor.wheel_speed_period": 0.05,
 }
 # A parameter that acts through another needs that one to be on.
 TOGETHER = {

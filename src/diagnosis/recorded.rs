@@ -7,7 +7,7 @@ use crate::measurement::Run as Measured;
 use crate::model::{ControlKind, Model, RunError};
 use crate::rover::Rover;
 use crate::scalar::Scalar;
-use crate::signals::{Drive, Signals, WheelSignals};
+use crate::signals::{Drive, Signals};
 use crate::simulation::Status;
 use bekker_modeldescription::{Lookup, Parameters};
 
@@ -45,8 +45,7 @@ impl Recorded {
         blocks: impl Iterator<Item = &'a Block>,
         felt: Vec<usize>,
     ) -> Result<Self, PredictionError> {
-        let mut signals =
-            Signals::<f64> { wheels: vec![WheelSignals::default(); run.inputs.len()], ..Signals::default() };
+        let mut signals = Signals::<f64>::of(run.inputs.len(), model.rover.links.len());
         let names: Vec<String> = signals.list().into_iter().map(|(variable, _)| variable.name).collect();
         let target = |block: &Block| {
             let at = names.iter().position(|name| *name == block.signal);

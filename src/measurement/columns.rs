@@ -1,7 +1,8 @@
 //! Which columns an experiment may have, and which values their units allow.
 
 use super::experiment::Kind;
-use crate::signals::{Signals, WheelSignals};
+use crate::rover::MAX_COORDINATES;
+use crate::signals::Signals;
 use bekker_modeldescription::Lookup;
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
@@ -49,7 +50,7 @@ fn within(size: f64, words: &str) -> Option<(RangeInclusive<f64>, String)> {
 pub(super) fn known(kind: Kind, header: &[String], radius: f64) -> Vec<Column> {
     match kind {
         Kind::SingleWheel => single_wheel(radius),
-        Kind::Traverse => traverse(wheels(header), radius),
+        Kind::Traverse => traverse(wheels(header), links(header), radius),
     }
 }
 
@@ -65,20 +66,20 @@ fn single_wheel(radius: f64) -> Vec<Column> {
     ]
 }
 
-fn traverse(wheels: usize, radius: f64) -> Vec<Column> {
+fn traverse(wheels: usize, links: usize, radius: f64) -> Vec<Column> {
     let mut columns = vec![column("time", Use::Time, None)];
     for k in 1..=wheels {
         columns.push(column(format!("wheel[{k}].speed_command"), Use::Input, wheel_speed(radius)));
         columns.push(column(format!("wheel[{k}].torque_command"), Use::Input, None));
     }
-    let mut signals = Signals::<f64> { wheels: vec![WheelSignals::default(); wheels], ..Signals::default() };
+    let mut signals = Signals::<f64>::of(wheels, links);
     for (variable, _) in signals.list() {
         let field = variable.name.rsplit('.').next().unwrap_or_default();
         let limits = match field {
             "slip" => slip(),
             "sinkage" => sinkage(radius),
             "speed" => wheel_speed(radius),
-            "pitch" | "contact_angle" => within(PI, "an angle in rad within -pi .. pi (degrees?)"),
+            "pitch" | "contact_angle" | "angle" => within(PI, "an angle in rad within -pi .. pi (degrees?)"),
             "velocity" => within(FASTEST_ROVER, "a speed in m/s (cm/s or mm/s?)"),
             _ => None,
         };
@@ -120,4 +121,10 @@ fn wheels(header: &[String]) -> usize {
         header.iter().any(|n| *n == format!("wheel[{k}].speed_command") || *n == format!("wheel[{k}].torque_command"))
     };
     (1..).take_while(|k| commands(*k)).count()
+}
+
+/// How many links a traverse measures: as many as the highest number that a column names, no more than a rover may have.
+fn links(header: &[String]) -> usize {
+    let names = |k: usize| header.iter().any(|n| *n == format!("link[{k}].angle") || *n == format!("link[{k}].rate"));
+    (1..=MAX_COORDINATES - 3).rev().find(|k| names(*k)).unwrap_or(0)
 }

@@ -3,7 +3,7 @@
 use super::{ControlKind, Model};
 use crate::effects::{DefinitionError, EffectDefinition};
 use crate::rover::Rover;
-use crate::signals::{Signals, WheelSignals};
+use crate::signals::Signals;
 use bekker_modeldescription::Lookup;
 
 /// Groups of names that not every model has.
@@ -45,7 +45,7 @@ impl Model {
 /// First parts of the names that parameters, inputs and signals have, whatever controls the model.
 fn groups_of_names() -> Vec<String> {
     let mut model = Model::new("", Rover::two_wheeled());
-    let mut signals = Signals { wheels: vec![WheelSignals::default()], ..Signals::default() };
+    let mut signals = Signals::<f64>::of(1, 1);
     let mut names: Vec<String> = signals.list().into_iter().map(|(variable, _)| variable.name).collect();
     for kind in [ControlKind::Torque, ControlKind::SpeedLoop, ControlKind::Rtc, ControlKind::Velocity] {
         model.control.kind = kind;

@@ -1,6 +1,6 @@
 //! Numbers in the units in which people read them.
 
-use crate::signals::{BodySignals, WheelSignals};
+use crate::signals::{BodySignals, LinkSignals, WheelSignals};
 use bekker_modeldescription::{Lookup, Unit};
 
 /// A display unit: symbol and factor from SI.
@@ -50,8 +50,9 @@ pub(super) fn of_column(name: &str) -> Shown {
         "speed" | "wheel_speed" | "speed_command" => return Shown { symbol: "rad/s", factor: 1.0 },
         "x" | "z" => return Shown { symbol: "m", factor: 1.0 },
         _ => {
-            let (mut wheel, mut body) = (WheelSignals::default(), BodySignals::default());
-            let mut listed = wheel.list().into_iter().chain(body.list());
+            let (mut wheel, mut body, mut link) =
+                (WheelSignals::default(), BodySignals::default(), LinkSignals::default());
+            let mut listed = wheel.list().into_iter().chain(body.list()).chain(link.list());
             listed.find(|(variable, _)| variable.name == field).map_or(Unit::ONE, |(variable, _)| variable.unit)
         }
     };
@@ -64,13 +65,21 @@ pub(super) fn spoken(name: &str) -> String {
         ("x", _) => "position x".to_owned(),
         ("z", _) => "height z".to_owned(),
         (_, Some((wheel, field))) => format!("{} of wheel {wheel}", field.replace('_', " ")),
-        _ => name.replace('_', " "),
+        _ => match numbered("link[", name) {
+            Some((link, field)) => format!("{} of link {link}", field.replace('_', " ")),
+            None => name.replace('_', " "),
+        },
     }
 }
 
 /// Number and quantity of a wheel's signal.
 pub(super) fn wheel_and_field(signal: &str) -> Option<(usize, &str)> {
-    let (number, field) = signal.strip_prefix("wheel[")?.split_once("].")?;
+    numbered("wheel[", signal)
+}
+
+/// Number and quantity of a signal such as `link[1].angle`; `opening` is `link[`.
+fn numbered<'a>(opening: &str, signal: &'a str) -> Option<(usize, &'a str)> {
+    let (number, field) = signal.strip_prefix(opening)?.split_once("].")?;
     Some((number.parse().ok()?, field))
 }
 

@@ -4,6 +4,8 @@
 //! and states the assumptions that the thesis leaves open. Nothing is tuned towards a published number; where ours
 //! differs, the row says why.
 
+pub mod contact_angles;
+
 use serde::Serialize;
 
 /// Median and interval of a quantity over seeds.
