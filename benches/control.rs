@@ -1,6 +1,8 @@
 //! How long a controller's command takes: `cargo bench --bench control`.
 
-use bekker::control::{Controller, Nominal, RoughTerrainControl, Rtc, VelocityControl, VelocityController};
+use bekker::control::{
+    Controller, Nominal, RoughTerrainControl, Rtc, RtcOptions, Solver, VelocityControl, VelocityController,
+};
 use bekker::motor::Motor;
 use bekker::signals::{Command, Measurement, Reference, WheelMeasurement};
 use bekker::soil::Soil;
@@ -23,8 +25,6 @@ fn rover(wheels: usize) -> Nominal {
         wheel: Wheel::default(),
         motor: Motor { inverse_torque_limit: 0.2, ..Motor::default() },
         soil: Soil::default(),
-        links: Vec::new(),
-        wheel_bodies: vec![0; wheels],
     }
 }
 
@@ -54,9 +54,10 @@ fn drive(bencher: Bencher, controller: &mut dyn Controller, wheels: usize) {
     });
 }
 
-fn rtc(bencher: Bencher, wheels: usize, switch_angle: f64) {
+fn rtc(bencher: Bencher, wheels: usize, switch_angle: f64, solver: Solver) {
     let parameters = RoughTerrainControl { gain: 10.0, switch_angle, ..RoughTerrainControl::default() };
-    let mut controller = Rtc::new(rover(wheels), parameters).expect("a valid rover");
+    let options = RtcOptions { solver, ..RtcOptions::default() };
+    let mut controller = Rtc::with_options(rover(wheels), parameters, options).expect("a valid rover");
     for call in 0..64 {
         let (goal, mut command) = (Reference { velocity: 0.25 }, Command::torque(vec![0.0; wheels]));
         controller.command(&reading(wheels, call), &goal, &mut command).expect("finite readings");
@@ -68,12 +69,22 @@ fn rtc(bencher: Bencher, wheels: usize, switch_angle: f64) {
 
 #[divan::bench(args = [2, 6])]
 fn rtc_minimum_power(bencher: Bencher, wheels: usize) {
-    rtc(bencher, wheels, 1.6);
+    rtc(bencher, wheels, 1.6, Solver::Clarabel);
+}
+
+#[divan::bench(args = [2, 6])]
+fn rtc_minimum_power_active_set(bencher: Bencher, wheels: usize) {
+    rtc(bencher, wheels, 1.6, Solver::ActiveSet);
 }
 
 #[divan::bench(args = [2, 6])]
 fn rtc_maximum_traction(bencher: Bencher, wheels: usize) {
-    rtc(bencher, wheels, 0.0);
+    rtc(bencher, wheels, 0.0, Solver::Clarabel);
+}
+
+#[divan::bench(args = [2, 6])]
+fn rtc_maximum_traction_active_set(bencher: Bencher, wheels: usize) {
+    rtc(bencher, wheels, 0.0, Solver::ActiveSet);
 }
 
 #[divan::bench(args = [2, 6])]

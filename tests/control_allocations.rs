@@ -5,7 +5,11 @@ mod control_support;
 #[path = "support/counting.rs"]
 mod counting;
 
-use bekker::control::{Controller, Rtc, VelocityControl, VelocityController};
+use bekker::control::{
+    Controller, EqualTorque, EqualTorqueController, Rtc, RtcOptions, SlipControl, SlipController, Solver,
+    VelocityControl, VelocityController,
+};
+use bekker::model::Model;
 use bekker::signals::{Command, Measurement, Reference};
 use control_support::Case;
 /// Allocations of one command after ten others.
@@ -34,6 +38,43 @@ fn property_commands_allocate_nothing_of_their_own() {
                 let solutions = if outcome.feasible { 1 + outcome.steps + usize::from(outcome.steps > 0) } else { 3 };
                 assert!(count <= solutions, "{count} allocations, {solutions} solutions in {case:?}");
             }
+        }
+    }
+}
+
+#[test]
+fn property_the_active_set_and_the_baselines_allocate_nothing() {
+    for seed in 0..60 {
+        let wheels = 3 + seed as usize % 6;
+        let mut case = if seed % 3 == 0 { Case::tipping(seed, wheels) } else { Case::jointed(seed, wheels) };
+        let (measured, goal) = (case.measurement(), case.reference());
+        let mut equal = EqualTorqueController::new(&case.nominal, EqualTorque::default()).expect("valid");
+        assert_eq!(allocations(&mut equal, &measured, &goal), 0);
+        case.parameters.switch_angle = if seed % 2 == 0 { 1.6 } else { 0.0 };
+        case.parameters.speed_kp = 0.5;
+        let options = RtcOptions { solver: Solver::ActiveSet, ..RtcOptions::default() };
+        let mut rtc = Rtc::with_options(case.nominal.clone(), case.parameters, options).expect("valid");
+        assert_eq!(allocations(&mut rtc, &measured, &goal), 0, "{case:?}");
+        let (parameters, gains) = (SlipControl::default(), VelocityControl::default());
+        let mut slip = SlipController::new(case.nominal.clone(), parameters, gains).expect("valid");
+        let mut command = Command::torque(vec![0.0; wheels]);
+        let mut step = || {
+            slip.reveal((0..wheels).map(|_| 0.1));
+            slip.command(&measured, &goal, &mut command).expect("finite readings");
+        };
+        step();
+        assert_eq!(counting::allocations(step), 0);
+    }
+}
+
+#[test]
+fn property_a_closed_loop_allocates_nothing() {
+    for preset in ["gentle_rtc", "rocker_bogie_velocity"] {
+        for kind in ["rtc", "slip", "equal_torque", "velocity_tuned"] {
+            let text = format!("preset = '{preset}'\n[control]\nkind = '{kind}'\nsolver = 'active_set'\n");
+            let mut run = Model::from_toml(&text, None).expect("a model").start().expect("a start");
+            run.advance(100).expect("a drive");
+            assert_eq!(counting::allocations(|| assert!(run.advance(100).is_ok())), 0, "{preset} by {kind}");
         }
     }
 }

@@ -2,7 +2,8 @@
 
 mod control_support;
 
-use bekker::control::Criterion;
+use bekker::control::{Criterion, Solver};
+use control_support::nonnegative::cone_distance;
 use control_support::{Case, choices, level_rover, null_space};
 use nalgebra::{DMatrix, DVector};
 
@@ -154,4 +155,61 @@ fn property_traction_never_needs_more_than_power_and_converges_fast() {
         }
     }
     assert!((2..=15).contains(&most) && total < 500 * 5, "{most} linear programs at most, {total} in all");
+}
+
+/// Distance from a proof of optimality, of t: the room of 1e-6 in which the cheapest distribution is sought, over loads
+/// of a tenth of the weight.
+const PROOF: f64 = 1e-5;
+/// Room up to which a ratio or a limit is tried in the certificate, in weights; of the others the multiplier is 0.
+const NEAR: f64 = 1e-2;
+
+/// Distance from a proof that no forces have a smaller largest ratio: what is left of the conditions of Karush, Kuhn
+/// and Tucker of min t: |T_i| - R N_i <= t N_i', and the gap, which is the most that t can fall (N_i' of the forces
+/// themselves, in weights; a ratio of linear functions is quasi-convex, so that t = 0 at the optimum).
+fn improvable(case: &Case, forces: &[f64]) -> f64 {
+    let (g, _) = case.balance();
+    let (a, b) = case.limits();
+    let (unknowns, weight) = (forces.len(), case.nominal.weight());
+    let x = DVector::from_column_slice(forces);
+    let largest = ratio(&x);
+    // Coordinates: the forces, t, and the room, by which a multiplier adds to the gap.
+    let stacked = |row: DVector<f64>, t: f64, room: f64| row.push(t).push(room.max(0.0));
+    let room = |k: usize| (b[k] - a.row(k).transpose().dot(&x)) / weight;
+    let limits = (0..b.len()).filter(|&k| room(k) < NEAR);
+    let mut rays: Vec<DVector<f64>> = limits.map(|k| stacked(a.row(k).transpose(), 0.0, room(k))).collect();
+    for wheel in 0..unknowns / 2 {
+        let (pull, load) = (forces[2 * wheel], forces[2 * wheel + 1]);
+        let room = (largest * load - pull.abs()) / weight;
+        if room < NEAR {
+            let mut row = DVector::zeros(unknowns);
+            row[2 * wheel] = pull.signum();
+            row[2 * wheel + 1] = -largest;
+            rays.push(stacked(row, -load / weight, room));
+        }
+    }
+    for k in 0..g.nrows() {
+        rays.extend([stacked(g.row(k).transpose(), 0.0, 0.0), stacked(-g.row(k).transpose(), 0.0, 0.0)]);
+    }
+    let mut falling = DVector::zeros(unknowns + 2);
+    falling[unknowns] = -1.0;
+    cone_distance(&rays, &falling)
+}
+
+#[test]
+fn property_no_ratio_can_be_lowered_for_three_to_eight_wheels_and_joints() {
+    let mut certified = 0;
+    for seed in 0..240 {
+        let wheels = 3 + seed as usize % 6;
+        let mut case = if seed % 2 == 0 { Case::random(seed, wheels) } else { Case::jointed(seed, wheels) };
+        case.parameters.switch_angle = 0.0;
+        case.solver = [Solver::Clarabel, Solver::ActiveSet][seed as usize / 12 % 2];
+        let (rtc, _) = case.run();
+        let outcome = rtc.outcome().expect("commanded");
+        if outcome.feasible && outcome.objective > 0.01 {
+            let distance = improvable(&case, &outcome.forces);
+            assert!(distance <= PROOF, "seed {seed}: {distance} off a proof at R = {}", outcome.objective);
+            certified += 1;
+        }
+    }
+    assert!(certified > 100, "only {certified} ratios certified");
 }

@@ -9,9 +9,9 @@ parameters! {
     /// Equal torque on all wheels, from the body's speed.
     pub struct EqualTorque {
         /// Gain of the commanded acceleration on v_desired - v.
-        gain: [Unit::PER_SECOND] = 5.0, 0.0..=1e3, Fixed, "assumption: closes a speed error within a second, an eighth of the weight at the start";
+        gain: [Unit::PER_SECOND] = 20.0, 0.0..=1e3, Fixed, "assumption: half the weight at a step of 0.25 m/s, which sand can answer";
         /// Gain on the integral of v_desired - v, against the soil's resistance.
-        integral_gain: [Unit::PER_SECOND2] = 6.25, 0.0..=1e3, Fixed, "gain^2 / 4: a double pole of the body's speed";
+        integral_gain: [Unit::PER_SECOND2] = 100.0, 0.0..=1e3, Fixed, "gain^2 / 4: a double pole of the body's speed";
         /// Control period, over which the torques are held.
         period: [Unit::SECOND] = 0.01, 1e-4..=1.0, Fixed, "assumption: 100 Hz, as velocity control";
     }

@@ -114,7 +114,6 @@ impl Nominal {
             return Err(ControlError::Nominal { quantity: "number of wheels", value, expected: "2 or more" });
         }
         positive("distance from rearmost to foremost wheel", self.base(), "over 0 m")?;
-        self.check_links()?;
         within_bounds("wheel", self.wheel)?;
         within_bounds("motor", self.motor)?;
         within_bounds("soil", self.soil)
@@ -128,15 +127,15 @@ impl Nominal {
             return refuse("number of links", self.links.len(), "5 or fewer");
         }
         if self.wheel_bodies.len() != self.wheels() {
-            return refuse("number of wheel bodies", self.wheel_bodies.len(), "one a wheel");
+            return refuse("number of wheels with a body", self.wheel_bodies.len(), "one a wheel");
         }
         if let Some(&body) = self.wheel_bodies.iter().find(|&&body| body > self.links.len()) {
-            return refuse("wheel body", body, "0 (the chassis) to the number of links");
+            return refuse("body of a wheel", body, "0 (the chassis) to the number of links");
         }
         let mut carried = 0.0;
         for (index, link) in self.links.iter().enumerate() {
             if link.parent > index {
-                return refuse("link parent", link.parent, "0 (the chassis) or a link of a lower number");
+                return refuse("parent of a link", link.parent, "0 (the chassis) or a link of a lower number");
             }
             for value in [link.x, link.z, link.centre_of_mass_x, link.centre_of_mass_z] {
                 finite("nominal place of a link", None, value)?;

@@ -5,7 +5,7 @@ use crate::control::{
     ControlError, Controller, EqualTorque, EqualTorqueController, Nominal, NominalLink, RoughTerrainControl, Rtc,
     RtcOptions, SlipControl, SlipController, Solver, Strength, TunedVelocity, VelocityControl, VelocityController,
 };
-use crate::rover::{Link, Rover};
+use crate::rover::{Link, LinkParameters, Rover};
 use crate::signals::{Command, Measurement, Reference, Signals};
 use crate::soil::Soil;
 use bekker_modeldescription::{Unit, parameters};
@@ -167,23 +167,20 @@ pub fn nominal(rover: &Rover) -> Nominal {
         moment[0] += link.parameters.mass * link.parameters.centre_of_mass_x;
         moment[1] += link.parameters.mass * link.parameters.centre_of_mass_z;
     }
-    let link = |link: &Link| NominalLink {
-        parent: link.parent,
-        x: link.parameters.x,
-        z: link.parameters.z,
-        mass: link.parameters.mass,
-        centre_of_mass_x: link.parameters.centre_of_mass_x,
-        centre_of_mass_z: link.parameters.centre_of_mass_z,
-    };
     Nominal {
         gravity: rover.environment.gravity,
         mass,
         centre_of_mass: [moment[0] / mass, moment[1] / mass],
         wheel_centres: rover.wheels.iter().map(|wheel| [wheel.mount.x, wheel.mount.z]).collect(),
         wheel_bodies: rover.wheels.iter().map(|wheel| wheel.body).collect(),
-        links: rover.links.iter().map(link).collect(),
+        links: rover.links.iter().map(nominal_link).collect(),
         wheel: rover.wheel,
         motor: rover.motor,
         soil: rover.soil,
     }
+}
+
+fn nominal_link(link: &Link) -> NominalLink {
+    let LinkParameters { x, z, mass, centre_of_mass_x, centre_of_mass_z, .. } = link.parameters;
+    NominalLink { parent: link.parent, x, z, mass, centre_of_mass_x, centre_of_mass_z }
 }

@@ -13,7 +13,7 @@
 //! preset = "waves"
 //! [control]
 //! kind = "rtc"                     # torque, speed, speed_loop, velocity, velocity_tuned, rtc, slip, equal_torque
-//! strength = "mohr_coulomb"        # shear limit of rtc; or "thesis", (4.15) as printed
+//! strength = "mohr_coulomb"        # shear limit of rtc; or "thesis", (4.15) as printed; or "mobilised"
 //! solver = "clarabel"              # of rtc's optimisation; or "active_set", for batches of rovers
 //! [control.nominal_soil]           # the soil that controllers believe in; without it, the true one
 //! cohesion = 500.0                 # names of `soil.*`; those that are not named are as the true soil's

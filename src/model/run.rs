@@ -4,7 +4,7 @@ use super::closed_loop::AtWork;
 use super::{ControlKind, Model};
 use crate::control::{ControlError, Rtc};
 use crate::sensors::SensorSuite;
-use crate::signals::{Command, LinkMeasurement, Measurement, Reference, Signals};
+use crate::signals::{Command, Measurement, Reference, Signals};
 use crate::simulation::{Simulation, Status, StepError};
 use bekker_modeldescription::{Lookup, ParameterError, Parameters, Unit, Variable, join, parameters};
 
@@ -194,7 +194,7 @@ impl Run {
             measurement: Measurement::default(),
         };
         if run.controller.is_some() {
-            see(&mut run.sensors, &run.simulation, &mut run.measurement);
+            run.sensors.read(0.0, run.simulation.signals(), &mut run.measurement);
         }
         Ok(run)
     }
@@ -227,7 +227,7 @@ impl Run {
             }
             (Inputs::Speed(wheels), Some(AtWork::Velocity(controller))) => {
                 let time = self.simulation.time();
-                see(&mut self.sensors, &self.simulation, &mut self.measurement);
+                self.sensors.read(time, self.simulation.signals(), &mut self.measurement);
                 controller
                     .hold(&self.measurement, |k| wheels[k].speed_command, &mut self.command)
                     .map_err(|source| RunError::Control { time, source })?;
@@ -237,7 +237,7 @@ impl Run {
             }
             (Inputs::Velocity(input), Some(controller)) => {
                 let time = self.simulation.time();
-                see(&mut self.sensors, &self.simulation, &mut self.measurement);
+                self.sensors.read(time, self.simulation.signals(), &mut self.measurement);
                 let goal = Reference { velocity: input.velocity_command };
                 controller
                     .command(&self.measurement, self.simulation.signals(), &goal, &mut self.command)
@@ -300,15 +300,6 @@ impl Run {
     pub fn simulation(&self) -> &Simulation {
         &self.simulation
     }
-}
-
-/// Reads the sensors, those of the joints included.
-fn see(sensors: &mut SensorSuite, simulation: &Simulation, measurement: &mut Measurement) {
-    sensors.read(simulation.time(), simulation.signals(), measurement);
-    let state = simulation.state();
-    let links = state.position.iter().zip(&state.rate).skip(3);
-    measurement.links.clear();
-    measurement.links.extend(links.map(|(&angle, &rate)| LinkMeasurement { angle, rate }));
 }
 
 impl Model {

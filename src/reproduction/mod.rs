@@ -39,12 +39,24 @@ pub struct Study {
 
 /// All studies, in the thesis's order.
 pub const STUDIES: &[Study] = &[
+    Study { id: "stresses", run: |_| Ok(vec![soil::stress_distributions()?, soil::drawbar_pull_of_models()?]) },
+    Study { id: "bevameter", run: |trials| Ok(vec![soil_testbed::bevameter(trials as u64)?]) },
+    Study { id: "wheel_testbed", run: |trials| Ok(vec![soil_testbed::wheel_testbed(trials as u64)?]) },
+    Study { id: "soil_on_board", run: |trials| Ok(vec![soil_on_board::rover_identification(trials as u64)?]) },
+    Study { id: "undulating", run: |trials| Ok(vec![contact_angles::undulating(count(trials))?]) },
+    Study { id: "rock", run: |trials| Ok(vec![contact_angles::rock(count(trials))?]) },
+    Study { id: "incline", run: |trials| Ok(vec![contact_angles::incline(count(trials))?]) },
     Study { id: "benign", run: benign::benign },
     Study { id: "sensitivity", run: sensitivity::sensitivity },
     Study { id: "challenging", run: challenging::challenging },
     Study { id: "ditch", run: ditch::ditch },
     Study { id: "sled", run: sled::sled },
 ];
+
+/// Trials as the studies of contact angles count them.
+fn count(trials: usize) -> u32 {
+    u32::try_from(trials).unwrap_or(u32::MAX)
+}
 
 /// Median and interval of a quantity over seeds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

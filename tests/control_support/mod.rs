@@ -2,11 +2,12 @@
 //! vectors in the world frame, a pseudo-inverse and dense matrices. Shares no code with `control::rtc`.
 #![allow(dead_code)]
 
+pub mod jointed;
 pub mod nonnegative;
 
-use bekker::control::{Controller, Nominal, RoughTerrainControl, Rtc};
+use bekker::control::{Controller, Nominal, RoughTerrainControl, Rtc, RtcOptions, Solver};
 use bekker::motor::Motor;
-use bekker::signals::{Command, Measurement, Reference, WheelMeasurement};
+use bekker::signals::{Command, LinkMeasurement, Measurement, Reference, WheelMeasurement};
 use bekker::soil::Soil;
 use bekker::wheel::Wheel;
 use nalgebra::{DMatrix, DVector};
@@ -46,6 +47,9 @@ pub struct Case {
     pub angles: Vec<f64>,
     pub velocity: f64,
     pub goal: f64,
+    /// Joint angles, rad.
+    pub joints: Vec<f64>,
+    pub solver: Solver,
 }
 
 impl Case {
@@ -53,7 +57,8 @@ impl Case {
     pub fn level(nominal: Nominal) -> Self {
         let angles = vec![0.0; nominal.wheels()];
         let parameters = RoughTerrainControl { gain: GAIN, ..RoughTerrainControl::default() };
-        Self { nominal, parameters, pitch: 0.0, angles, velocity: 0.0, goal: 0.0 }
+        let (joints, solver) = (Vec::new(), Solver::default());
+        Self { nominal, parameters, pitch: 0.0, angles, velocity: 0.0, goal: 0.0, joints, solver }
     }
 
     /// Random rover, slopes, demand and limits; steep slopes and tight limits often, infeasible ones too.
@@ -84,7 +89,8 @@ impl Case {
             ..RoughTerrainControl::default()
         };
         let goal = rng.random_range(-0.3..0.3);
-        Self { nominal, parameters, pitch, angles, velocity: goal + rng.random_range(-0.15..0.15), goal }
+        let velocity = goal + rng.random_range(-0.15..0.15);
+        Self { nominal, parameters, pitch, angles, velocity, goal, joints: Vec::new(), solver: Solver::default() }
     }
 
     /// A random case whose centre of mass is high, whose drives are weak and whose wheels all ought to
@@ -103,7 +109,8 @@ impl Case {
     pub fn measurement(&self) -> Measurement {
         let wheel = |&contact_angle: &f64| WheelMeasurement { contact_angle, ..WheelMeasurement::default() };
         let wheels = self.angles.iter().map(wheel).collect();
-        Measurement { pitch: self.pitch, velocity: self.velocity, wheels, ..Measurement::default() }
+        let links = self.joints.iter().map(|&angle| LinkMeasurement { angle, rate: 0.0 }).collect();
+        Measurement { pitch: self.pitch, velocity: self.velocity, wheels, links, ..Measurement::default() }
     }
 
     pub fn reference(&self) -> Reference {
@@ -112,27 +119,39 @@ impl Case {
 
     /// The controller after one command, and the torques.
     pub fn run(&self) -> (Rtc, Vec<f64>) {
-        let mut rtc = Rtc::new(self.nominal.clone(), self.parameters).expect("the case is valid");
+        let options = RtcOptions { solver: self.solver, ..RtcOptions::default() };
+        let mut rtc = Rtc::with_options(self.nominal.clone(), self.parameters, options).expect("the case is valid");
         let mut command = Command::torque(vec![0.0; self.angles.len()]);
         rtc.command(&self.measurement(), &self.reference(), &mut command).expect("the readings are finite");
         (rtc, command.values)
     }
 
-    /// G and f_s (4.3): sums of forces, and moments r x F about the centre of mass.
+    /// G and f_s (4.3): sums of forces, moments r x F about the centre of mass, and one row a passive joint.
     pub fn balance(&self) -> (DMatrix<f64>, DVector<f64>) {
-        let mut g = DMatrix::zeros(3, 2 * self.angles.len());
-        for (k, (&gamma, centre)) in self.angles.iter().zip(&self.nominal.wheel_centres).enumerate() {
-            let normal = [-gamma.sin(), gamma.cos()];
-            let point = contact_point(&self.nominal, *centre, self.pitch, normal);
-            for (column, force) in [(2 * k, [gamma.cos(), gamma.sin()]), (2 * k + 1, normal)] {
+        self.balance_at(self.parameters.gain * (self.goal - self.velocity))
+    }
+
+    fn balance_at(&self, acceleration: f64) -> (DMatrix<f64>, DVector<f64>) {
+        let nominal = &self.nominal;
+        let mut g = DMatrix::zeros(3 + self.joints.len(), 2 * self.angles.len());
+        let mut f = DVector::zeros(g.nrows());
+        f[0] = nominal.mass * acceleration;
+        f[1] = nominal.mass * nominal.gravity;
+        for (k, &gamma) in self.angles.iter().enumerate() {
+            let normal = nalgebra::Vector2::new(-gamma.sin(), gamma.cos());
+            let point = self.wheel_centre(k) - nominal.wheel.radius * normal - self.centre_of_mass();
+            for (column, force) in [(2 * k, [gamma.cos(), gamma.sin()]), (2 * k + 1, normal.into())] {
                 g[(0, column)] = force[0];
                 g[(1, column)] = force[1];
                 g[(2, column)] = point[0] * force[1] - point[1] * force[0];
             }
         }
-        let nominal = &self.nominal;
-        let wish = nominal.mass * self.parameters.gain * (self.goal - self.velocity);
-        (g, DVector::from_vec(vec![wish, nominal.mass * nominal.gravity, 0.0]))
+        for joint in 0..self.joints.len() {
+            let (row, asked) = self.joint_row(joint, acceleration);
+            row.into_iter().enumerate().for_each(|(column, arm)| g[(3 + joint, column)] = arm);
+            f[3 + joint] = asked;
+        }
+        (g, f)
     }
 
     /// A x <= b: (4.13), (4.14), (4.16), in this order, wheel by wheel.
@@ -162,11 +181,13 @@ impl Case {
     fn adhesion(&self) -> Vec<f64> {
         let nominal = &self.nominal;
         let (r, b, soil) = (nominal.wheel.radius, nominal.wheel.width, &nominal.soil);
-        let (mut g, _) = self.balance();
+        let (mut g, mut weight) = self.balance_at(0.0);
         let centres = || nominal.wheel_centres.iter().map(|c| c[0]);
         let half = 0.5 * (centres().fold(-1e9, f64::max) - centres().fold(1e9, f64::min));
-        g.row_mut(2).scale_mut(1.0 / half);
-        let weight = DVector::from_vec(vec![0.0, nominal.mass * nominal.gravity, 0.0]);
+        for row in 2..g.nrows() {
+            g.row_mut(row).scale_mut(1.0 / half);
+            weight[row] /= half;
+        }
         let loads = g.pseudo_inverse(1e-12).expect("a pseudo-inverse exists") * weight;
         let area = |k: usize| {
             let load = loads[2 * k + 1].max(self.parameters.minimum_load);
@@ -177,14 +198,6 @@ impl Case {
         };
         (0..self.angles.len()).map(|k| area(k) * soil.cohesion).collect()
     }
-}
-
-/// The rim's point against the ground, from the centre of mass, world axes.
-fn contact_point(nominal: &Nominal, centre: [f64; 2], pitch: f64, normal: [f64; 2]) -> [f64; 2] {
-    let rotation = nalgebra::Rotation2::new(pitch);
-    let body = nalgebra::Vector2::from(centre) - nalgebra::Vector2::from(nominal.centre_of_mass);
-    let world = rotation * body - nominal.wheel.radius * nalgebra::Vector2::from(normal);
-    [world.x, world.y]
 }
 
 /// An orthonormal basis of the null space of `g` and the least-norm solution of g x = f.

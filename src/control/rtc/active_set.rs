@@ -10,18 +10,20 @@
 use super::solver::Numbers;
 use std::borrow::Cow;
 
-/// Weight of the proximal term, of the least weight in the objective (of 1 in a linear program).
+/// Weight of the proximal term, of the least weight in the objective.
 const PROXIMAL: f64 = 1e-6;
+/// The same in a linear program, whose first step is its gradient over this weight: the larger, the less rounding.
+const PROXIMAL_LINEAR: f64 = 1e-2;
 /// Pull of the proximal term at which the optimum is reached: what is left of the objective's gradient.
-const PULL: f64 = 1e-11;
+const PULL: f64 = 1e-10;
 /// Violation of a row, for data of order 1, from which it counts.
-const VIOLATED: f64 = 1e-11;
+const VIOLATED: f64 = 1e-10;
 /// Violation that a row which depends on the active ones may keep: where it should hold with equality, rounding.
 const ROUNDING: f64 = 1e-9;
 /// Part of a row's normal outside the active rows' normals below which it depends on them.
 const DEPENDENT: f64 = 1e-10;
-/// Proximal steps at most.
-const MOST_CENTRES: usize = 200;
+/// Proximal steps at most; 2 to 5 are usual.
+const MOST_CENTRES: usize = 500;
 /// Rows taken in at most, over all proximal steps; a few times their number are usual.
 const MOST_ROWS: usize = 2000;
 
@@ -67,7 +69,7 @@ impl ActiveSet {
     pub fn new(numbers: &Numbers) -> Self {
         let (n, rows) = (numbers.linear.len(), numbers.rows.bounds.len());
         let least = numbers.quadratic.iter().copied().filter(|p| *p > 0.0).fold(f64::INFINITY, f64::min);
-        let weight = if least.is_finite() { PROXIMAL * least } else { PROXIMAL };
+        let weight = if least.is_finite() { PROXIMAL * least } else { PROXIMAL_LINEAR };
         let proximal: Vec<f64> = numbers.quadratic.iter().map(|&p| if p > 0.0 { 0.0 } else { weight }).collect();
         Self {
             n,
@@ -115,7 +117,7 @@ impl ActiveSet {
                 return Ok(());
             }
         }
-        Err(Cow::Borrowed("too many iterations"))
+        Err(Cow::Borrowed("too many proximal steps"))
     }
 
     /// Takes the numbers over, without any active row.

@@ -32,7 +32,7 @@ pub use solver::{Program, Rows, Solver, Unsolved};
 pub use speed_loop::SpeedLoop;
 use speed_loop::Speeds;
 pub use strength::{
-    ShearLimit, Strength, compaction_resistance, contact_area, largest_stress, projected_area, sinkage,
+    ShearLimit, Strength, compaction_resistance, contact_area, largest_stress, mobilised_share, projected_area, sinkage,
 };
 pub use switch::Criterion;
 pub use traction::{MaximumTraction, Search};
@@ -327,7 +327,8 @@ impl Controller for Rtc {
     fn command(&mut self, measured: &Measurement, goal: &Reference, command: &mut Command) -> Result<(), ControlError> {
         let outcome = self.outcome.take().unwrap_or_default();
         self.pose(measured, goal)?;
-        let angles = measured.wheels.iter().map(|wheel| wheel.contact_angle);
+        let touching = measured.wheels.iter().zip(&self.problem.lifted).filter(|(_, lifted)| !**lifted);
+        let angles = touching.map(|(wheel, _)| wheel.contact_angle);
         let criterion = Criterion::for_terrain(angles, self.parameters.switch_angle);
         let found = self.optimiser.solve(&self.problem, criterion, &mut self.forces)?;
         for (index, &traction) in self.forces.iter().step_by(2).enumerate() {

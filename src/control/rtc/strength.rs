@@ -4,6 +4,10 @@
 //! Mohr and Coulomb's strength summed over the patch, A c + N tan phi, needs the load alone (errata 12). Both are
 //! linear in the load here, so that the constraint (4.16) stays linear: A sigma_m grows as z^(n + 1/2) with small
 //! sinkage, and that is how the load grows in (4.18).
+//!
+//! Neither knows that shear has to be mobilised (2.1): where the patch is not much longer than K, no slip mobilises
+//! it, and a controller that trusts the strength asks for torques that only spin the wheel. On the thesis's own soil,
+//! K = 30 mm, this weighs more than the difference of the two (`tests/control_strength.rs` has figures).
 
 use crate::soil::Soil;
 use crate::wheel::Wheel;
@@ -44,6 +48,8 @@ pub enum Strength {
     MohrCoulomb,
     /// A (c + sigma_m tan phi) as printed (4.15), with the wheel's projected area b r sin theta_1.
     Thesis,
+    /// (A c + N tan phi) times the share of it that a spinning wheel mobilises.
+    Mobilised,
 }
 
 /// A wheel's largest shear force as a line over its load N: adhesion + friction N.
@@ -70,6 +76,10 @@ impl Strength {
     pub fn limit(self, soil: &Soil, wheel: &Wheel, load: f64, usable: f64) -> ShearLimit {
         let (area, stress) = match self {
             Self::MohrCoulomb => (contact_area(soil, wheel, load), 1.0),
+            Self::Mobilised => {
+                let (area, share) = (contact_area(soil, wheel, load), mobilised_share(soil, wheel, load));
+                (share * area, share)
+            }
             Self::Thesis => {
                 let area = projected_area(soil, wheel, load);
                 (area, area * largest_stress(soil, wheel, load) / load)
@@ -93,4 +103,12 @@ pub fn largest_stress(soil: &Soil, wheel: &Wheel, load: f64) -> f64 {
     let cos_entry = 1.0 - sinkage(soil, wheel, load) / wheel.radius;
     let theta_m = soil.c1.clamp(0.05, 0.95) * cos_entry.acos();
     soil.pressure(wheel.radius * (theta_m.cos() - cos_entry), wheel.width)
+}
+
+/// Share of the shear strength that a wheel spinning on the spot mobilises: the mean of 1 - exp(-j/K) (2.1) over the
+/// patch, where j grows from 0 to its length L = r theta_1: 1 - (K/L)(1 - exp(-L/K)).
+#[must_use]
+pub fn mobilised_share(soil: &Soil, wheel: &Wheel, load: f64) -> f64 {
+    let lengths = contact_area(soil, wheel, load) / wheel.width / soil.shear_modulus;
+    1.0 + (-lengths).exp_m1() / lengths
 }
