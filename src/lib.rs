@@ -19,7 +19,7 @@
 //! | [`simulation`] | a rover in motion, with a fixed step | rover |
 //! | [`signals`], [`sensors`] | commands, true signals, what sensors make of them | |
 //! | [`control`] | controllers: they see measurements, never the true state | signals |
-//! | [`estimation`] | what a rover finds out from measurements: contact angles | signals, control |
+//! | [`estimation`] | what a rover finds out from measurements: contact angles, the soil | signals, control, contact |
 //! | [`model`] | all of it in one value; TOML in and out; a run | all above |
 //! | [`reproduction`] | the thesis's results beside ours | model |
 //! | [`measurement`], [`diagnosis`], [`report`] | experiments, comparison, calibration, pages | model |

@@ -48,6 +48,29 @@ pub struct LinearStress<S = f64> {
     tan_phi: S,
 }
 
+/// What one measurement says of the strength by (2.24): tan phi = (h_1 h_6 - c h_0 h_1)/(h_8 - c h_9).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StrengthEquation<S = f64> {
+    /// h_0.
+    pub h_0: S,
+    /// h_1.
+    pub h_1: S,
+    /// h_6, Pa.
+    pub h_6: S,
+    /// h_8, Pa.
+    pub h_8: S,
+    /// h_9.
+    pub h_9: S,
+}
+
+impl<S: Scalar> StrengthEquation<S> {
+    /// tan phi at a known cohesion (Pa).
+    pub fn tan_phi(&self, cohesion: S) -> S {
+        let Self { h_0, h_1, h_6, h_8, h_9 } = *self;
+        (h_1 * h_6 - cohesion * h_0 * h_1) / (h_8 - cohesion * h_9) // (2.24)
+    }
+}
+
 /// The groups h_0..h_4 of (B.5)-(B.7).
 struct Groups<S> {
     h_0: S,
@@ -104,6 +127,11 @@ impl<S: Scalar> DrivenWheel<S> {
     ///
     /// Biased by +1.8 degrees on average (see the module); exact for (B.5) and (B.7).
     pub fn tan_phi(&self, load: S, torque: S, cohesion: S) -> S {
+        self.strength_equation(load, torque).tan_phi(cohesion)
+    }
+
+    /// The equation (2.24) of the strength that follows from the load (N) and the torque (N m).
+    pub fn strength_equation(&self, load: S, torque: S) -> StrengthEquation<S> {
         let Groups { h_0, h_1, h_2, h_3, h_4 } = self.groups();
         let theta_1_2 = self.theta_1 * self.theta_1;
         let h_5 = h_4 + 0.5;
@@ -111,7 +139,7 @@ impl<S: Scalar> DrivenWheel<S> {
         let h_7 = load / (self.radius * self.width);
         let h_8 = h_5 * h_7 - h_6 * (h_3 + h_2 * theta_1_2);
         let h_9 = theta_1_2 * h_0 * h_5 / 3.0 - h_0 * (h_3 + h_2 * theta_1_2);
-        (h_1 * h_6 - cohesion * h_0 * h_1) / (h_8 - cohesion * h_9) // (2.24)
+        StrengthEquation { h_0, h_1, h_6, h_8, h_9 }
     }
 
     fn groups(&self) -> Groups<S> {

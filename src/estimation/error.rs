@@ -1,9 +1,10 @@
-//! Why an estimator could not be built or take a measurement in.
+//! Why an estimator could not be built or took no reading.
 
 use crate::control::ControlError;
+use crate::linear_stress::OutsideClosedForms;
 use bekker_modeldescription::{Lookup, ParameterError};
 
-/// Why an estimator could not be built or take a measurement in.
+/// Why an estimator could not be built or took no reading; its estimate is then as it was.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EstimationError {
     /// A reading is not a finite number.
@@ -52,14 +53,53 @@ pub enum EstimationError {
     },
     /// The nominal rover makes no sense.
     #[error(transparent)]
-    Nominal(#[from] ControlError),
-    /// A parameter is outside its bounds.
+    Rover(#[from] ControlError),
+    /// The nominal rover makes no sense to this estimator.
+    #[error("nominal {quantity} is {value}; expected {expected}")]
+    Nominal {
+        /// What of it.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+        /// What was expected.
+        expected: &'static str,
+    },
+    /// A parameter of a group is outside its bounds.
     #[error("in `{group}`: {error}")]
     Parameter {
         /// The group's name.
         group: &'static str,
         /// Which parameter, and its allowed range.
         error: ParameterError,
+    },
+    /// A reading is outside what the soil's formulas are for.
+    #[error("{quantity} = {value}; the estimator expects {expected}")]
+    Reading {
+        /// Which reading.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+        /// What was expected.
+        expected: &'static str,
+    },
+    /// A reading is outside what the thesis's closed forms are for.
+    #[error(transparent)]
+    ClosedForm(#[from] OutsideClosedForms),
+    /// Too few readings for what is asked.
+    #[error("{found} readings of {what}; at least {expected} are needed")]
+    TooFew {
+        /// Of what.
+        what: &'static str,
+        /// How many are needed.
+        expected: usize,
+        /// How many there are.
+        found: usize,
+    },
+    /// The readings leave the answer open or contradict every answer.
+    #[error("the readings determine no {what}")]
+    Undetermined {
+        /// What they do not determine.
+        what: &'static str,
     },
 }
 
@@ -74,6 +114,11 @@ pub(super) fn finite(quantity: &'static str, index: Option<usize>, value: f64) -
     } else {
         Err(EstimationError::NotFinite { quantity, number: index.map(|k| k + 1), value })
     }
+}
+
+/// Refuses a measurement with another number of parts than the estimator's.
+pub(super) fn same_count(what: &'static str, expected: usize, found: usize) -> Result<(), EstimationError> {
+    if expected == found { Ok(()) } else { Err(EstimationError::Count { what, expected, found }) }
 }
 
 /// Checks a parameter group against its bounds.

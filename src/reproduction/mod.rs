@@ -5,6 +5,12 @@
 //! differs, the row says why.
 
 pub mod contact_angles;
+pub mod instruments;
+pub mod on_board;
+pub mod soil;
+pub mod soil_on_board;
+pub mod soil_testbed;
+mod stresses;
 
 use serde::Serialize;
 
