@@ -187,6 +187,16 @@ pub struct Measurement {
     pub links: Vec<LinkMeasurement>,
 }
 
+impl Measurement {
+    /// Takes another's readings over, without allocating where the rover is the same.
+    pub(crate) fn take_over(&mut self, other: &Self) {
+        let Self { time, pitch, pitch_rate, velocity, wheels, links } = other;
+        (self.time, self.pitch, self.pitch_rate, self.velocity) = (*time, *pitch, *pitch_rate, *velocity);
+        self.wheels.clone_from(wheels);
+        self.links.clone_from(links);
+    }
+}
+
 /// What the rover is asked to do.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Reference {

@@ -1,6 +1,7 @@
 //! Why a controller could not be built or gave no command.
 
 use super::rtc::Unsolved;
+use crate::estimation::EstimationError;
 use bekker_modeldescription::{Lookup, ParameterError};
 
 /// Why a controller could not be built or gave no command.
@@ -69,16 +70,23 @@ pub enum ControlError {
         weight: f64,
     },
     /// The contact points do not span the balance (4.3), so it has no unique least-norm solution.
-    #[error(
-        "all contact points of the rover or of a joint's wheels coincide at pitch {pitch} rad: the force distribution is singular"
-    )]
+    #[error("all contact points of the rover or of a joint's wheels coincide at pitch {pitch} rad: the force distribution is singular")]
     Singular {
         /// The measured pitch, rad.
         pitch: f64,
     },
+    /// An estimator in the loop could not be built or took no reading.
+    #[error(transparent)]
+    Estimation(Box<EstimationError>),
     /// The optimiser stopped without an answer.
     #[error(transparent)]
     Optimiser(#[from] Unsolved),
+}
+
+impl From<EstimationError> for ControlError {
+    fn from(error: EstimationError) -> Self {
+        Self::Estimation(Box::new(error))
+    }
 }
 
 fn of_wheel(wheel: Option<usize>) -> String {

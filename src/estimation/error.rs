@@ -1,10 +1,10 @@
-//! Why an estimator could not be built or take a measurement in.
+//! Why an estimator could not be built or took no reading.
 
 use crate::control::ControlError;
 use crate::linear_stress::OutsideClosedForms;
 use bekker_modeldescription::{Lookup, ParameterError};
 
-/// Why an estimator could not be built or take a measurement in.
+/// Why an estimator could not be built or took no reading; its estimate is then as it was.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EstimationError {
     /// A reading is not a finite number.
@@ -53,24 +53,24 @@ pub enum EstimationError {
     },
     /// The nominal rover makes no sense.
     #[error(transparent)]
-    Nominal(#[from] ControlError),
-    /// A parameter is outside its bounds.
-    #[error("in `{group}`: {error}")]
-    Parameter {
-        /// The group's name.
-        group: &'static str,
-        /// Which parameter, and its allowed range.
-        error: ParameterError,
-    },
+    Rover(#[from] ControlError),
     /// The nominal rover makes no sense to this estimator.
     #[error("nominal {quantity} is {value}; expected {expected}")]
-    NominalValue {
+    Nominal {
         /// What of it.
         quantity: &'static str,
         /// Its value.
         value: f64,
         /// What was expected.
         expected: &'static str,
+    },
+    /// A parameter of a group is outside its bounds.
+    #[error("in `{group}`: {error}")]
+    Parameter {
+        /// The group's name.
+        group: &'static str,
+        /// Which parameter, and its allowed range.
+        error: ParameterError,
     },
     /// A reading is outside what the soil's formulas are for.
     #[error("{quantity} = {value}; the estimator expects {expected}")]
@@ -107,21 +107,21 @@ fn numbered(number: Option<usize>) -> String {
     number.map_or_else(String::new, |number| format!(" {number}"))
 }
 
-/// `value` if it is finite; `index` counts wheels or links from 0.
-pub(crate) fn finite(quantity: &'static str, index: Option<usize>, value: f64) -> Result<f64, EstimationError> {
+/// Refuses a reading that is not finite; `index` counts wheels or links from 0.
+pub(super) fn finite(quantity: &'static str, index: Option<usize>, value: f64) -> Result<(), EstimationError> {
     if value.is_finite() {
-        Ok(value)
+        Ok(())
     } else {
         Err(EstimationError::NotFinite { quantity, number: index.map(|k| k + 1), value })
     }
 }
 
 /// Refuses a measurement with another number of parts than the estimator's.
-pub(crate) fn same_count(what: &'static str, expected: usize, found: usize) -> Result<(), EstimationError> {
+pub(super) fn same_count(what: &'static str, expected: usize, found: usize) -> Result<(), EstimationError> {
     if expected == found { Ok(()) } else { Err(EstimationError::Count { what, expected, found }) }
 }
 
 /// Checks a parameter group against its bounds.
-pub(crate) fn within_bounds(group: &'static str, mut parameters: impl Lookup) -> Result<(), EstimationError> {
+pub(super) fn within_bounds(group: &'static str, mut parameters: impl Lookup) -> Result<(), EstimationError> {
     parameters.check().map_err(|error| EstimationError::Parameter { group, error })
 }

@@ -6,7 +6,7 @@
 //! | module | what it finds |
 //! |---|---|
 //! | [`contact_angle`] | the slope of the ground under every wheel (2.5) |
-//! | [`soil`] | cohesion and friction angle of the soil under a wheel (2.4) |
+//! | [`soil`] | the soil's strength from what a driven wheel feels (2.3, 2.4) |
 //! | [`consistency`] | whether an estimator's covariance is that of its errors |
 
 pub mod consistency;

@@ -1,10 +1,13 @@
 //! Which controller drives the rover.
 
 use super::Model;
+use super::estimating::{ContactAngleSource, EstimatingRtc, SoilSource};
 use crate::control::{
     ControlError, Controller, EqualTorque, EqualTorqueController, Nominal, NominalLink, RoughTerrainControl, Rtc,
-    RtcOptions, SlipControl, SlipController, Solver, Strength, TunedVelocity, VelocityControl, VelocityController,
+    SlipControl, SlipController, Solver, Strength, TunedVelocity, VelocityControl, VelocityController,
 };
+use crate::estimation::ContactAngleEstimation;
+use crate::estimation::soil::SoilIdentification;
 use crate::rover::{Link, LinkParameters, Rover};
 use crate::signals::{Command, Measurement, Reference, Signals};
 use crate::soil::Soil;
@@ -64,6 +67,14 @@ pub struct Control {
     pub slip: SlipControl,
     /// The same torque for all wheels.
     pub equal_torque: EqualTorque,
+    /// Where rough-terrain control has its contact angles from.
+    pub contact_angles: ContactAngleSource,
+    /// Where rough-terrain control has the soil's strength from.
+    pub soil: SoilSource,
+    /// What the estimator of contact angles believes.
+    pub contact_angle_estimation: ContactAngleEstimation,
+    /// What the identification of the soil believes.
+    pub soil_identification: SoilIdentification,
     /// The soil in the controllers' data sheet; `None` is the rover's own, which no rover knows.
     pub nominal_soil: Option<Soil>,
 }
@@ -85,7 +96,7 @@ impl Control {
 #[derive(Clone)]
 pub(super) enum AtWork {
     Velocity(VelocityController),
-    Rtc(Box<Rtc>),
+    Rtc(Box<EstimatingRtc>),
     Slip(SlipController),
     EqualTorque(EqualTorqueController),
 }
@@ -119,9 +130,7 @@ impl AtWork {
                 Some(Self::Velocity(VelocityController::new(&nominal, gains)?))
             }
             ControlKind::Rtc => {
-                let (strength, solver, period) = (control.strength, control.solver, control.rtc_timing.period);
-                let options = RtcOptions { strength, solver, period };
-                Some(Self::Rtc(Box::new(Rtc::with_options(nominal, control.rtc, options)?)))
+                Some(Self::Rtc(Box::new(EstimatingRtc::new(nominal, control)?)))
             }
             ControlKind::Slip => Some(Self::Slip(SlipController::new(nominal, control.slip, control.velocity)?)),
             ControlKind::EqualTorque => {
@@ -133,7 +142,7 @@ impl AtWork {
     /// Rough-terrain control, where it is at work.
     pub fn rtc(&self) -> Option<&Rtc> {
         match self {
-            Self::Rtc(controller) => Some(controller),
+            Self::Rtc(controller) => Some(controller.rtc()),
             _ => None,
         }
     }

@@ -1,6 +1,6 @@
 //! Effects of the user's own in a model.
 
-use super::{ControlKind, Model};
+use super::{ContactAngleSource, ControlKind, Model, SoilSource};
 use crate::effects::{DefinitionError, EffectDefinition};
 use crate::rover::Rover;
 use crate::signals::Signals;
@@ -47,7 +47,18 @@ fn groups_of_names() -> Vec<String> {
     let mut model = Model::new("", Rover::two_wheeled());
     let mut signals = Signals::<f64>::of(1, 1);
     let mut names: Vec<String> = signals.list().into_iter().map(|(variable, _)| variable.name).collect();
-    for kind in [ControlKind::Torque, ControlKind::SpeedLoop, ControlKind::Rtc, ControlKind::Velocity] {
+    model.control.nominal_soil = Some(model.rover.soil);
+    model.control.contact_angles = ContactAngleSource::Estimator;
+    model.control.soil = SoilSource::Estimator;
+    for kind in [
+        ControlKind::Torque,
+        ControlKind::SpeedLoop,
+        ControlKind::Velocity,
+        ControlKind::VelocityTuned,
+        ControlKind::Rtc,
+        ControlKind::Slip,
+        ControlKind::EqualTorque,
+    ] {
         model.control.kind = kind;
         names.extend(model.list().into_iter().chain(model.inputs().list()).map(|(variable, _)| variable.name));
     }

@@ -15,6 +15,8 @@
 //! kind = "rtc"                     # torque, speed, speed_loop, velocity, velocity_tuned, rtc, slip, equal_torque
 //! strength = "mohr_coulomb"        # shear limit of rtc; or "thesis", (4.15) as printed; or "mobilised"
 //! solver = "clarabel"              # of rtc's optimisation; or "active_set", for batches of rovers
+//! contact_angles = "sensor"        # of rtc; or "estimator", the filter of 2.5
+//! soil = "nominal"                 # strength that rtc believes in; or "estimator", identified on the way
 //! [control.nominal_soil]           # the soil that controllers believe in; without it, the true one
 //! cohesion = 500.0                 # names of `soil.*`; those that are not named are as the true soil's
 //! [simulation]
@@ -28,7 +30,7 @@
 //! parameters = { k = { neutral = 0.0, min = 0.0, max = 10.0, unit = "N/m" } }
 //! ```
 
-use super::{Control, ControlKind, Model, PRESETS, Stepping};
+use super::{ContactAngleSource, Control, ControlKind, Model, PRESETS, SoilSource, Stepping};
 use crate::control::{Solver, Strength};
 use crate::effects::{DefinitionError, EffectDefinition};
 use crate::rover::{Link, LinkParameters, MAX_COORDINATES, MAX_WHEELS, Mount, Rover, WheelMount};
@@ -135,6 +137,10 @@ struct ControlSpec {
     #[serde(skip_serializing_if = "Option::is_none")]
     solver: Option<Solver>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    contact_angles: Option<ContactAngleSource>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    soil: Option<SoilSource>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     nominal_soil: Option<toml::Table>,
 }
 
@@ -147,6 +153,8 @@ impl ControlSpec {
         control.kind = self.kind.unwrap_or(control.kind);
         control.strength = self.strength.unwrap_or(control.strength);
         control.solver = self.solver.unwrap_or(control.solver);
+        control.contact_angles = self.contact_angles.unwrap_or(control.contact_angles);
+        control.soil = self.soil.unwrap_or(control.soil);
     }
 
     /// The words of `control`, those that are not the usual ones.
@@ -155,6 +163,8 @@ impl ControlSpec {
             kind: Some(control.kind),
             strength: Some(control.strength).filter(|strength| *strength != Strength::default()),
             solver: Some(control.solver).filter(|solver| *solver != Solver::default()),
+            contact_angles: Some(control.contact_angles).filter(|source| *source != ContactAngleSource::default()),
+            soil: Some(control.soil).filter(|source| *source != SoilSource::default()),
             nominal_soil: control.nominal_soil.map(|_| nominal_soil),
         }
     }

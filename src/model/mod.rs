@@ -2,6 +2,7 @@
 
 mod closed_loop;
 mod effects;
+mod estimating;
 mod file;
 mod presets;
 mod run;
@@ -9,6 +10,7 @@ mod summary;
 mod variation;
 
 pub use closed_loop::{Control, ControlKind, RtcTiming, nominal};
+pub use estimating::{ContactAngleSource, SoilSource};
 pub use file::ModelError;
 pub use presets::PRESETS;
 pub use run::{Inputs, Run, RunError};
@@ -126,12 +128,17 @@ impl Parameters<f64> for Model {
                 self.control.rtc.visit(&join(prefix, "rtc"), f);
                 self.control.rtc_timing.visit(&join(prefix, "rtc"), f);
                 self.sensors.encoder.visit(&join(prefix, "sensor"), f);
+                self.visit_estimators(jointed, prefix, f);
             }
             ControlKind::Slip => {
                 self.sensors.body.visit(&join(prefix, "sensor"), f);
                 self.sensors.encoder.visit(&join(prefix, "sensor"), f);
                 self.control.velocity.visit(&join(prefix, "velocity_control"), f);
                 self.control.slip.visit(&join(prefix, "slip_control"), f);
+                self.sensors.gyroscope.visit(&join(prefix, "sensor"), f);
+                if jointed {
+                    self.sensors.joint.visit(&join(prefix, "sensor"), f);
+                }
             }
             ControlKind::EqualTorque => {
                 self.sensors.body.visit(&join(prefix, "sensor"), f);
@@ -145,5 +152,27 @@ impl Parameters<f64> for Model {
 
     fn values(&self, f: &mut dyn FnMut(f64)) {
         self.clone().visit("", &mut |_, value| f(*value));
+    }
+}
+
+impl Model {
+    /// The sensors of joints, and what rough-terrain control's estimators read beyond them.
+    fn visit_estimators(&mut self, jointed: bool, prefix: &str, f: &mut dyn FnMut(Variable, &mut f64)) {
+        let sensor = join(prefix, "sensor");
+        if jointed {
+            self.sensors.joint.visit(&sensor, f);
+        }
+        let angles = self.control.contact_angles == ContactAngleSource::Estimator;
+        let soil = self.control.soil == SoilSource::Estimator;
+        if angles || soil {
+            self.sensors.gyroscope.visit(&sensor, f);
+        }
+        if angles {
+            self.control.contact_angle_estimation.visit(&join(prefix, "contact_angle_estimation"), f);
+        }
+        if soil {
+            self.sensors.current.visit(&sensor, f);
+            self.control.soil_identification.visit(&join(prefix, "soil_identification"), f);
+        }
     }
 }

@@ -60,7 +60,7 @@ impl SensorSuite {
         self.rests.resize(signals.wheels.len(), 0.0);
         self.sample(time, signals);
         self.sample_further(time, signals);
-        copy(&self.held, measurement);
+        measurement.take_over(&self.held);
     }
 
     /// The streams advance by the same amount at every reading, whatever the deviations and sample periods.
@@ -122,12 +122,4 @@ impl SensorSuite {
 
 fn draw(noise: &mut ChaCha8Rng) -> f64 {
     StandardNormal.sample(noise)
-}
-
-/// Takes readings over without allocating where the rover is the same.
-fn copy(from: &Measurement, to: &mut Measurement) {
-    let Measurement { time, pitch, pitch_rate, velocity, wheels, links } = from;
-    (to.time, to.pitch, to.pitch_rate, to.velocity) = (*time, *pitch, *pitch_rate, *velocity);
-    to.wheels.clone_from(wheels);
-    to.links.clone_from(links);
 }

@@ -32,7 +32,8 @@ pub use solver::{Program, Rows, Solver, Unsolved};
 pub use speed_loop::SpeedLoop;
 use speed_loop::Speeds;
 pub use strength::{
-    ShearLimit, Strength, compaction_resistance, contact_area, largest_stress, mobilised_share, projected_area, sinkage,
+    ShearLimit, Strength, compaction_resistance, contact_area, largest_stress, mobilised_share, projected_area,
+    sinkage,
 };
 pub use switch::Criterion;
 pub use traction::{MaximumTraction, Search};
@@ -177,13 +178,13 @@ impl Rtc {
         Ok(Self { nominal, parameters, options, problem, optimiser, forces, outcome, integral: 0.0, speed_loops })
     }
 
-    /// Takes over an estimate of the soil's strength: cohesion, Pa, and friction angle, rad, within the bounds that
-    /// the vocabulary sets for both. It holds from the next command on.
+    /// Takes over an estimate of the soil's strength: cohesion, Pa, friction angle, rad, and shear modulus K, m (which
+    /// [`Strength::Mobilised`] alone reads), within the vocabulary's bounds. It holds from the next command on.
     ///
     /// # Errors
     /// [`ControlError::Parameter`] where a value is out of bounds or not finite; the soil is then as before.
-    pub fn set_soil(&mut self, cohesion: f64, friction_angle: f64) -> Result<(), ControlError> {
-        let soil = Soil { cohesion, friction_angle, ..self.nominal.soil };
+    pub fn set_soil(&mut self, cohesion: f64, friction_angle: f64, shear_modulus: f64) -> Result<(), ControlError> {
+        let soil = Soil { cohesion, friction_angle, shear_modulus, ..self.nominal.soil };
         within_bounds("estimated soil", soil)?;
         self.nominal.soil = soil;
         Ok(())
@@ -262,7 +263,8 @@ impl Rtc {
         let touch = radius * self.nominal.soil.friction_angle.tan() * self.problem.minimum_load;
         let wheels = self.speed_loops.iter_mut().zip(&measured.wheels);
         for (torque, (wheel, seen)) in torques.iter_mut().zip(wheels) {
-            let speeds = Speeds { wanted: goal.velocity / radius, wheel: seen.speed, body: measured.velocity / radius };
+            let speeds =
+                Speeds { wanted: goal.velocity / radius, wheel: seen.speed, body: measured.velocity / radius };
             *torque = wheel.torque(&self.parameters, self.options.period, &speeds, *torque, touch, limit);
         }
     }

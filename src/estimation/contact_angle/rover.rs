@@ -5,7 +5,7 @@ use super::pairs::{Pair, Point, pairs};
 use super::parameters::{ContactAngleEstimation, NO_GYROSCOPE};
 use crate::control::Nominal;
 use crate::estimation::EstimationError;
-use crate::estimation::error::{finite, same_count, within_bounds};
+use crate::estimation::error::{finite, within_bounds};
 use crate::signals::Measurement;
 
 /// Estimates the contact angles of all wheels from pitch, pitch rate, wheel speeds and the links' angles and rates.
@@ -130,7 +130,9 @@ impl ContactAngles {
         let counts =
             [("wheels", self.angles.len(), measured.wheels.len()), ("links", self.parents.len(), measured.links.len())];
         for (what, expected, found) in counts {
-            same_count(what, expected, found)?;
+            if expected != found {
+                return Err(EstimationError::Count { what, expected, found });
+            }
         }
         finite("time", None, measured.time)?;
         finite("pitch", None, measured.pitch)?;
@@ -141,10 +143,7 @@ impl ContactAngles {
             finite("angle of link", Some(k), link.angle)?;
             finite("rate of link", Some(k), link.rate)?;
         }
-        for (k, wheel) in measured.wheels.iter().enumerate() {
-            finite("speed of wheel", Some(k), wheel.speed)?;
-        }
-        Ok(())
+        measured.wheels.iter().enumerate().try_for_each(|(k, wheel)| finite("speed of wheel", Some(k), wheel.speed))
     }
 
     fn has_gyroscope(&self) -> bool {

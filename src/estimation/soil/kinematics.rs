@@ -74,9 +74,8 @@ impl Posture {
 
 /// Refuses a rover with more parts than an estimator on board has room for, or links that are not a tree.
 pub(super) fn check_structure(nominal: &Nominal) -> Result<(), EstimationError> {
-    let refuse = |quantity, value: usize, expected| {
-        Err(EstimationError::NominalValue { quantity, value: value as f64, expected })
-    };
+    let refuse =
+        |quantity, value: usize, expected| Err(EstimationError::Nominal { quantity, value: value as f64, expected });
     if !(2..=MAX_WHEELS).contains(&nominal.wheels()) {
         return refuse("number of wheels", nominal.wheels(), "2 to 8");
     }
@@ -105,13 +104,13 @@ pub(super) fn check_measurement(nominal: &Nominal, measured: &Measurement) -> Re
         finite(quantity, None, value)?;
     }
     for (k, wheel) in measured.wheels.iter().enumerate() {
-        finite("measured speed", Some(k), wheel.speed)?;
-        finite("measured torque", Some(k), wheel.torque)?;
-        finite("contact angle", Some(k), wheel.contact_angle)?;
+        finite("measured speed of wheel", Some(k), wheel.speed)?;
+        finite("measured torque of wheel", Some(k), wheel.torque)?;
+        finite("contact angle of wheel", Some(k), wheel.contact_angle)?;
     }
     for (j, joint) in measured.links.iter().enumerate() {
-        finite("measured joint angle", Some(j), joint.angle)?;
-        finite("measured joint rate", Some(j), joint.rate)?;
+        finite("measured angle of joint", Some(j), joint.angle)?;
+        finite("measured rate of joint", Some(j), joint.rate)?;
     }
     Ok(())
 }

@@ -61,7 +61,7 @@ impl QuasiStatic {
             return Ok(Self { masses });
         }
         let (quantity, expected) = ("mass without the links", "over 0 kg");
-        Err(EstimationError::NominalValue { quantity, value: masses.mass[0], expected })
+        Err(EstimationError::Nominal { quantity, value: masses.mass[0], expected })
     }
 
     /// Loads along the normals, N; those beyond the rover's wheels are 0.
