@@ -93,8 +93,9 @@ fn property_bad_readings_are_refused_and_change_nothing() {
     estimator.update(&measurement(0.0)).expect("a new beginning");
 }
 
-/// RMS error of every wheel, rad, on firm waves with perfect sensors.
-fn errors(rover: Rover, wavelength: f64, steepest: f64, speed: f64) -> Vec<f64> {
+/// RMS errors of every wheel, rad, on firm waves with perfect sensors: of the estimate, and of the inclination of the body
+/// that the wheel sits on.
+fn errors(rover: Rover, wavelength: f64, steepest: f64, speed: f64) -> Vec<[f64; 2]> {
     let mut model = Model::new("waves", rover);
     let amplitude = steepest.tan() * wavelength / std::f64::consts::TAU;
     model.rover.terrain = Terrain::new(Profile::Waves(Waves { amplitude, wavelength, start: -50.0 }));
@@ -107,24 +108,29 @@ fn errors(rover: Rover, wavelength: f64, steepest: f64, speed: f64) -> Vec<f64> 
     run.inputs_mut().set("velocity_command", speed).expect("an input");
     let parameters = ContactAngleEstimation::default();
     let mut estimator = ContactAngles::new(&nominal(&model.rover), parameters).expect("every wheel has a pair");
-    let mut squares = vec![0.0; model.rover.wheels.len()];
+    let mut squares = vec![[0.0; 2]; model.rover.wheels.len()];
     let readings = (1.5 * wavelength / speed / 0.01) as usize;
     for k in 0..readings {
         let truth: Vec<f64> = run.signals().wheels.iter().map(|wheel| wheel.contact_angle).collect();
         run.advance(5).expect("advances");
         estimator.update(run.measurement()).expect("finite readings");
-        // After a third of a wave.
+        // After three eighths of a wave.
         if 4 * k > readings {
-            let wheels = squares.iter_mut().zip(estimator.angles()).zip(truth);
-            wheels.for_each(|((sum, angle), truth)| *sum += (angle - truth).powi(2));
+            let measured = run.measurement();
+            for (k, truth) in truth.iter().enumerate() {
+                let link = model.rover.wheels[k].body.checked_sub(1).map_or(0.0, |link| measured.links[link].angle);
+                squares[k][0] += (estimator.angles()[k] - truth).powi(2);
+                squares[k][1] += (measured.pitch + link - truth).powi(2);
+            }
         }
     }
     assert_eq!(estimator.restarts(), 0);
-    squares.iter().map(|sum| (sum / (0.75 * readings as f64)).sqrt()).collect()
+    squares.iter().map(|sums| sums.map(|sum| (sum / (0.75 * readings as f64)).sqrt())).collect()
 }
 
-/// RMS error, rad, over waves of 12 degrees (8.5 RMS) with unknown slip: half of what knowing of level ground only would give.
-const TRACKED: f64 = 0.5 * 8.5 * std::f64::consts::PI / 180.0;
+/// Share of the error of the body's inclination that is left, although slip, up to 20 % and unknown, differs among the
+/// wheels.
+const LEFT: f64 = 0.8;
 
 #[test]
 fn property_perfect_sensors_track_the_ground_under_every_wheel() {
@@ -135,7 +141,11 @@ fn property_perfect_sensors_track_the_ground_under_every_wheel() {
         ("four wheels", Rover::rigid(&[-0.35, -0.1, 0.1, 0.35]), 2.5),
     ] {
         let errors = errors(rover, wavelength, twelve, 0.1);
-        println!("{name}: {:?}", errors.iter().map(|e| e.to_degrees()).collect::<Vec<_>>());
-        assert!(errors.iter().all(|error| *error < TRACKED), "{name}: {errors:?} rad");
+        for (k, [estimated, inclined]) in errors.iter().enumerate() {
+            println!("{name}, wheel {}: {:.2} of {:.2} deg", k + 1, estimated.to_degrees(), inclined.to_degrees());
+            // Inner wheels of a stiff vehicle hang in the air over a trough: no ground tells their direction.
+            let inner = name == "four wheels" && (k == 1 || k == 2);
+            assert!(inner || *estimated < LEFT * inclined, "{name}, wheel {}: {estimated} of {inclined} rad", k + 1);
+        }
     }
 }
