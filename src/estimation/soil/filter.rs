@@ -8,7 +8,8 @@
 //! along the valley of c, phi and K that they leave open: measured, 0.6 standard deviations off the batch fit. Here the
 //! [`Held`] readings keep their slopes open and are taken anew wherever the estimate moves; when they are full, the
 //! older of the two most alike is absorbed into the Gaussian that stands for all before (fixed-lag smoothing that keeps
-//! the readings most unlike). While the estimate stays, an update costs the equations of one reading.
+//! the readings most unlike), with what its slopes may miss along the widest axis of the estimate added to its variance.
+//! While the estimate stays, an update costs the equations of one reading, and of the one absorbed.
 //!
 //! A gain for K below 1 leaves K where it is and counts its uncertainty only (Schmidt 1966); covariances are updated in
 //! Joseph's form, which holds for any gain. Forgetting draws back to the prior with distance and takes weight from the
@@ -20,7 +21,7 @@
 use super::super::EstimationError;
 use super::super::error::{finite, within_bounds};
 use super::directions::{Direction, directions};
-use super::equation::Linearised;
+use super::equation::{Linearised, predict_at};
 use super::parameters::SoilIdentification;
 use super::reading::{Deviations, Reading, Strength};
 use crate::soil::Soil;
@@ -34,7 +35,7 @@ const PASSES: usize = 6;
 const MOVED: f64 = 0.01;
 
 /// Readings whose slopes stay open.
-const HELD: usize = 16;
+const HELD: usize = 32;
 
 /// Weight of a reading that is as good as forgotten.
 const FORGOTTEN: f64 = 1e-12;
@@ -180,12 +181,29 @@ impl StrengthFilter {
     fn hold(&mut self, new: Held) {
         if self.count == HELD {
             let oldest = self.most_alike();
-            self.absorbed = self.absorbed.updated(&self.held[oldest], self.parameters.shear_modulus_gain);
+            let mut leaving = self.held[oldest];
+            leaving.variance += self.curvature(&leaving).powi(2) * leaving.weight;
+            self.absorbed = self.absorbed.updated(&leaving, self.parameters.shear_modulus_gain);
             self.held.copy_within(oldest + 1.., oldest);
             self.count -= 1;
         }
         self.held[self.count] = new;
         self.count += 1;
+    }
+
+    /// What the equation's slopes miss of the torque one standard deviation along the estimate's widest axis, N m: the
+    /// error of fixing them now.
+    fn curvature(&self, held: &Held) -> f64 {
+        let scale = self.scale();
+        let scaled = Matrix3::from_fn(|i, j| self.estimate.covariance[(i, j)] / (scale[i] * scale[j]));
+        let eigen = scaled.symmetric_eigen();
+        let widest = eigen.eigenvalues.imax();
+        let length = eigen.eigenvalues[widest].max(0.0).sqrt();
+        let axis = eigen.eigenvectors.column(widest).component_mul(&scale) * length;
+        let torque = |at: Vector3<f64>| predict_at(&self.wheel, &self.soil, at.into(), &held.guess).torque;
+        let here = torque(held.at);
+        let missed = |axis: Vector3<f64>| (torque(held.at + axis) - here - held.slope.dot(&axis)).abs();
+        missed(axis).max(missed(-axis))
     }
 
     fn most_alike(&self) -> usize {

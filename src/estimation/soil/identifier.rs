@@ -3,7 +3,8 @@
 //! Of each wheel: the load from the quasi-static balance; the slip from its encoder and the body's measured velocity,
 //! carried to the wheel by pitch and joint rates; the sinkage from the change of the suspension's configuration since
 //! [`SoilIdentifier::start_experiment`] while the ground is flat and another wheel does not slip, and otherwise from
-//! the load on the nominal moduli ([`sinkage_under_load`]). A wheel that stands, rolls backward, hardly slips or
+//! the load on the nominal moduli ([`sinkage_under_load`]). Readings are averaged over a short time before they are
+//! used, so that their noise stays small beside the curvature of the soil's equations. A wheel that stands, rolls backward, hardly slips or
 //! hardly carries says nothing, and the estimate stays as it is.
 
 use super::super::EstimationError;
@@ -28,6 +29,8 @@ pub enum WheelUse {
     /// There has been no update.
     #[default]
     Unread,
+    /// Its readings are being averaged.
+    Averaging,
     /// It stands.
     Standing,
     /// It turns or moves backward.
@@ -71,6 +74,18 @@ struct Rolling {
     rim_speed: f64,
 }
 
+/// Readings of one wheel on the way to their mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Sums {
+    count: f64,
+    /// Time of the first one, s.
+    since: f64,
+    load: f64,
+    torque: f64,
+    velocity: f64,
+    rim_speed: f64,
+}
+
 /// The soil's strength from a rover's sensors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SoilIdentifier {
@@ -82,6 +97,7 @@ pub struct SoilIdentifier {
     /// Distance travelled since a reading was last used, m.
     travelled: f64,
     read_at: [Option<f64>; MAX_WHEELS],
+    sums: [Sums; MAX_WHEELS],
     uses: [WheelUse; MAX_WHEELS],
     readings: [Option<(Reading, Deviations)>; MAX_WHEELS],
 }
@@ -101,6 +117,7 @@ impl SoilIdentifier {
             time: None,
             travelled: 0.0,
             read_at: [None; MAX_WHEELS],
+            sums: [Sums::default(); MAX_WHEELS],
             uses: [WheelUse::Unread; MAX_WHEELS],
             readings: [None; MAX_WHEELS],
         })
@@ -166,36 +183,77 @@ impl SoilIdentifier {
 
     /// What wheel `k` says, and its use by the filter.
     fn read(&mut self, scene: &Scene, k: usize) -> Result<(WheelUse, Option<(Reading, Deviations)>), EstimationError> {
+        if let Some(silent) = self.silent(scene, k) {
+            self.sums[k] = Sums::default();
+            return Ok((silent, None));
+        }
+        let Some(mean) = self.averaged(scene, k) else {
+            return Ok((WheelUse::Averaging, None));
+        };
         let parameters = *self.filter.parameters();
-        let Rolling { velocity, rim_speed } = self.rolling(scene, k);
-        let load = scene.loads[k];
-        if rim_speed.abs().max(velocity.abs()) < parameters.minimum_speed {
-            return Ok((WheelUse::Standing, None));
-        }
-        if rim_speed <= 0.0 || velocity < -SURE * parameters.velocity_noise {
-            return Ok((WheelUse::Reversing, None));
-        }
-        if load <= parameters.minimum_load * self.nominal.weight() / self.nominal.wheels() as f64 {
-            return Ok((WheelUse::OffGround, None));
-        }
-        let (slip, slip_deviation) = self.slip(velocity.max(0.0), rim_speed);
+        let (slip, slip_deviation) = self.slip(mean.velocity.max(0.0), mean.rim_speed);
+        let slip_deviation = slip_deviation / mean.count.sqrt();
         if slip < parameters.minimum_slip.max(SURE * slip_deviation) {
             return Ok((WheelUse::NoSlip, None));
         }
-        let Some((sinkage, sinkage_deviation)) = self.sinkage(scene, k, slip) else {
+        let Some((sinkage, sinkage_deviation)) = self.sinkage(scene, k, mean.load, slip) else {
             return Ok((WheelUse::Sunk, None));
         };
-        let reading = Reading { load, torque: scene.measured.wheels[k].torque, sinkage, slip };
+        let reading = Reading { load: mean.load, torque: mean.torque, sinkage, slip };
         // Errors that last count as one reading a correlation time.
         let step = self.read_at[k].map_or(f64::INFINITY, |before| scene.measured.time - before);
-        let repeated = (parameters.correlation_time / step.max(f64::MIN_POSITIVE)).max(1.0).min(1e12).sqrt();
+        let repeated = (parameters.correlation_time / step.max(f64::MIN_POSITIVE)).clamp(1.0, 1e12).sqrt();
         let errors = Deviations {
-            load: parameters.load_error * load * repeated,
-            torque: parameters.torque_noise,
+            load: parameters.load_error * mean.load * repeated,
+            torque: parameters.torque_noise / mean.count.sqrt(),
             sinkage: sinkage_deviation * repeated,
             slip: slip_deviation,
         };
         Ok((self.filtered(&reading, &errors)?, Some((reading, errors))))
+    }
+
+    /// Why wheel `k` says nothing at this instant, if so.
+    fn silent(&self, scene: &Scene, k: usize) -> Option<WheelUse> {
+        let parameters = self.filter.parameters();
+        let Rolling { velocity, rim_speed } = self.rolling(scene, k);
+        let least_load = parameters.minimum_load * self.nominal.weight() / self.nominal.wheels() as f64;
+        if rim_speed.abs().max(velocity.abs()) < parameters.minimum_speed {
+            Some(WheelUse::Standing)
+        } else if rim_speed <= 0.0 || velocity < -SURE * parameters.velocity_noise {
+            Some(WheelUse::Reversing)
+        } else {
+            (scene.loads[k] <= least_load).then_some(WheelUse::OffGround)
+        }
+    }
+
+    /// The means of wheel `k` where its averaging time is over; nothing is left out by its noise, which would bias them.
+    fn averaged(&mut self, scene: &Scene, k: usize) -> Option<Sums> {
+        let Rolling { velocity, rim_speed } = self.rolling(scene, k);
+        let time = scene.measured.time;
+        let before = self.sums[k];
+        let sums = Sums {
+            count: before.count + 1.0,
+            since: if before.count > 0.0 { before.since } else { time },
+            load: before.load + scene.loads[k],
+            torque: before.torque + scene.measured.wheels[k].torque,
+            velocity: before.velocity + velocity,
+            rim_speed: before.rim_speed + rim_speed,
+        };
+        // n readings span n - 1 of the times between them.
+        let spanned = (time - sums.since) * sums.count / (sums.count - 1.0).max(1.0);
+        if spanned < self.filter.parameters().averaging * (1.0 - 1e-9) {
+            self.sums[k] = sums;
+            return None;
+        }
+        self.sums[k] = Sums::default();
+        let mean = |sum: f64| sum / sums.count;
+        Some(Sums {
+            load: mean(sums.load),
+            torque: mean(sums.torque),
+            velocity: mean(sums.velocity),
+            rim_speed: mean(sums.rim_speed),
+            ..sums
+        })
     }
 
     fn filtered(&mut self, reading: &Reading, errors: &Deviations) -> Result<WheelUse, EstimationError> {
@@ -228,9 +286,9 @@ impl SoilIdentifier {
     }
 
     /// Sinkage and its standard deviation, m: the better known of that from the suspension and that from the load.
-    fn sinkage(&self, scene: &Scene, k: usize, slip: f64) -> Option<(f64, f64)> {
+    fn sinkage(&self, scene: &Scene, k: usize, load: f64, slip: f64) -> Option<(f64, f64)> {
         let parameters = self.filter.parameters();
-        let by_load = sinkage_under_load(&self.nominal.wheel, &self.soil(), scene.loads[k], slip)
+        let by_load = sinkage_under_load(&self.nominal.wheel, &self.soil(), load, slip)
             .map(|z| (z, parameters.sinkage_error * z));
         let by_suspension = self.sinkage_by_suspension(scene, k);
         let best = match (by_load, by_suspension) {
