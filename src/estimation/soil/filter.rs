@@ -22,6 +22,7 @@ use super::super::EstimationError;
 use super::super::error::{finite, within_bounds};
 use super::directions::{Direction, directions};
 use super::equation::{Linearised, predict_at};
+use super::held::{Gaussian, Held};
 use super::parameters::SoilIdentification;
 use super::reading::{Deviations, Reading, Strength};
 use crate::soil::Soil;
@@ -39,9 +40,6 @@ const HELD: usize = 32;
 
 /// Weight of a reading that is as good as forgotten.
 const FORGOTTEN: f64 = 1e-12;
-
-/// Units in which two readings are alike: of ln load and of slip.
-const ALIKE: [f64; 2] = [0.2, 0.1];
 
 /// Where the mean is kept, as far as the formulas can be trusted: c in Pa, phi in rad, ln K from its prior.
 const REACH: [(f64, f64); 3] = [(-20_000.0, 50_000.0), (0.02, 1.2), (-3.0, 3.0)];
@@ -77,53 +75,6 @@ pub struct StrengthFilter {
     held: [Held; HELD],
     count: usize,
     estimate: Gaussian,
-}
-
-/// Mean and covariance of (c, phi, ln K).
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Gaussian {
-    mean: Vector3<f64>,
-    covariance: Matrix3<f64>,
-}
-
-/// A reading and its equation y = slope x + noise about the point `at`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Held {
-    reading: Reading,
-    errors: Deviations,
-    /// The inputs that the torque makes likely.
-    guess: Reading,
-    at: Vector3<f64>,
-    slope: Vector3<f64>,
-    y: f64,
-    variance: f64,
-    /// 1 when new; less where forgotten.
-    weight: f64,
-    /// Whether it has not been brought to its likely inputs yet.
-    fresh: bool,
-}
-
-impl Gaussian {
-    fn spread(&self, held: &Held) -> f64 {
-        held.slope.dot(&(self.covariance * held.slope)) + held.variance / held.weight
-    }
-
-    /// Kalman update by one scalar equation, with the gain for K reduced to a share.
-    fn updated(&self, held: &Held, gain_of_k: f64) -> Self {
-        let mut gain = self.covariance * held.slope / self.spread(held);
-        gain[2] *= gain_of_k;
-        let rest = Matrix3::identity() - gain * held.slope.transpose();
-        let noise = held.variance / held.weight;
-        let covariance = rest * self.covariance * rest.transpose() + gain * gain.transpose() * noise; // Joseph
-        Self {
-            mean: self.mean + gain * (held.y - held.slope.dot(&self.mean)),
-            covariance: (covariance + covariance.transpose()) * 0.5,
-        }
-    }
-
-    fn is_finite(&self) -> bool {
-        self.mean.iter().chain(self.covariance.iter()).all(|x| x.is_finite())
-    }
 }
 
 impl StrengthFilter {
@@ -208,15 +159,10 @@ impl StrengthFilter {
 
     fn most_alike(&self) -> usize {
         let held = &self.held[..self.count];
-        let unlike = |a: &Held, b: &Held| {
-            let load = (a.reading.load / b.reading.load).ln() / ALIKE[0];
-            let slip = (a.reading.slip - b.reading.slip) / ALIKE[1];
-            load * load + slip * slip
-        };
         let mut found = (f64::INFINITY, 0);
         for (i, a) in held.iter().enumerate() {
             for b in &held[i + 1..] {
-                let distance = unlike(a, b);
+                let distance = a.unlike(b);
                 if distance < found.0 {
                     found = (distance, i);
                 }
@@ -333,14 +279,5 @@ impl StrengthFilter {
     /// Scale of the unknowns, 1 where the prior knows them.
     fn scale(&self) -> Vector3<f64> {
         Vector3::from(self.deviations.map(|d| if d > 0.0 { d } else { 1.0 }))
-    }
-}
-
-impl Held {
-    fn empty() -> Self {
-        let reading = Reading { load: 1.0, torque: 0.0, sinkage: 0.0, slip: 0.0 };
-        let errors = Deviations { load: 0.0, torque: 1.0, sinkage: 0.0, slip: 0.0 };
-        let zero = Vector3::zeros();
-        Self { reading, errors, guess: reading, at: zero, slope: zero, y: 0.0, variance: 1.0, weight: 1.0, fresh: true }
     }
 }
