@@ -72,8 +72,8 @@ fn agreement_slopes_are_those_of_differences() {
 #[test]
 fn agreement_recursion_equals_the_batch_fit() {
     /// Of a standard deviation. While all readings are held: how far the estimate may leave the point of their slopes.
-    /// With 32 of 48 absorbed: the slopes that they had when they were.
-    const OF_DEVIATION: [(usize, f64); 2] = [(1, 0.02), (3, 0.25)];
+    /// With 64 of 96 absorbed: the slopes that they had when they were.
+    const OF_DEVIATION: [(usize, f64); 2] = [(2, 0.02), (6, 0.25)];
     let soil = sand(900.0, 29.0, 0.012);
     for (rounds, of_deviation) in OF_DEVIATION {
         let mut worst = 0.0_f64;

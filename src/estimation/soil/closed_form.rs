@@ -84,8 +84,8 @@ impl ClosedForm {
     }
 
     /// Cohesion and friction angle by linear least squares in (c, tan phi) on all equations, each over its h_8; the one
-    /// product c tan phi is taken at the last step (Gauss-Newton). A negative cohesion is replaced by the best
-    /// friction angle at c = 0.
+    /// product c tan phi is taken at the last step (Gauss-Newton). Where that makes c or phi negative, c = 0 and phi by
+    /// (2.26) are given instead.
     ///
     /// # Errors
     /// [`EstimationError::TooFew`] under two readings, [`EstimationError::Undetermined`] where they are all alike.
@@ -99,7 +99,7 @@ impl ClosedForm {
                 break;
             }
         }
-        if !(at[0] >= 0.0 && at[1].is_finite()) {
+        if !(at[0] >= 0.0 && at[1] > 0.0 && at[1].is_finite()) {
             at = [0.0, self.friction_at_zero_cohesion()];
         }
         Ok(FrictionAndCohesion { cohesion: at[0], friction_angle: at[1].atan() })

@@ -8,7 +8,8 @@
 //! along the valley of c, phi and K that they leave open: measured, 0.6 standard deviations off the batch fit. Here the
 //! [`Held`] readings keep their slopes open and are taken anew wherever the estimate moves; when they are full, the
 //! older of the two most alike is absorbed into the Gaussian that stands for all before (fixed-lag smoothing that keeps
-//! the readings most unlike). While the estimate stays, an update costs the equations of one reading.
+//! the readings most unlike), with what its slopes may miss along the widest axis of the estimate added to its variance.
+//! While the estimate stays, an update costs the equations of one reading, and of the one absorbed.
 //!
 //! A gain for K below 1 leaves K where it is and counts its uncertainty only (Schmidt 1966); covariances are updated in
 //! Joseph's form, which holds for any gain. Forgetting draws back to the prior with distance and takes weight from the
@@ -20,7 +21,8 @@
 use super::super::EstimationError;
 use super::super::error::{finite, within_bounds};
 use super::directions::{Direction, directions};
-use super::equation::Linearised;
+use super::equation::{Linearised, predict_at};
+use super::held::{Gaussian, Held};
 use super::parameters::SoilIdentification;
 use super::reading::{Deviations, Reading, Strength};
 use crate::soil::Soil;
@@ -34,13 +36,10 @@ const PASSES: usize = 6;
 const MOVED: f64 = 0.01;
 
 /// Readings whose slopes stay open.
-const HELD: usize = 16;
+const HELD: usize = 32;
 
 /// Weight of a reading that is as good as forgotten.
 const FORGOTTEN: f64 = 1e-12;
-
-/// Units in which two readings are alike: of ln load and of slip.
-const ALIKE: [f64; 2] = [0.2, 0.1];
 
 /// Where the mean is kept, as far as the formulas can be trusted: c in Pa, phi in rad, ln K from its prior.
 const REACH: [(f64, f64); 3] = [(-20_000.0, 50_000.0), (0.02, 1.2), (-3.0, 3.0)];
@@ -76,53 +75,6 @@ pub struct StrengthFilter {
     held: [Held; HELD],
     count: usize,
     estimate: Gaussian,
-}
-
-/// Mean and covariance of (c, phi, ln K).
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Gaussian {
-    mean: Vector3<f64>,
-    covariance: Matrix3<f64>,
-}
-
-/// A reading and its equation y = slope x + noise about the point `at`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Held {
-    reading: Reading,
-    errors: Deviations,
-    /// The inputs that the torque makes likely.
-    guess: Reading,
-    at: Vector3<f64>,
-    slope: Vector3<f64>,
-    y: f64,
-    variance: f64,
-    /// 1 when new; less where forgotten.
-    weight: f64,
-    /// Whether it has not been brought to its likely inputs yet.
-    fresh: bool,
-}
-
-impl Gaussian {
-    fn spread(&self, held: &Held) -> f64 {
-        held.slope.dot(&(self.covariance * held.slope)) + held.variance / held.weight
-    }
-
-    /// Kalman update by one scalar equation, with the gain for K reduced to a share.
-    fn updated(&self, held: &Held, gain_of_k: f64) -> Self {
-        let mut gain = self.covariance * held.slope / self.spread(held);
-        gain[2] *= gain_of_k;
-        let rest = Matrix3::identity() - gain * held.slope.transpose();
-        let noise = held.variance / held.weight;
-        let covariance = rest * self.covariance * rest.transpose() + gain * gain.transpose() * noise; // Joseph
-        Self {
-            mean: self.mean + gain * (held.y - held.slope.dot(&self.mean)),
-            covariance: (covariance + covariance.transpose()) * 0.5,
-        }
-    }
-
-    fn is_finite(&self) -> bool {
-        self.mean.iter().chain(self.covariance.iter()).all(|x| x.is_finite())
-    }
 }
 
 impl StrengthFilter {
@@ -180,7 +132,9 @@ impl StrengthFilter {
     fn hold(&mut self, new: Held) {
         if self.count == HELD {
             let oldest = self.most_alike();
-            self.absorbed = self.absorbed.updated(&self.held[oldest], self.parameters.shear_modulus_gain);
+            let mut leaving = self.held[oldest];
+            leaving.variance += self.curvature(&leaving).powi(2) * leaving.weight;
+            self.absorbed = self.absorbed.updated(&leaving, self.parameters.shear_modulus_gain);
             self.held.copy_within(oldest + 1.., oldest);
             self.count -= 1;
         }
@@ -188,17 +142,27 @@ impl StrengthFilter {
         self.count += 1;
     }
 
+    /// What the equation's slopes miss of the torque one standard deviation along the estimate's widest axis, N m: the
+    /// error of fixing them now.
+    fn curvature(&self, held: &Held) -> f64 {
+        let scale = self.scale();
+        let scaled = Matrix3::from_fn(|i, j| self.estimate.covariance[(i, j)] / (scale[i] * scale[j]));
+        let eigen = scaled.symmetric_eigen();
+        let widest = eigen.eigenvalues.imax();
+        let length = eigen.eigenvalues[widest].max(0.0).sqrt();
+        let axis = eigen.eigenvectors.column(widest).component_mul(&scale) * length;
+        let torque = |at: Vector3<f64>| predict_at(&self.wheel, &self.soil, at.into(), &held.guess).torque;
+        let here = torque(held.at);
+        let missed = |axis: Vector3<f64>| (torque(held.at + axis) - here - held.slope.dot(&axis)).abs();
+        missed(axis).max(missed(-axis))
+    }
+
     fn most_alike(&self) -> usize {
         let held = &self.held[..self.count];
-        let unlike = |a: &Held, b: &Held| {
-            let load = (a.reading.load / b.reading.load).ln() / ALIKE[0];
-            let slip = (a.reading.slip - b.reading.slip) / ALIKE[1];
-            load * load + slip * slip
-        };
         let mut found = (f64::INFINITY, 0);
         for (i, a) in held.iter().enumerate() {
             for b in &held[i + 1..] {
-                let distance = unlike(a, b);
+                let distance = a.unlike(b);
                 if distance < found.0 {
                     found = (distance, i);
                 }
@@ -315,14 +279,5 @@ impl StrengthFilter {
     /// Scale of the unknowns, 1 where the prior knows them.
     fn scale(&self) -> Vector3<f64> {
         Vector3::from(self.deviations.map(|d| if d > 0.0 { d } else { 1.0 }))
-    }
-}
-
-impl Held {
-    fn empty() -> Self {
-        let reading = Reading { load: 1.0, torque: 0.0, sinkage: 0.0, slip: 0.0 };
-        let errors = Deviations { load: 0.0, torque: 1.0, sinkage: 0.0, slip: 0.0 };
-        let zero = Vector3::zeros();
-        Self { reading, errors, guess: reading, at: zero, slope: zero, y: 0.0, variance: 1.0, weight: 1.0, fresh: true }
     }
 }

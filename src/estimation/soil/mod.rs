@@ -38,6 +38,7 @@ mod directions;
 mod equation;
 mod filter;
 mod fit;
+mod held;
 mod identifier;
 mod kinematics;
 mod loads;

@@ -29,6 +29,8 @@ parameters! {
         angle_noise: [Unit::RADIAN] = 0.002, 0.0..=1.0, Fixed, "assumption: 0.1 degrees";
         /// Time over which the errors of load and sinkage stay the same.
         correlation_time: [Unit::SECOND] = 1.0, 0.0..=1e4, Fixed, "assumption: they follow the ground, not the sensors";
+        /// Time over which a wheel's readings are averaged into one; 0 takes each by itself.
+        averaging: [Unit::SECOND] = 0.2, 0.0..=100.0, Fixed, "assumption: slips change little in it";
         /// Slip below which a wheel tells nothing of the strength.
         minimum_slip: [Unit::ONE] = 0.05, 0.0..=1.0, Fixed, "assumption: the error of a slip is a few percent";
         /// Load below which a wheel counts as off the ground, of the mean load.

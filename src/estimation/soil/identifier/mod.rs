@@ -3,13 +3,16 @@
 //! Of each wheel: the load from the quasi-static balance; the slip from its encoder and the body's measured velocity,
 //! carried to the wheel by pitch and joint rates; the sinkage from the change of the suspension's configuration since
 //! [`SoilIdentifier::start_experiment`] while the ground is flat and another wheel does not slip, and otherwise from
-//! the load on the nominal moduli ([`sinkage_under_load`]). A wheel that stands, rolls backward, hardly slips or
+//! the load on the nominal moduli ([`sinkage_under_load`]). Readings are averaged over a short time before they are
+//! used, so that their noise stays small beside the curvature of the soil's equations. A wheel that stands, rolls backward, hardly slips or
 //! hardly carries says nothing, and the estimate stays as it is.
+
+mod wheel;
 
 use super::super::EstimationError;
 use super::directions::Direction;
-use super::filter::{StrengthFilter, Update};
-use super::kinematics::{KinematicSinkage, Posture, body_of, check_measurement, check_structure};
+use super::filter::StrengthFilter;
+use super::kinematics::{KinematicSinkage, Posture, check_measurement, check_structure};
 use super::loads::QuasiStatic;
 use super::parameters::SoilIdentification;
 use super::reading::{Deviations, Reading, Strength};
@@ -19,15 +22,14 @@ use crate::rover::MAX_WHEELS;
 use crate::signals::Measurement;
 use crate::soil::Soil;
 
-/// A slip, or a motion backward, counts where it is this many of its own standard deviations.
-const SURE: f64 = 3.0;
-
 /// What one wheel contributed to the last update.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum WheelUse {
     /// There has been no update.
     #[default]
     Unread,
+    /// Its readings are being averaged.
+    Averaging,
     /// It stands.
     Standing,
     /// It turns or moves backward.
@@ -63,15 +65,23 @@ struct Scene<'a> {
     velocity: [f64; 2],
 }
 
-/// Motion of one wheel over the ground.
-struct Rolling {
-    /// V, m/s.
+/// Readings of one wheel on the way to their mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Sums {
+    count: f64,
+    /// Time of the first one, s.
+    since: f64,
+    load: f64,
+    torque: f64,
     velocity: f64,
-    /// r omega with the absolute rate, m/s.
     rim_speed: f64,
 }
 
 /// The soil's strength from a rover's sensors.
+///
+/// Over six drives of 20 s with varied speeds and good inputs the squared error over its covariance (NEES) was 3.9 of an
+/// expected 2 (`tests/soil_in_the_loop.rs`): noise of the contact angles and accelerations are not in the model, so an
+/// interval is to be taken about 1.4 times wider than stated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SoilIdentifier {
     nominal: Nominal,
@@ -82,6 +92,7 @@ pub struct SoilIdentifier {
     /// Distance travelled since a reading was last used, m.
     travelled: f64,
     read_at: [Option<f64>; MAX_WHEELS],
+    sums: [Sums; MAX_WHEELS],
     uses: [WheelUse; MAX_WHEELS],
     readings: [Option<(Reading, Deviations)>; MAX_WHEELS],
 }
@@ -101,6 +112,7 @@ impl SoilIdentifier {
             time: None,
             travelled: 0.0,
             read_at: [None; MAX_WHEELS],
+            sums: [Sums::default(); MAX_WHEELS],
             uses: [WheelUse::Unread; MAX_WHEELS],
             readings: [None; MAX_WHEELS],
         })
@@ -162,103 +174,6 @@ impl SoilIdentifier {
         if let Some(start) = &mut self.start {
             start.travelled += distance;
         }
-    }
-
-    /// What wheel `k` says, and its use by the filter.
-    fn read(&mut self, scene: &Scene, k: usize) -> Result<(WheelUse, Option<(Reading, Deviations)>), EstimationError> {
-        let parameters = *self.filter.parameters();
-        let Rolling { velocity, rim_speed } = self.rolling(scene, k);
-        let load = scene.loads[k];
-        if rim_speed.abs().max(velocity.abs()) < parameters.minimum_speed {
-            return Ok((WheelUse::Standing, None));
-        }
-        if rim_speed <= 0.0 || velocity < -SURE * parameters.velocity_noise {
-            return Ok((WheelUse::Reversing, None));
-        }
-        if load <= parameters.minimum_load * self.nominal.weight() / self.nominal.wheels() as f64 {
-            return Ok((WheelUse::OffGround, None));
-        }
-        let (slip, slip_deviation) = self.slip(velocity.max(0.0), rim_speed);
-        if slip < parameters.minimum_slip.max(SURE * slip_deviation) {
-            return Ok((WheelUse::NoSlip, None));
-        }
-        let Some((sinkage, sinkage_deviation)) = self.sinkage(scene, k, slip) else {
-            return Ok((WheelUse::Sunk, None));
-        };
-        let reading = Reading { load, torque: scene.measured.wheels[k].torque, sinkage, slip };
-        // Errors that last count as one reading a correlation time.
-        let step = self.read_at[k].map_or(f64::INFINITY, |before| scene.measured.time - before);
-        let repeated = (parameters.correlation_time / step.max(f64::MIN_POSITIVE)).max(1.0).min(1e12).sqrt();
-        let errors = Deviations {
-            load: parameters.load_error * load * repeated,
-            torque: parameters.torque_noise,
-            sinkage: sinkage_deviation * repeated,
-            slip: slip_deviation,
-        };
-        Ok((self.filtered(&reading, &errors)?, Some((reading, errors))))
-    }
-
-    fn filtered(&mut self, reading: &Reading, errors: &Deviations) -> Result<WheelUse, EstimationError> {
-        let mut filter = self.filter.clone();
-        filter.forget(self.travelled);
-        Ok(match filter.update(reading, errors)? {
-            Update::Refused { nis } => WheelUse::Refused(nis),
-            Update::Used { nis } => {
-                self.filter = filter;
-                self.travelled = 0.0;
-                WheelUse::Used(nis)
-            }
-        })
-    }
-
-    fn rolling(&self, scene: &Scene, k: usize) -> Rolling {
-        let (sin, cos) = scene.measured.wheels[k].contact_angle.sin_cos();
-        let own = scene.posture.velocities[k];
-        let velocity = (scene.velocity[0] + own[0]) * cos + (scene.velocity[1] + own[1]) * sin;
-        let spin = scene.measured.wheels[k].speed - scene.posture.bodies[body_of(&self.nominal, k)].rate;
-        Rolling { velocity, rim_speed: self.nominal.wheel.radius * spin }
-    }
-
-    /// Slip and its standard deviation.
-    fn slip(&self, velocity: f64, rim_speed: f64) -> (f64, f64) {
-        let parameters = self.filter.parameters();
-        let ratio = velocity / rim_speed;
-        let rim_noise = ratio * self.nominal.wheel.radius * parameters.wheel_speed_noise;
-        (1.0 - ratio, parameters.velocity_noise.hypot(rim_noise) / rim_speed)
-    }
-
-    /// Sinkage and its standard deviation, m: the better known of that from the suspension and that from the load.
-    fn sinkage(&self, scene: &Scene, k: usize, slip: f64) -> Option<(f64, f64)> {
-        let parameters = self.filter.parameters();
-        let by_load = sinkage_under_load(&self.nominal.wheel, &self.soil(), scene.loads[k], slip)
-            .map(|z| (z, parameters.sinkage_error * z));
-        let by_suspension = self.sinkage_by_suspension(scene, k);
-        let best = match (by_load, by_suspension) {
-            (Some(load), Some(suspension)) => Some(if suspension.1 < load.1 { suspension } else { load }),
-            (one, other) => other.or(one),
-        };
-        best.filter(|(z, _)| *z > 0.0 && *z < self.nominal.wheel.radius)
-    }
-
-    fn sinkage_by_suspension(&self, scene: &Scene, k: usize) -> Option<(f64, f64)> {
-        let start = self.start.as_ref()?;
-        let parameters = self.filter.parameters();
-        let angles = || scene.measured.wheels.iter().map(|wheel| wheel.contact_angle);
-        let spread = angles().fold(f64::NEG_INFINITY, f64::max) - angles().fold(f64::INFINITY, f64::min);
-        if spread > parameters.flatness {
-            return None;
-        }
-        let still = |other: usize| {
-            let Rolling { velocity, rim_speed } = self.rolling(scene, other);
-            rim_speed > 0.0 && self.slip(velocity, rim_speed).0 < parameters.minimum_slip
-        };
-        let change = start.kinematics.change_in(&scene.posture, k, still)?;
-        let at_start = start.sinkage[k];
-        // Pitch and joints err at the start and now.
-        let angle = std::f64::consts::SQRT_2 * parameters.angle_noise * change.lever;
-        let ground = parameters.ground_error * start.travelled;
-        let deviation = angle.hypot(ground).hypot(parameters.sinkage_error * at_start).hypot(change.spread);
-        Some((at_start + change.mean, deviation))
     }
 
     /// The nominal soil with the estimated strength.
