@@ -1,6 +1,6 @@
 //! The controllers that chapter 4's studies compare.
 
-use crate::model::{ControlKind, Model};
+use crate::model::{ContactAngleSource, ControlKind, Model, SoilSource};
 
 /// A controller in the field.
 pub(super) struct Contender {
@@ -19,7 +19,9 @@ const WHEEL_SPEED_NOISE: f64 = 0.05 * 2.5;
 /// Velocity control first: the others are compared with it; then the thesis's RTC.
 pub(super) const FIELD: &[Contender] = &[
     Contender { name: VELOCITY, apply: |model| with(model, ControlKind::Velocity), in_figures: true },
-    Contender { name: RTC, apply: |model| with(model, ControlKind::Rtc), in_figures: true },
+    Contender { name: RTC, apply: as_in_the_thesis, in_figures: true },
+    Contender { name: "RTC, true contact angles", apply: |model| with(model, ControlKind::Rtc), in_figures: false },
+    Contender { name: "RTC, soil identified on the way", apply: identifying, in_figures: false },
     Contender { name: "RTC holding its speed", apply: holding_speed, in_figures: false },
     Contender {
         name: "velocity control, tuned to the plant",
@@ -37,10 +39,26 @@ pub(super) const FIELD: &[Contender] = &[
 const VELOCITY: &str = "velocity control";
 const RTC: &str = "RTC";
 
+/// RTC as section 4.4.1 has it: pitch and wheel speeds are measured, contact angles estimated from them, the soil known.
+fn as_in_the_thesis(model: &mut Model) {
+    with(model, ControlKind::Rtc);
+    model.control.contact_angles = ContactAngleSource::Estimator;
+}
+
+/// The same without knowing the soil: the data sheet's strength is a quarter too small until identified.
+fn identifying(model: &mut Model) {
+    as_in_the_thesis(model);
+    let mut believed = model.rover.soil;
+    believed.cohesion *= 0.75;
+    believed.friction_angle = (0.75 * believed.friction_angle.tan()).atan();
+    model.control.nominal_soil = Some(believed);
+    model.control.soil = SoilSource::Estimator;
+}
+
 /// RTC with all that the thesis leaves out and the project offers: it makes up for the soil's resistance, integrates the
 /// speed error, and each wheel's own loop (the gains of velocity control) keeps it within 20 % of the wanted speed.
 fn holding_speed(model: &mut Model) {
-    with(model, ControlKind::Rtc);
+    as_in_the_thesis(model);
     let velocity = model.control.velocity;
     let rtc = &mut model.control.rtc;
     (rtc.resistance, rtc.integral_gain) = (1.0, 10.0);
