@@ -45,11 +45,14 @@ pub mod linear_stress;
 pub mod measurement;
 pub mod model;
 pub mod motor;
+pub mod obstacle;
 mod parallel;
 mod recording;
 #[cfg(feature = "report")]
 pub mod report;
 pub mod reproduction;
+#[cfg(feature = "rigid")]
+pub mod rigid;
 pub mod rover;
 pub mod scalar;
 pub mod sensors;
