@@ -123,16 +123,17 @@ impl World {
             ground_collider,
             imposing: false,
         };
-        world.add_rover(rover, state);
+        world.add_rover(rover);
+        world.place(rover, state);
         world.set_motion(rover, state);
         world
     }
 
-    fn add_rover(&mut self, rover: &Rover, state: &State) {
-        let motions = motions(rover, &self.masses, state);
-        for (body, motion) in motions.iter().enumerate() {
+    /// Adds the rover with all angles and coordinates at zero.
+    fn add_rover(&mut self, rover: &Rover) {
+        for body in 0..=rover.links.len() {
             let own = self.masses[body];
-            let carrier = self.add_body(motion.pose, own.mass, own.inertia);
+            let carrier = self.add_body(own.centre, own.mass, own.inertia);
             let shapes = if body == 0 { vec![shapes::chassis(rover, &own)] } else { shapes::link(rover, &own, body) };
             for shape in shapes {
                 let collider = self.colliders.insert_with_parent(shape, carrier, &mut self.bodies);
@@ -146,11 +147,10 @@ impl World {
         }
         for wheel in &rover.wheels {
             let carrier = self.masses[wheel.body];
-            let anchor = carrier.local([wheel.mount.x, wheel.mount.z]);
-            let pose = Pose::new(motions[wheel.body].pose.transform_point(anchor), 0.0);
-            let body = self.add_body(pose, carrier.wheel_mass, rover.wheel.inertia);
+            let centre = [wheel.mount.x, wheel.mount.z];
+            let body = self.add_body(centre, carrier.wheel_mass, rover.wheel.inertia);
             let collider = self.colliders.insert_with_parent(shapes::wheel(rover), body, &mut self.bodies);
-            let axle = self.add_joint(self.carriers[wheel.body], anchor, body, Vector::ZERO);
+            let axle = self.add_joint(self.carriers[wheel.body], carrier.local(centre), body, Vector::ZERO);
             self.axles.extend(axle);
             self.wheels.push(body);
             self.wheel_colliders.push(collider);
@@ -161,7 +161,8 @@ impl World {
         }
     }
 
-    fn add_body(&mut self, pose: Pose, mass: f64, inertia: f64) -> RigidBodyHandle {
+    fn add_body(&mut self, [x, z]: [f64; 2], mass: f64, inertia: f64) -> RigidBodyHandle {
+        let pose = Pose::new(Vector::new(x, z), 0.0);
         let mass = MassProperties::new(Vector::ZERO, mass, inertia);
         self.bodies.insert(RigidBodyBuilder::dynamic().pose(pose).additional_mass_properties(mass).can_sleep(false))
     }
@@ -193,6 +194,29 @@ impl World {
         self.obstacles.iter().position(|handle| {
             self.colliders.get(*handle).is_some_and(|obstacle| rover.iter().any(|part| touches(part, obstacle)))
         })
+    }
+
+    /// Moves the rover from zero to `state`. This goes through the multibody's coordinates: rapier takes over the pose of
+    /// a root that was set directly, but not its angle as a coordinate (2D, version 0.36.1), and loses it then.
+    fn place(&mut self, rover: &Rover, state: &State) {
+        let motions = motions(rover, &self.masses, state);
+        let Some(axle) = self.axles.first().copied() else { return };
+        let Some((multibody, _)) = self.multibodies.get_mut(axle) else { return };
+        multibody.forward_kinematics(&self.bodies, true);
+        let (to, from) = (motions[0].pose.translation, self.masses[0].centre);
+        let mut shift = vec![to.x - from[0], to.y - from[1]];
+        shift.extend_from_slice(&state.position[2..]);
+        shift.resize(multibody.ndofs(), 0.0);
+        multibody.apply_displacements(&shift);
+        multibody.forward_kinematics(&self.bodies, false);
+        multibody.update_rigid_bodies(&mut self.bodies, true);
+        let colliders = self.wheel_colliders.iter().zip(&self.wheels);
+        let bodies = self.body_colliders.iter().map(|(collider, body)| (collider, &self.carriers[*body]));
+        for (collider, body) in colliders.chain(bodies) {
+            if let (Some(collider), Some(body)) = (self.colliders.get_mut(*collider), self.bodies.get(*body)) {
+                collider.set_position(*body.position());
+            }
+        }
     }
 
     /// Gives all bodies the velocities of `state`.
