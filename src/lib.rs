@@ -17,6 +17,7 @@
 //! | [`motor`], [`effects`] | drives, and missing physics to be switched on | contact |
 //! | [`rover`] | bodies, joints, equations of motion, rest | effects, terrain, motor |
 //! | [`simulation`] | a rover in motion, with a fixed step | rover |
+//! | [`obstacle`], `rigid` | rocks and ledges; the plant of rigid bodies that feels them | rover, simulation |
 //! | [`signals`], [`sensors`] | commands, true signals, what sensors make of them | |
 //! | [`control`] | controllers: they see measurements, never the true state | signals |
 //! | [`model`] | all of it in one value; TOML in and out; a run | all above |

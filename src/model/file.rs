@@ -17,6 +17,13 @@
 //! step_size = 0.002
 //! duration = 20.0
 //! seed = 0
+//! plant = "rigid_bodies"           # joint_coordinates (default) or rigid_bodies, which feels obstacles
+//! [[obstacle]]                     # any number; m
+//! kind = "rock"                    # rock, block, ledge
+//! x = 2.0
+//! height = 0.06
+//! width = 0.2
+//! friction = 0.7
 //! [[effect]]                       # effects of the user's own, see [`custom`](crate::effects::custom)
 //! id = "cable"
 //! target = "body.force_x"
@@ -24,8 +31,9 @@
 //! parameters = { k = { neutral = 0.0, min = 0.0, max = 10.0, unit = "N/m" } }
 //! ```
 
-use super::{ControlKind, Model, PRESETS, Stepping};
+use super::{ControlKind, Model, PRESETS, Plant, Stepping};
 use crate::effects::{DefinitionError, EffectDefinition};
+use crate::obstacle::{Obstacle, ObstacleKind, ObstacleParameters};
 use crate::rover::{Link, LinkParameters, MAX_COORDINATES, MAX_WHEELS, Mount, Rover, WheelMount};
 use crate::terrain::{TerrainSpec, TerrainSpecError};
 use bekker_modeldescription::{Lookup, ParameterError, Parameters};
@@ -75,6 +83,11 @@ pub enum ModelError {
     /// The terrain cannot be built.
     #[error(transparent)]
     Terrain(#[from] TerrainSpecError),
+    /// Obstacles, and a plant that knows soil only.
+    #[error(
+        "{0} [[obstacle]] given, but the plant is in joint coordinates; expected simulation.plant = \"rigid_bodies\""
+    )]
+    Obstacles(usize),
     /// A number of `[simulation]` is out of range.
     #[error("simulation.{name} = {value}: expected {expected}")]
     Simulation {
@@ -109,7 +122,28 @@ struct File {
     #[serde(skip_serializing_if = "Option::is_none")]
     simulation: Option<Stepping>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    obstacle: Vec<ObstacleSpec>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     effect: Vec<EffectDefinition>,
+}
+
+/// An obstacle with its numbers; those of [`ObstacleParameters`] where missing.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ObstacleSpec {
+    kind: ObstacleKind,
+    x: Option<f64>,
+    height: Option<f64>,
+    width: Option<f64>,
+    friction: Option<f64>,
+}
+
+impl From<&Obstacle> for ObstacleSpec {
+    fn from(obstacle: &Obstacle) -> Self {
+        let ObstacleParameters { x, height, width, friction } = obstacle.parameters;
+        let [x, height, width, friction] = [x, height, width, friction].map(Some);
+        Self { kind: obstacle.kind, x, height, width, friction }
+    }
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -153,6 +187,7 @@ impl Model {
         if let Some(stepping) = file.simulation {
             model.stepping = stepping.checked()?;
         }
+        model.add_obstacles(&file.obstacle)?;
         model.define_effects(file.effect)?;
         model.set_parameters(&file.parameters)?;
         Ok(model)
@@ -166,6 +201,24 @@ impl Model {
         let text = std::fs::read_to_string(path)
             .map_err(|source| ModelError::Unreadable { file: path.display().to_string(), source })?;
         Self::from_toml(&text, path.parent())
+    }
+
+    /// Adds obstacles; their numbers go through the vocabulary, so that errors carry full names.
+    fn add_obstacles(&mut self, specs: &[ObstacleSpec]) -> Result<(), ModelError> {
+        if !specs.is_empty() && self.stepping.plant != Plant::RigidBodies {
+            return Err(ModelError::Obstacles(specs.len()));
+        }
+        for spec in specs {
+            self.obstacles.push(Obstacle { kind: spec.kind, parameters: ObstacleParameters::default() });
+            let number = self.obstacles.len();
+            let given = [("x", spec.x), ("height", spec.height), ("width", spec.width), ("friction", spec.friction)];
+            for (name, value) in given {
+                if let Some(value) = value {
+                    self.set(&format!("obstacle[{number}].{name}"), value)?;
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Sets parameters from a table, nested or with dotted names.
@@ -189,8 +242,8 @@ impl Model {
     pub fn to_toml(&self) -> Result<String, ModelError> {
         let mut parameters = toml::Table::new();
         self.clone().visit("", &mut |variable, value| {
-            // The terrain's own numbers stand in its section.
-            if !variable.name.starts_with("terrain.") {
+            // Terrain's and obstacles' own numbers stand in their sections.
+            if !variable.name.starts_with("terrain.") && !variable.name.starts_with("obstacle[") {
                 parameters.insert(variable.name, toml::Value::Float(*value));
             }
         });
@@ -205,6 +258,7 @@ impl Model {
             terrain: Some(self.rover.terrain.to_spec()),
             control: Some(ControlSpec { kind: self.control.kind }),
             simulation: Some(self.stepping),
+            obstacle: self.obstacles.iter().map(ObstacleSpec::from).collect(),
             effect: self.rover.effects.custom.iter().map(|effect| effect.definition().clone()).collect(),
         };
         Ok(toml::to_string(&file)?)

@@ -1,7 +1,7 @@
 //! What rapier's contacts did in the last step: forces on wheels and carriers, and the energy they took.
 
 use super::rapier::{ColliderHandle, ContactPair, RigidBodyHandle, Vector};
-use super::world::{SMALL_STEPS, World};
+use super::world::World;
 
 /// Rigid contact of one body over the last step.
 #[derive(Clone, Copy, Debug, Default)]
@@ -12,9 +12,6 @@ pub(super) struct RigidLoad {
     pub normal: [f64; 2],
     /// Moment of the mean force about the body's centre, counterclockwise, N m.
     pub moment: f64,
-    /// The same force and moment in the last of rapier's small steps: free of the impact where a contact began.
-    pub last_force: [f64; 2],
-    pub last_moment: f64,
     /// Work of the mean force on the body, J.
     pub work: f64,
 }
@@ -68,14 +65,10 @@ fn add_pair(
             let arm = if first { data.solver_dp1 } else { data.solver_dp2 };
             let normal = away * (side * data.impulse / h);
             let force = normal + tangent * (side * data.tangent_impulse.x / h);
-            let per_small_step = side * SMALL_STEPS as f64 / h;
-            let last = (away * data.warmstart_impulse + tangent * data.warmstart_tangent_impulse.x) * per_small_step;
             let at = |motion: &Before| motion.velocity + Vector::new(-arm.y, arm.x) * motion.rate;
             add(&mut load.force, force);
             add(&mut load.normal, normal);
-            add(&mut load.last_force, last);
             load.moment += arm.perp_dot(force);
-            load.last_moment += arm.perp_dot(last);
             load.work += force.dot(at(before) + at(after)) * (0.5 * h);
         }
     }

@@ -4,9 +4,10 @@ use super::contacts::{Before, RigidLoad};
 use super::loads::Loads;
 use super::world::World;
 use crate::integrator::Integrator;
+use crate::motor;
 use crate::obstacle::Obstacle;
 use crate::recording::Recorder;
-use crate::rover::dynamics::{DynamicsError, Outside};
+use crate::rover::dynamics::{DynamicsError, Outside, Powers};
 use crate::rover::kinematics::turn_jacobian;
 use crate::rover::linear::{add_scaled, zeros};
 use crate::rover::{Rover, State};
@@ -160,7 +161,7 @@ impl RigidBodies {
         let h = self.step_size;
         let before = self.integrator.now.powers();
         self.previous.copy_from(&self.state);
-        let moved = self.move_bodies(h).and_then(|()| self.evaluate());
+        let moved = self.move_bodies(h).and_then(|()| self.evaluate()).and_then(|()| self.find_drives(h));
         match moved {
             Ok(()) => {}
             Err(DynamicsError::Terrain { source: TerrainError::Left { .. }, .. }) => {
@@ -172,11 +173,7 @@ impl RigidBodies {
         }
         self.ticks += 1;
         self.integrator.warm(&self.rover, &mut self.state, h);
-        let after = self.integrator.now.powers();
-        self.energies.add(&before, &after, h);
-        // Friction and impacts of the rigid contacts.
-        let work: f64 = self.wheel_contacts.iter().chain(&self.body_contacts).map(|contact| contact.work).sum();
-        self.energies.other_loss -= work;
+        self.add_energies(&before, h);
         self.observe(Recorder::step);
         self.check_events();
         Ok(())
@@ -204,6 +201,50 @@ impl RigidBodies {
         Ok(())
     }
 
+    /// Adds the energies of the step. Work is that of the forces that the bodies felt, over their mean velocities: what
+    /// changes the kinetic energy. Losses of the motors follow the trapezoidal rule.
+    fn add_energies(&mut self, before: &Powers<f64>, h: f64) {
+        let after = self.integrator.now.powers();
+        self.energies.dissipated += 0.5 * h * (before.dissipated + after.dissipated);
+        self.energies.electrical += 0.5 * h * (before.electrical + after.electrical);
+        for (k, load) in self.loads.wheels.iter().enumerate() {
+            let (from, to) = (&self.wheels_before[k], self.world.motion_of(self.world.wheels[k]));
+            let carrier = self.rover.wheels[k].body;
+            let carrier_rate =
+                self.bodies_before[carrier].rate + self.world.motion_of(self.world.carriers[carrier]).rate;
+            // Forward turning is clockwise.
+            let spin = -0.5 * (from.rate + to.rate);
+            let velocity = (from.velocity + to.velocity) * 0.5;
+            self.energies.drive += load.rim_torque * (spin + 0.5 * carrier_rate) * h;
+            let carried = load.force[0] * velocity.x + load.force[1] * velocity.y;
+            self.energies.soil_loss += (load.soil_torque * spin - carried) * h;
+        }
+        let mean = |i: usize| 0.5 * (self.previous.rate[i] + self.state.rate[i]);
+        let joints: f64 = self.loads.links.iter().enumerate().map(|(j, moment)| moment * mean(3 + j)).sum();
+        let rigid: f64 = self.wheel_contacts.iter().chain(&self.body_contacts).map(|contact| contact.work).sum();
+        self.energies.other_loss -= (joints + self.loads.resistance * mean(0)) * h + rigid;
+    }
+
+    /// Where speeds are imposed, the drives gave what the wheels' momenta needed beside soil and rigid contacts.
+    fn find_drives(&mut self, h: f64) -> Result<(), DynamicsError> {
+        if self.command.drive != Drive::Speed {
+            return Ok(());
+        }
+        for (k, load) in self.loads.wheels.iter_mut().enumerate() {
+            let contact = &self.wheel_contacts[k];
+            if contact.normal == [0.0, 0.0] {
+                continue;
+            }
+            let turned = self.wheels_before[k].rate - self.world.motion_of(self.world.wheels[k]).rate;
+            load.rim_torque = self.rover.wheel.inertia * turned / h + load.soil_torque + contact.moment;
+            let wheel = &mut self.integrator.now.wheels[k];
+            wheel.rim_torque = load.rim_torque;
+            wheel.motor_torque = motor::torque_behind(&self.rover.effects, wheel.speed, load.rim_torque)?;
+            wheel.current = motor::current(&wheel.motor, wheel.motor_torque);
+        }
+        Ok(())
+    }
+
     fn read_contacts(&mut self, h: f64) {
         let world = &self.world;
         for (k, load) in self.wheel_contacts.iter_mut().enumerate() {
@@ -217,7 +258,7 @@ impl RigidBodies {
         }
     }
 
-    /// Evaluates soil and drives at the new state, with the rigid contacts as they were at the end of the step.
+    /// Evaluates soil and drives at the new state, with the rigid contacts as they were on the mean of the step.
     fn evaluate(&mut self) -> Result<(), DynamicsError> {
         self.set_outside();
         self.integrator.ahead.update(&self.rover, &self.state, &self.command)?;
@@ -239,19 +280,19 @@ impl RigidBodies {
         frames.update(&self.rover, &self.state.position, &self.state.rate);
         for (load, wheel) in self.wheel_contacts.iter().zip(&self.rover.wheels) {
             let centre = frames.point(&self.rover, wheel.body, [wheel.mount.x, wheel.mount.z]);
-            add_scaled(&mut force, 1.0, &centre.along(load.last_force), n);
+            add_scaled(&mut force, 1.0, &centre.along(load.force), n);
         }
         for (body, load) in self.body_contacts.iter().enumerate() {
             let centre = frames.point(&self.rover, body, self.world.centre(body));
-            add_scaled(&mut force, 1.0, &centre.along(load.last_force), n);
-            add_scaled(&mut force, load.last_moment, &turn_jacobian(&self.rover, body), n);
+            add_scaled(&mut force, 1.0, &centre.along(load.force), n);
+            add_scaled(&mut force, load.moment, &turn_jacobian(&self.rover, body), n);
         }
         for evaluation in [&mut self.integrator.now, &mut self.integrator.ahead] {
             if let Some(outside) = &mut evaluation.outside {
                 outside.force = force;
                 // A wheel that turns forward turns clockwise.
                 let torques = outside.torque.iter_mut().zip(&self.wheel_contacts);
-                torques.for_each(|(torque, load)| *torque = -load.last_moment);
+                torques.for_each(|(torque, load)| *torque = -load.moment);
             }
         }
     }

@@ -9,7 +9,10 @@ use crate::rover::{Rover, State};
 /// Damping of the motor that imposes a wheel's speed, N m s/rad: 1e6 times what the soil of a small rover can do.
 const IMPOSING: f64 = 1e6;
 /// Solver iterations of rapier a step: as many small steps of its own.
-pub(super) const SMALL_STEPS: usize = 4;
+const SMALL_STEPS: usize = 4;
+/// Sweeps over all constraints in each of the two passes of a small step. With one, a driven wheel that slides on a rock
+/// is off its imposed speed by 3 %; with four by 2e-5, and more change nothing.
+const SWEEPS: usize = 4;
 
 /// Loads of one step on one wheel, N and N m.
 #[derive(Clone, Copy, Debug, Default)]
@@ -93,6 +96,8 @@ impl World {
         let parameters = IntegrationParameters {
             dt: step_size,
             num_solver_iterations: SMALL_STEPS,
+            num_internal_pgs_iterations: SWEEPS,
+            num_internal_stabilization_iterations: SWEEPS,
             // Contacts are found anew at every step, and nothing here is fast enough to pass through another.
             contact_recycling: false,
             contact_clustering: false,
