@@ -153,7 +153,9 @@ fn property_effects_act_in_the_same_way() {
 
 #[test]
 fn property_a_parked_rover_stays() {
-    for (mut rover, angle) in [(firm(&[-0.35, 0.35]), 15.0), (firm(&[-0.35, 0.35]), -10.0), (Rover::rocker_bogie(), 8.0)] {
+    for (mut rover, angle) in
+        [(firm(&[-0.35, 0.35]), 15.0), (firm(&[-0.35, 0.35]), -10.0), (Rover::rocker_bogie(), 8.0)]
+    {
         rover.terrain = slope(angle);
         let command = Command::speed(vec![0.0; rover.wheels.len()]);
         let mut parked = RigidBodies::new(rover, 0.0, 0.002, &[], BELLY).unwrap();
