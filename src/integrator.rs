@@ -18,20 +18,20 @@ use crate::scalar::Scalar;
 use crate::signals::{Command, Drive};
 
 /// gamma = 1 - 1/sqrt 2.
-const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
+pub(crate) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 
 /// Share of a joint's dry friction over its rate that A holds. The slope of dry friction says nothing of its reversal,
 /// and with friction over rate itself the first stage overshoots to 1 - 1/gamma of a rate that a step would stop, where
 /// friction does not grow along: the joint would chatter. Twice 1/gamma of it ends that stage at half the rate, and
 /// the step between 0 and an eighth of it.
-const DRY_FRICTION: f64 = 2.0 / GAMMA;
+pub(crate) const DRY_FRICTION: f64 = 2.0 / GAMMA;
 
 /// Rate or increment of a whole state; a wheel's entries are its spin, `hold.travel` and `hold.turn`.
 #[derive(Clone, Debug)]
-struct Increment<S> {
-    position: Vector<S>,
-    rate: Vector<S>,
-    wheels: Vec<[S; 3]>,
+pub(crate) struct Increment<S> {
+    pub position: Vector<S>,
+    pub rate: Vector<S>,
+    pub wheels: Vec<[S; 3]>,
 }
 
 /// What elimination of one wheel's spin and memory leaves. The spin's increment is
@@ -60,10 +60,12 @@ struct Condensed<S> {
 pub(crate) struct Integrator<S = f64> {
     /// Right-hand side at the present state.
     pub now: Evaluation<S>,
-    ahead: Evaluation<S>,
+    /// The same at the second stage, once a step's [`Integrator::stages`] are made.
+    pub ahead: Evaluation<S>,
     predicted: State<S>,
-    first: Increment<S>,
-    second: Increment<S>,
+    /// Solutions k1 and k2 of the stages.
+    pub first: Increment<S>,
+    pub second: Increment<S>,
     condensed: Vec<Condensed<S>>,
 }
 
@@ -124,16 +126,7 @@ impl<S: Scalar> Integrator<S> {
         command: &Command,
         h: f64,
     ) -> Result<(), DynamicsError> {
-        let gh = GAMMA * h;
-        let factors = self.condense(rover, command.drive, gh)?;
-        self.first.set(rover, state, &self.now);
-        self.first.solve(rover, &self.now, &self.condensed, &factors, command.drive, gh);
-        self.predicted.copy_from(state);
-        self.first.add_to(&mut self.predicted, h);
-        self.ahead.update(rover, &self.predicted, command)?;
-        self.second.set(rover, &self.predicted, &self.ahead);
-        self.second.add_scaled(&self.first, -2.0);
-        self.second.solve(rover, &self.now, &self.condensed, &factors, command.drive, gh);
+        self.stages(rover, state, command, h)?;
         self.predicted.copy_from(state);
         self.first.add_to(&mut self.predicted, 1.5 * h);
         self.second.add_to(&mut self.predicted, 0.5 * h);
@@ -149,6 +142,30 @@ impl<S: Scalar> Integrator<S> {
                 wheel.track.extend(evaluation.foot_x);
             }
         }
+        Ok(())
+    }
+
+    /// The two stages of a step of size `h`: `first`, `second` and the evaluation `ahead` at the second.
+    ///
+    /// # Errors
+    /// [`DynamicsError`].
+    pub fn stages(
+        &mut self,
+        rover: &Rover<S>,
+        state: &State<S>,
+        command: &Command,
+        h: f64,
+    ) -> Result<(), DynamicsError> {
+        let gh = GAMMA * h;
+        let factors = self.condense(rover, command.drive, gh)?;
+        self.first.set(rover, state, &self.now);
+        self.first.solve(rover, &self.now, &self.condensed, &factors, command.drive, gh);
+        self.predicted.copy_from(state);
+        self.first.add_to(&mut self.predicted, h);
+        self.ahead.update(rover, &self.predicted, command)?;
+        self.second.set(rover, &self.predicted, &self.ahead);
+        self.second.add_scaled(&self.first, -2.0);
+        self.second.solve(rover, &self.now, &self.condensed, &factors, command.drive, gh);
         Ok(())
     }
 
@@ -271,7 +288,7 @@ impl<S: Scalar> Increment<S> {
         }
     }
 
-    fn add_to(&self, state: &mut State<S>, factor: f64) {
+    pub fn add_to(&self, state: &mut State<S>, factor: f64) {
         for (i, (position, rate)) in state.position.iter_mut().zip(&mut state.rate).enumerate() {
             *position += self.position[i] * factor;
             *rate += self.rate[i] * factor;

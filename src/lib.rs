@@ -17,6 +17,7 @@
 //! | [`motor`], [`effects`] | drives, and missing physics to be switched on | contact |
 //! | [`rover`] | bodies, joints, equations of motion, rest | effects, terrain, motor |
 //! | [`simulation`] | a rover in motion, with a fixed step | rover |
+//! | [`obstacle`], `rigid` | rocks and ledges; the plant of rigid bodies that feels them | rover, simulation |
 //! | [`signals`], [`sensors`] | commands, true signals, what sensors make of them | |
 //! | [`control`] | controllers: they see measurements, never the true state | signals |
 //! | [`estimation`] | what a rover finds out from measurements: contact angles, soil | signals, control, contact |
@@ -47,11 +48,14 @@ pub mod linear_stress;
 pub mod measurement;
 pub mod model;
 pub mod motor;
+pub mod obstacle;
 mod parallel;
 mod recording;
 #[cfg(feature = "report")]
 pub mod report;
 pub mod reproduction;
+#[cfg(feature = "rigid")]
+pub mod rigid;
 pub mod rover;
 pub mod scalar;
 pub mod sensors;

@@ -2,7 +2,7 @@
 
 use crate::integrator::Integrator;
 use crate::recording::Recorder;
-use crate::rover::dynamics::{DynamicsError, Powers};
+use crate::rover::dynamics::{DynamicsError, Evaluation, Powers};
 use crate::rover::{Rover, SettleError, State};
 use crate::scalar::Scalar;
 use crate::signals::{Command, Drive, Signals};
@@ -10,7 +10,7 @@ use crate::terrain::TerrainError;
 use std::fmt;
 
 /// Pitch beyond which the rover counts as tipped over, rad.
-const TIPPED: f64 = 80.0 * std::f64::consts::PI / 180.0;
+pub(crate) const TIPPED: f64 = 80.0 * std::f64::consts::PI / 180.0;
 /// Progress under this share of the rim's travel, over a window of rim travel, is being stuck.
 const STUCK_SHARE: f64 = 0.02;
 /// The window's length in wheel radii.
@@ -74,6 +74,16 @@ pub enum StepError {
     /// The inner step is not a positive finite number, or larger than 20 ms.
     #[error("the inner step is {0} s, expected more than 0 and at most 0.02 s")]
     StepSize(f64),
+    /// An obstacle stands where the rover starts.
+    #[error(
+        "obstacle {obstacle} at x = {x} m overlaps the rover at its start, expected it clear of wheels and chassis"
+    )]
+    ObstacleAtStart {
+        /// Obstacle, from 1.
+        obstacle: usize,
+        /// Its place, m.
+        x: f64,
+    },
     /// The rover cannot be put on the ground.
     #[error(transparent)]
     Settle(#[from] SettleError),
@@ -89,21 +99,56 @@ pub enum StepError {
 
 /// Energies since the start, J.
 #[derive(Clone, Copy, Debug)]
-struct Energies<S> {
-    dissipated: S,
-    electrical: S,
-    drive: S,
-    soil_loss: S,
-    other_loss: S,
+pub(crate) struct Energies<S> {
+    pub dissipated: S,
+    pub electrical: S,
+    pub drive: S,
+    pub soil_loss: S,
+    pub other_loss: S,
 }
 
 /// Progress since the present window of rim travel began.
 #[derive(Clone, Copy, Debug, Default)]
-struct Window {
+pub(crate) struct Window {
     start_x: f64,
     /// Path of the rims, mean over the wheels: without and with sign, m.
     rim_travel: f64,
     rim_progress: f64,
+}
+
+impl Window {
+    /// A window that begins at `x`.
+    pub fn at(x: f64) -> Self {
+        Self { start_x: x, ..Self::default() }
+    }
+
+    /// Takes in one step that ended at `x` with these wheel `speeds`; whether it closes a window without progress.
+    pub fn stuck(
+        &mut self,
+        x: f64,
+        speeds: impl ExactSizeIterator<Item = f64> + Clone,
+        radius: f64,
+        step_size: f64,
+    ) -> bool {
+        let scale = radius * step_size / speeds.len() as f64;
+        let travel = speeds.clone().map(f64::abs).sum::<f64>() * scale;
+        let progress = speeds.sum::<f64>() * scale;
+        if progress * self.rim_progress < 0.0 && progress.abs() > 0.5 * travel {
+            // The wheels have reversed together: the way back is not lost progress.
+            *self = Self::at(x);
+        }
+        self.rim_travel += travel;
+        self.rim_progress += progress;
+        if self.rim_travel < STUCK_WINDOW * radius {
+            return false;
+        }
+        // Progress counts in the direction of driving: sliding back while driving on is being stuck.
+        let way = x - self.start_x;
+        let progress = way.copysign(way * self.rim_progress);
+        let stuck = progress < STUCK_SHARE * self.rim_travel;
+        *self = Self::at(x);
+        stuck
+    }
 }
 
 /// A rover in motion. Cloning it is a snapshot: the clone goes on to the same bits.
@@ -148,7 +193,7 @@ impl<S: Scalar> Simulation<S> {
         integrator
             .evaluate(&rover, &mut state, &command)
             .map_err(|source| StepError::Dynamics { time: 0.0, source })?;
-        let window = Window { start_x: state.position[0].value(), ..Window::default() };
+        let window = Window::at(state.position[0].value());
         let signals = Signals::of(rover.wheels.len(), rover.links.len());
         let recorder = Recorder::new(&rover.effects.sensor_lag, &signals, step_size);
         let mut simulation = Self {
@@ -186,12 +231,7 @@ impl<S: Scalar> Simulation<S> {
     }
 
     fn apply(&mut self, command: &Command) -> Result<(), StepError> {
-        if command.values.len() != self.rover.wheels.len() {
-            return Err(StepError::CommandLength { got: command.values.len(), expected: self.rover.wheels.len() });
-        }
-        if let Some(k) = command.values.iter().position(|value| !value.is_finite()) {
-            return Err(StepError::CommandNotFinite { wheel: k + 1, value: command.values[k] });
-        }
+        check_command(command, self.rover.wheels.len())?;
         if self.command != *command && self.status == Status::Running {
             self.change_command(command).map_err(|source| StepError::Dynamics { time: self.time(), source })?;
         }
@@ -242,23 +282,9 @@ impl<S: Scalar> Simulation<S> {
         } else if self.belly_touches() {
             self.status = Status::Ended(Event::BellyContact);
         }
-        let scale = radius * self.step_size / wheels.len() as f64;
-        let travel = wheels.iter().map(|wheel| wheel.speed.value().abs()).sum::<f64>() * scale;
-        let progress = wheels.iter().map(|wheel| wheel.speed.value()).sum::<f64>() * scale;
-        if progress * self.window.rim_progress < 0.0 && progress.abs() > 0.5 * travel {
-            // The wheels have reversed together: the way back is not lost progress.
-            self.window = Window { start_x: x, ..Window::default() };
-        }
-        self.window.rim_travel += travel;
-        self.window.rim_progress += progress;
-        if self.window.rim_travel >= STUCK_WINDOW * radius {
-            // Progress counts in the direction of driving: sliding back while driving on is being stuck.
-            let way = x - self.window.start_x;
-            let progress = way.copysign(way * self.window.rim_progress);
-            if progress < STUCK_SHARE * self.window.rim_travel && self.status == Status::Running {
-                self.status = Status::Ended(Event::Stuck);
-            }
-            self.window = Window { start_x: x, ..Window::default() };
+        let speeds = wheels.iter().map(|wheel| wheel.speed.value());
+        if self.window.stuck(x, speeds, radius, self.step_size) && self.status == Status::Running {
+            self.status = Status::Ended(Event::Stuck);
         }
     }
 
@@ -293,38 +319,8 @@ impl<S: Scalar> Simulation<S> {
 
     /// Writes the signals from the present state, as sensors without memory see it.
     fn sense(&mut self) {
-        let (state, now) = (&self.state, &self.integrator.now);
-        let powers = now.powers();
-        let [vx, vz] = [state.rate[0], state.rate[1]];
-        let body = &mut self.signals.body;
-        body.x = state.position[0];
-        body.z = state.position[1];
-        body.velocity = path_speed(vx, vz);
-        body.pitch = state.position[2];
-        body.pitch_rate = state.rate[2];
-        body.power = powers.dissipated;
-        body.electrical_power = powers.electrical;
-        body.dissipated_energy = self.energies.dissipated;
-        body.electrical_energy = self.energies.electrical;
-        body.drive_work = self.energies.drive;
-        body.soil_loss = self.energies.soil_loss;
-        body.other_loss = self.energies.other_loss;
-        body.mechanical_energy = now.mechanical_energy(&self.rover, state);
-        for (signals, wheel) in self.signals.wheels.iter_mut().zip(&now.wheels) {
-            signals.speed = wheel.speed;
-            signals.slip = wheel.slip;
-            signals.sinkage = wheel.sinkage;
-            signals.normal_force = wheel.touch.forces.normal;
-            signals.drawbar_pull = wheel.touch.forces.drawbar;
-            signals.torque = wheel.motor_torque;
-            signals.current = wheel.current;
-            signals.contact_angle = wheel.contact_angle;
-        }
-        for (j, link) in self.signals.links.iter_mut().enumerate() {
-            link.angle = state.position[3 + j];
-            link.rate = state.rate[3 + j];
-        }
-        self.rover.effects.record(state.start_x, &mut self.signals.body, &mut self.signals.wheels);
+        self.integrator.now.write_signals(&self.rover, &self.state, &self.energies, &mut self.signals);
+        self.rover.effects.record(self.state.start_x, &mut self.signals.body, &mut self.signals.wheels);
     }
 
     /// Time since the start, s.
@@ -376,8 +372,19 @@ impl<S: Scalar> Simulation<S> {
     }
 }
 
+/// Refuses a command that does not fit a rover with this number of wheels.
+pub(crate) fn check_command(command: &Command, wheels: usize) -> Result<(), StepError> {
+    if command.values.len() != wheels {
+        return Err(StepError::CommandLength { got: command.values.len(), expected: wheels });
+    }
+    match command.values.iter().position(|value| !value.is_finite()) {
+        Some(k) => Err(StepError::CommandNotFinite { wheel: k + 1, value: command.values[k] }),
+        None => Ok(()),
+    }
+}
+
 /// Speed along the path, signed by its direction along x; its real part is `hypot`'s to the last bit.
-fn path_speed<S: Scalar>(vx: S, vz: S) -> S {
+pub(crate) fn path_speed<S: Scalar>(vx: S, vz: S) -> S {
     let speed = vx.value().hypot(vz.value()).copysign(vx.value());
     if speed == 0.0 {
         return S::from(speed);
@@ -387,14 +394,56 @@ fn path_speed<S: Scalar>(vx: S, vz: S) -> S {
     change(vx) + change(vz) + speed
 }
 
+impl<S: Scalar> Evaluation<S> {
+    /// Writes the true signals at this instant.
+    pub(crate) fn write_signals(
+        &self,
+        rover: &Rover<S>,
+        state: &State<S>,
+        energies: &Energies<S>,
+        signals: &mut Signals<S>,
+    ) {
+        let powers = self.powers();
+        let [vx, vz] = [state.rate[0], state.rate[1]];
+        let body = &mut signals.body;
+        body.x = state.position[0];
+        body.z = state.position[1];
+        body.velocity = path_speed(vx, vz);
+        body.pitch = state.position[2];
+        body.pitch_rate = state.rate[2];
+        body.power = powers.dissipated;
+        body.electrical_power = powers.electrical;
+        body.dissipated_energy = energies.dissipated;
+        body.electrical_energy = energies.electrical;
+        body.drive_work = energies.drive;
+        body.soil_loss = energies.soil_loss;
+        body.other_loss = energies.other_loss;
+        body.mechanical_energy = self.mechanical_energy(rover, state);
+        for (signals, wheel) in signals.wheels.iter_mut().zip(&self.wheels) {
+            signals.speed = wheel.speed;
+            signals.slip = wheel.slip;
+            signals.sinkage = wheel.sinkage;
+            signals.normal_force = wheel.touch.forces.normal;
+            signals.drawbar_pull = wheel.touch.forces.drawbar;
+            signals.torque = wheel.motor_torque;
+            signals.current = wheel.current;
+            signals.contact_angle = wheel.contact_angle;
+        }
+        for (j, link) in signals.links.iter_mut().enumerate() {
+            link.angle = state.position[3 + j];
+            link.rate = state.rate[3 + j];
+        }
+    }
+}
+
 impl<S: Scalar> Energies<S> {
-    fn zero() -> Self {
+    pub fn zero() -> Self {
         let zero = S::from(0.0);
         Self { dissipated: zero, electrical: zero, drive: zero, soil_loss: zero, other_loss: zero }
     }
 
     /// Trapezoidal rule over one step: the order of the integrator.
-    fn add(&mut self, before: &Powers<S>, after: &Powers<S>, h: f64) {
+    pub fn add(&mut self, before: &Powers<S>, after: &Powers<S>, h: f64) {
         let mean = |a: S, b: S| (a + b) * (0.5 * h);
         self.dissipated += mean(before.dissipated, after.dissipated);
         self.electrical += mean(before.electrical, after.electrical);

@@ -76,6 +76,7 @@ impl<'a> TraversePrediction<'a> {
             }
         });
         model.check_start().map_err(|source| run.failed(source))?;
+        model.in_joint_coordinates("a diagnosis").map_err(|source| run.failed(source))?;
         Ok(model)
     }
 

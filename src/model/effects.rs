@@ -7,7 +7,7 @@ use crate::signals::Signals;
 use bekker_modeldescription::Lookup;
 
 /// Groups of names that not every model has.
-const OTHER_GROUPS: [&str; 2] = ["terrain", "link"];
+const OTHER_GROUPS: [&str; 3] = ["terrain", "link", "obstacle"];
 
 impl Model {
     /// Adds effects of the user's own, all neutral, from TOML with `[[effect]]` tables; the form is described in

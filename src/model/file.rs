@@ -23,6 +23,13 @@
 //! step_size = 0.002
 //! duration = 20.0
 //! seed = 0
+//! plant = "rigid_bodies"           # joint_coordinates (default) or rigid_bodies, which feels obstacles
+//! [[obstacle]]                     # any number; m
+//! kind = "rock"                    # rock, block, ledge
+//! x = 2.0
+//! height = 0.06
+//! width = 0.2
+//! friction = 0.7
 //! [[effect]]                       # effects of the user's own, see [`custom`](crate::effects::custom)
 //! id = "cable"
 //! target = "body.force_x"
@@ -30,9 +37,10 @@
 //! parameters = { k = { neutral = 0.0, min = 0.0, max = 10.0, unit = "N/m" } }
 //! ```
 
-use super::{ContactAngleSource, Control, ControlKind, Model, PRESETS, SoilSource, Stepping};
+use super::{ContactAngleSource, Control, ControlKind, Model, PRESETS, Plant, SoilSource, Stepping};
 use crate::control::{Solver, Strength};
 use crate::effects::{DefinitionError, EffectDefinition};
+use crate::obstacle::{Obstacle, ObstacleKind, ObstacleParameters};
 use crate::rover::{Link, LinkParameters, MAX_COORDINATES, MAX_WHEELS, Mount, Rover, WheelMount};
 use crate::terrain::{TerrainSpec, TerrainSpecError};
 use bekker_modeldescription::{Lookup, ParameterError, Parameters};
@@ -82,6 +90,11 @@ pub enum ModelError {
     /// The terrain cannot be built.
     #[error(transparent)]
     Terrain(#[from] TerrainSpecError),
+    /// Obstacles, and a plant that knows soil only.
+    #[error(
+        "{0} [[obstacle]] given, but the plant is in joint coordinates; expected simulation.plant = \"rigid_bodies\""
+    )]
+    Obstacles(usize),
     /// A number of `[simulation]` is out of range.
     #[error("simulation.{name} = {value}: expected {expected}")]
     Simulation {
@@ -116,7 +129,28 @@ struct File {
     #[serde(skip_serializing_if = "Option::is_none")]
     simulation: Option<Stepping>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    obstacle: Vec<ObstacleSpec>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     effect: Vec<EffectDefinition>,
+}
+
+/// An obstacle with its numbers; those of [`ObstacleParameters`] where missing.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ObstacleSpec {
+    kind: ObstacleKind,
+    x: Option<f64>,
+    height: Option<f64>,
+    width: Option<f64>,
+    friction: Option<f64>,
+}
+
+impl From<&Obstacle> for ObstacleSpec {
+    fn from(obstacle: &Obstacle) -> Self {
+        let ObstacleParameters { x, height, width, friction } = obstacle.parameters;
+        let [x, height, width, friction] = [x, height, width, friction].map(Some);
+        Self { kind: obstacle.kind, x, height, width, friction }
+    }
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -197,6 +231,7 @@ impl Model {
         if let Some(stepping) = file.simulation {
             model.stepping = stepping.checked()?;
         }
+        model.add_obstacles(&file.obstacle)?;
         model.define_effects(file.effect)?;
         model.set_parameters(&file.parameters)?;
         if let Some(soil) = file.control.and_then(|control| control.nominal_soil) {
@@ -226,6 +261,24 @@ impl Model {
         Self::from_toml(&text, path.parent())
     }
 
+    /// Adds obstacles; their numbers go through the vocabulary, so that errors carry full names.
+    fn add_obstacles(&mut self, specs: &[ObstacleSpec]) -> Result<(), ModelError> {
+        if !specs.is_empty() && self.stepping.plant != Plant::RigidBodies {
+            return Err(ModelError::Obstacles(specs.len()));
+        }
+        for spec in specs {
+            self.obstacles.push(Obstacle { kind: spec.kind, parameters: ObstacleParameters::default() });
+            let number = self.obstacles.len();
+            let given = [("x", spec.x), ("height", spec.height), ("width", spec.width), ("friction", spec.friction)];
+            for (name, value) in given {
+                if let Some(value) = value {
+                    self.set(&format!("obstacle[{number}].{name}"), value)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// Sets parameters from a table, nested or with dotted names.
     ///
     /// # Errors
@@ -247,10 +300,10 @@ impl Model {
     pub fn to_toml(&self) -> Result<String, ModelError> {
         let (mut parameters, mut nominal_soil) = (toml::Table::new(), toml::Table::new());
         self.clone().visit("", &mut |variable, value| {
-            // The numbers of terrain and nominal soil stand in their own sections.
+            // The numbers of terrain, obstacles and nominal soil stand in their own sections.
             if let Some(name) = variable.name.strip_prefix(NOMINAL_SOIL) {
                 nominal_soil.insert(name.trim_start_matches('.').to_owned(), toml::Value::Float(*value));
-            } else if !variable.name.starts_with("terrain.") {
+            } else if !variable.name.starts_with("terrain.") && !variable.name.starts_with("obstacle[") {
                 parameters.insert(variable.name, toml::Value::Float(*value));
             }
         });
@@ -265,6 +318,7 @@ impl Model {
             terrain: Some(self.rover.terrain.to_spec()),
             control: Some(ControlSpec::of(&self.control, nominal_soil)),
             simulation: Some(self.stepping),
+            obstacle: self.obstacles.iter().map(ObstacleSpec::from).collect(),
             effect: self.rover.effects.custom.iter().map(|effect| effect.definition().clone()).collect(),
         };
         Ok(toml::to_string(&file)?)

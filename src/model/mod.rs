@@ -4,6 +4,7 @@ mod closed_loop;
 mod effects;
 mod estimating;
 mod file;
+mod plant;
 mod presets;
 mod run;
 mod summary;
@@ -12,11 +13,13 @@ mod variation;
 pub use closed_loop::{Control, ControlKind, RtcTiming, nominal};
 pub use estimating::{ContactAngleSource, SoilSource};
 pub use file::ModelError;
+pub use plant::{AnyPlant, Plant};
 pub use presets::PRESETS;
 pub use run::{Inputs, Run, RunError};
 pub use summary::{Summary, SummaryBuilder};
 pub use variation::{Distribution, Variation, VariationError};
 
+use crate::obstacle::{BodyContact, Obstacle};
 use crate::rover::Rover;
 use crate::sensors::Sensors;
 use bekker_modeldescription::{Parameters, Unit, Variable, join, parameters};
@@ -39,11 +42,13 @@ pub struct Stepping {
     pub duration: f64,
     /// Seed of the sensors' noise.
     pub seed: u32,
+    /// What moves the rover.
+    pub plant: Plant,
 }
 
 impl Default for Stepping {
     fn default() -> Self {
-        Self { step_size: 0.002, duration: 20.0, seed: 0 }
+        Self { step_size: 0.002, duration: 20.0, seed: 0, plant: Plant::default() }
     }
 }
 
@@ -60,8 +65,12 @@ pub struct Model {
     pub sensors: Sensors,
     /// Control.
     pub control: Control,
-    /// Step, duration, seed.
+    /// Step, duration, seed, plant.
     pub stepping: Stepping,
+    /// Rigid obstacles; for the plant of rigid bodies only.
+    pub obstacles: Vec<Obstacle>,
+    /// Friction of chassis and links on the ground; read by the plant of rigid bodies only.
+    pub body_contact: BodyContact,
 }
 
 impl Model {
@@ -75,6 +84,8 @@ impl Model {
             sensors: Sensors::default(),
             control: Control::default(),
             stepping: Stepping::default(),
+            obstacles: Vec::new(),
+            body_contact: BodyContact::default(),
         }
     }
 
@@ -101,7 +112,8 @@ const LIMITS: [&str; 3] =
 const JOINT_FRICTION: &str = "suspension_friction.moment";
 
 /// The whole vocabulary of this model: what something reads. Sensors and control are listed where there is
-/// a controller, the drives' limits where torques are commanded, friction of joints where there are links.
+/// a controller, the drives' limits where torques are commanded, friction of joints where there are links, obstacles
+/// where the plant feels them.
 impl Parameters<f64> for Model {
     fn visit(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut f64)) {
         let limited = self.control.kind != ControlKind::Speed;
@@ -113,6 +125,12 @@ impl Parameters<f64> for Model {
             }
         });
         self.start.visit(prefix, f);
+        if self.stepping.plant == Plant::RigidBodies {
+            self.body_contact.visit(&join(prefix, "rover"), f);
+            for (k, obstacle) in self.obstacles.iter_mut().enumerate() {
+                obstacle.parameters.visit(&join(prefix, &format!("obstacle[{}]", k + 1)), f);
+            }
+        }
         match self.control.kind {
             ControlKind::Torque | ControlKind::Speed => {}
             ControlKind::SpeedLoop | ControlKind::Velocity => {

@@ -1,11 +1,11 @@
 //! A model in motion: simulation, sensors and controller on one clock.
 
 use super::closed_loop::AtWork;
-use super::{ControlKind, Model};
+use super::{AnyPlant, ControlKind, Model};
 use crate::control::{ControlError, Rtc};
 use crate::sensors::SensorSuite;
 use crate::signals::{Command, Measurement, Reference, Signals};
-use crate::simulation::{Simulation, Status, StepError};
+use crate::simulation::{Status, StepError};
 use bekker_modeldescription::{Lookup, ParameterError, Parameters, Unit, Variable, join, parameters};
 
 /// A control period must be a whole number of inner steps, to this relative tolerance (a decimal
@@ -150,6 +150,26 @@ pub enum RunError {
         /// The place of the wheel before it, m.
         before: f64,
     },
+    /// Obstacles, and a plant that knows soil only.
+    #[error(
+        "the model has {obstacles} obstacles, which the plant in joint coordinates cannot feel; \
+         expected simulation.plant = \"rigid_bodies\" or no obstacles"
+    )]
+    ObstaclesWithoutBodies {
+        /// Obstacles of the model.
+        obstacles: usize,
+    },
+    /// Something that needs the plant in joint coordinates.
+    #[error("{purpose} needs the plant in joint coordinates; expected simulation.plant = \"joint_coordinates\"")]
+    NeedsJointCoordinates {
+        /// What needs it.
+        purpose: &'static str,
+    },
+    /// The plant of rigid bodies is not built in.
+    #[error(
+        "simulation.plant = \"rigid_bodies\" is not built in here; expected \"joint_coordinates\" or the feature `rigid`"
+    )]
+    NoRigidBodies,
     /// The wrong number of input values.
     #[error("{got} input values were given, this model has {expected} inputs")]
     InputLength {
@@ -163,7 +183,7 @@ pub enum RunError {
 /// A model in motion. Cloning it is a snapshot: the clone goes on to the same bits.
 #[derive(Clone, Debug)]
 pub struct Run {
-    simulation: Simulation,
+    simulation: AnyPlant,
     sensors: SensorSuite,
     controller: Option<AtWork>,
     /// Inner steps a control period.
@@ -177,7 +197,7 @@ impl Run {
     pub(super) fn new(model: &Model) -> Result<Self, RunError> {
         model.check_start()?;
         let step_size = model.stepping.step_size;
-        let simulation = Simulation::new(model.rover.clone(), model.start.x0, step_size)?;
+        let simulation = AnyPlant::new(model)?;
         let zeros = vec![0.0; model.rover.wheels.len()];
         let command = match model.control.kind {
             ControlKind::Speed => Command::speed(zeros),
@@ -295,9 +315,9 @@ impl Run {
         self.simulation.status()
     }
 
-    /// The simulation.
+    /// The plant, which both kinds of it show in the same way.
     #[must_use]
-    pub fn simulation(&self) -> &Simulation {
+    pub fn simulation(&self) -> &AnyPlant {
         &self.simulation
     }
 }
@@ -305,6 +325,7 @@ impl Run {
 impl Model {
     /// Checks what [`Model::start`] needs: every parameter within its bounds, a vehicle that the control can drive.
     pub(crate) fn check_start(&self) -> Result<(), RunError> {
+        self.check_plant()?;
         self.clone().check()?;
         check_vehicle(self)
     }

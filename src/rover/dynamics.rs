@@ -70,10 +70,19 @@ pub(crate) struct Powers<S> {
     pub other_loss: S,
 }
 
+/// Forces that neither soil nor drives make: rigid contacts, as the plant of rigid bodies finds them.
+#[derive(Clone, Debug)]
+pub(crate) struct Outside<S> {
+    /// Generalised force of all of them.
+    pub force: Vector<S>,
+    /// Moment on each wheel about its axle, driving it forward positive, N m.
+    pub torque: Vec<S>,
+}
+
 /// The right-hand side of the equations of motion at one instant, with everything that led to it.
 #[derive(Clone, Debug)]
 pub(crate) struct Evaluation<S> {
-    frames: Frames<S>,
+    pub frames: Frames<S>,
     /// Mass matrix of chassis and links.
     pub mass: Matrix<S>,
     /// Mass matrix of the system: with the wheels' inertia where their speed is imposed.
@@ -85,6 +94,10 @@ pub(crate) struct Evaluation<S> {
     pub potential: S,
     /// Power that joint friction and forces on the chassis take, W.
     pub other_loss: S,
+    /// Horizontal force on the chassis at its reference point, N.
+    pub resistance: S,
+    /// Forces from outside; none in joint coordinates alone.
+    pub outside: Option<Box<Outside<S>>>,
 }
 
 impl<S: Scalar> Evaluation<S> {
@@ -100,6 +113,8 @@ impl<S: Scalar> Evaluation<S> {
             joint_friction: zeros(),
             potential: S::from(0.0),
             other_loss: S::from(0.0),
+            resistance: S::from(0.0),
+            outside: None,
         }
     }
 
@@ -119,6 +134,9 @@ impl<S: Scalar> Evaluation<S> {
                 // The drive gives what the soil takes; the wheel's inertia moves with its body.
                 Drive::Speed => {
                     *body_torque = forces.torque;
+                    if let Some(outside) = &self.outside {
+                        *body_torque -= outside.torque[k];
+                    }
                     add_outer(&mut self.system, rover.wheel.inertia, &wheel.turn, &wheel.turn, n);
                 }
             }
@@ -126,6 +144,9 @@ impl<S: Scalar> Evaluation<S> {
             add_scaled(&mut force, forces.normal, &wheel.normal, n);
             add_scaled(&mut force, forces.drawbar, &wheel.tangent, n);
             add_scaled(&mut force, reaction, &wheel.turn, n);
+        }
+        if let Some(outside) = &self.outside {
+            add_scaled(&mut force, S::from(1.0), &outside.force, n);
         }
         let factors = Factors::new(&self.system, n).ok_or(DynamicsError::NotFinite)?;
         self.acceleration = factors.solve(&force);
@@ -154,6 +175,7 @@ impl<S: Scalar> Evaluation<S> {
         let travelled = state.position[0] - state.start_x;
         let resistance = rover.effects.body_force(&BodyMotion { travelled, velocity: state.rate[0] })?;
         force[0] += resistance;
+        self.resistance = resistance;
         self.other_loss -= resistance * state.rate[0];
         debug_assert!(n <= super::MAX_COORDINATES);
         Ok(())
@@ -262,7 +284,9 @@ impl<S: Scalar> Evaluation<S> {
 
     /// Angular acceleration of a wheel whose drive torque is commanded.
     pub fn spin_rate(&self, rover: &Rover<S>, k: usize) -> S {
-        (self.wheels[k].rim_torque - self.wheels[k].touch.forces.torque) / rover.wheel.inertia
+        let torque = self.wheels[k].rim_torque - self.wheels[k].touch.forces.torque;
+        let torque = self.outside.as_ref().map_or(torque, |outside| torque + outside.torque[k]);
+        torque / rover.wheel.inertia
     }
 
     /// Powers of the drives and of the soil.

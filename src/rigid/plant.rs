@@ -1,0 +1,415 @@
+//! The plant of rigid bodies in motion.
+
+use super::contacts::{Before, RigidLoad};
+use super::loads::Loads;
+use super::world::World;
+use crate::integrator::Integrator;
+use crate::motor;
+use crate::obstacle::Obstacle;
+use crate::recording::Recorder;
+use crate::rover::dynamics::{DynamicsError, Outside, Powers};
+use crate::rover::kinematics::turn_jacobian;
+use crate::rover::linear::{add_scaled, zeros};
+use crate::rover::{Rover, State};
+use crate::signals::{Command, Drive, Signals};
+use crate::simulation::{Energies, Event, Status, StepError, TIPPED, Window, check_command};
+use crate::terrain::TerrainError;
+use std::fmt;
+
+/// A rover of rigid bodies in motion. Cloning it is a snapshot: the clone goes on to the same bits.
+#[derive(Clone)]
+pub struct RigidBodies {
+    rover: Rover,
+    state: State,
+    /// The state before the present step.
+    previous: State,
+    integrator: Integrator,
+    world: World,
+    loads: Loads,
+    /// Rigid contacts of the wheels, then of chassis and links, over the last step.
+    wheel_contacts: Vec<RigidLoad>,
+    body_contacts: Vec<RigidLoad>,
+    wheels_before: Vec<Before>,
+    bodies_before: Vec<Before>,
+    command: Command,
+    step_size: f64,
+    ticks: u64,
+    energies: Energies<f64>,
+    window: Window,
+    status: Status,
+    recorder: Recorder,
+    signals: Signals,
+}
+
+impl fmt::Debug for RigidBodies {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("RigidBodies").field("rover", &self.rover).field("state", &self.state).finish_non_exhaustive()
+    }
+}
+
+impl RigidBodies {
+    /// A rover at rest above `x0` (m), settled on its soil, among `obstacles`, stepped by `step_size` (s). Chassis and
+    /// links slide on the ground with `belly_friction`.
+    ///
+    /// # Errors
+    /// [`StepError::Settle`] where it finds no rest, [`StepError::StepSize`], [`StepError::ObstacleAtStart`].
+    pub fn new(
+        rover: Rover,
+        x0: f64,
+        step_size: f64,
+        obstacles: &[Obstacle],
+        belly_friction: f64,
+    ) -> Result<Self, StepError> {
+        let state = rover.settled_at(x0)?;
+        Self::from_state(rover, state, step_size, obstacles, belly_friction)
+    }
+
+    /// A rover in a given state.
+    ///
+    /// # Errors
+    /// [`StepError::StepSize`], [`StepError::Dynamics`], [`StepError::ObstacleAtStart`].
+    pub fn from_state(
+        rover: Rover,
+        mut state: State,
+        step_size: f64,
+        obstacles: &[Obstacle],
+        belly_friction: f64,
+    ) -> Result<Self, StepError> {
+        if !(step_size > 0.0 && step_size <= 0.02) {
+            return Err(StepError::StepSize(step_size));
+        }
+        let wheels = rover.wheels.len();
+        let command = Command::torque(vec![0.0; wheels]);
+        let mut integrator = Integrator::new(&rover, &state);
+        let outside = Box::new(Outside { force: zeros(), torque: vec![0.0; wheels] });
+        integrator.now.outside = Some(outside.clone());
+        integrator.ahead.outside = Some(outside);
+        integrator
+            .evaluate(&rover, &mut state, &command)
+            .map_err(|source| StepError::Dynamics { time: 0.0, source })?;
+        let world = World::new(&rover, &state, obstacles, belly_friction, step_size);
+        if let Some(k) = world.obstacle_touched() {
+            let x = obstacles.get(k).map_or(f64::NAN, |obstacle| obstacle.parameters.x);
+            return Err(StepError::ObstacleAtStart { obstacle: k + 1, x });
+        }
+        let bodies = 1 + rover.links.len();
+        let signals = Signals::of(wheels, rover.links.len());
+        let mut plant = Self {
+            previous: state.clone(),
+            integrator,
+            world,
+            loads: Loads::new(&rover),
+            wheel_contacts: vec![RigidLoad::default(); wheels],
+            body_contacts: vec![RigidLoad::default(); bodies],
+            wheels_before: vec![Before::default(); wheels],
+            bodies_before: vec![Before::default(); bodies],
+            command,
+            step_size,
+            ticks: 0,
+            energies: Energies::zero(),
+            window: Window::at(state.position[0]),
+            status: Status::Running,
+            recorder: Recorder::new(&rover.effects.sensor_lag, &signals, step_size),
+            signals,
+            rover,
+            state,
+        };
+        plant.observe(Recorder::step);
+        plant.refresh();
+        Ok(plant)
+    }
+
+    /// Applies `command` and makes `steps` inner steps with it.
+    ///
+    /// # Errors
+    /// [`StepError`].
+    pub fn advance(&mut self, command: &Command, steps: u64) -> Result<Status, StepError> {
+        check_command(command, self.rover.wheels.len())?;
+        if self.command != *command && self.status == Status::Running {
+            self.change_command(command).map_err(|source| StepError::Dynamics { time: self.time(), source })?;
+        }
+        for _ in 0..steps {
+            if self.status != Status::Running {
+                break;
+            }
+            self.step()?;
+        }
+        self.refresh();
+        Ok(self.status)
+    }
+
+    /// Takes a new command over; where it imposes other speeds, the impulse counts as work of the drives.
+    fn change_command(&mut self, command: &Command) -> Result<(), DynamicsError> {
+        let before = self.integrator.now.mechanical_energy(&self.rover, &self.state);
+        self.integrator.impose(&self.rover, &mut self.state, command)?;
+        self.command.drive = command.drive;
+        self.command.values.copy_from_slice(&command.values);
+        self.integrator.evaluate(&self.rover, &mut self.state, &self.command)?;
+        match command.drive {
+            Drive::Torque => self.world.impose(None),
+            Drive::Speed => {
+                self.world.set_motion(&self.rover, &self.state);
+                self.world.impose(Some(&self.command.values));
+            }
+        }
+        let after = self.integrator.now.mechanical_energy(&self.rover, &self.state);
+        self.energies.drive += after - before;
+        self.observe(Recorder::jump);
+        Ok(())
+    }
+
+    fn step(&mut self) -> Result<(), StepError> {
+        let h = self.step_size;
+        let before = self.integrator.now.powers();
+        self.previous.copy_from(&self.state);
+        let moved = self.move_bodies(h).and_then(|()| self.evaluate()).and_then(|()| self.find_drives(h));
+        match moved {
+            Ok(()) => {}
+            Err(DynamicsError::Terrain { source: TerrainError::Left { .. }, .. }) => {
+                self.state.copy_from(&self.previous);
+                self.status = Status::Ended(Event::LeftTerrain);
+                return Ok(());
+            }
+            Err(source) => return Err(StepError::Dynamics { time: self.time(), source }),
+        }
+        self.ticks += 1;
+        self.integrator.warm(&self.rover, &mut self.state, h);
+        self.add_energies(&before, h);
+        self.observe(Recorder::step);
+        self.check_events();
+        Ok(())
+    }
+
+    /// Lets the bodies move for a step under the mean forces of soil and drives.
+    fn move_bodies(&mut self, h: f64) -> Result<(), DynamicsError> {
+        self.integrator.stages(&self.rover, &self.state, &self.command, h)?;
+        self.loads.set(&self.rover, &self.integrator, self.command.drive, h);
+        let (first, second) = (&self.integrator.first.wheels, &self.integrator.second.wheels);
+        for (k, wheel) in self.state.wheels.iter_mut().enumerate() {
+            wheel.hold.travel += (1.5 * first[k][1] + 0.5 * second[k][1]) * h;
+            wheel.hold.turn += (1.5 * first[k][2] + 0.5 * second[k][2]) * h;
+            wheel.hold = wheel.hold.bounded();
+        }
+        for (before, handle) in self.wheels_before.iter_mut().zip(&self.world.wheels) {
+            *before = self.world.motion_of(*handle);
+        }
+        for (before, handle) in self.bodies_before.iter_mut().zip(&self.world.carriers) {
+            *before = self.world.motion_of(*handle);
+        }
+        self.world.step(&self.rover, &self.loads.wheels, &self.loads.links, self.loads.resistance);
+        self.world.read(&self.rover, &mut self.state);
+        self.read_contacts(h);
+        Ok(())
+    }
+
+    /// Adds the energies of the step. Work is that of the forces that the bodies felt, over their mean velocities: what
+    /// changes the kinetic energy. Losses of the motors follow the trapezoidal rule.
+    fn add_energies(&mut self, before: &Powers<f64>, h: f64) {
+        let after = self.integrator.now.powers();
+        self.energies.dissipated += 0.5 * h * (before.dissipated + after.dissipated);
+        self.energies.electrical += 0.5 * h * (before.electrical + after.electrical);
+        for (k, load) in self.loads.wheels.iter().enumerate() {
+            let (from, to) = (&self.wheels_before[k], self.world.motion_of(self.world.wheels[k]));
+            let carrier = self.rover.wheels[k].body;
+            let carrier_rate =
+                self.bodies_before[carrier].rate + self.world.motion_of(self.world.carriers[carrier]).rate;
+            // Forward turning is clockwise.
+            let spin = -0.5 * (from.rate + to.rate);
+            let velocity = (from.velocity + to.velocity) * 0.5;
+            self.energies.drive += load.rim_torque * (spin + 0.5 * carrier_rate) * h;
+            let carried = load.force[0] * velocity.x + load.force[1] * velocity.y;
+            self.energies.soil_loss += (load.soil_torque * spin - carried) * h;
+        }
+        let mean = |i: usize| 0.5 * (self.previous.rate[i] + self.state.rate[i]);
+        let joints: f64 = self.loads.links.iter().enumerate().map(|(j, moment)| moment * mean(3 + j)).sum();
+        let rigid: f64 = self.wheel_contacts.iter().chain(&self.body_contacts).map(|contact| contact.work).sum();
+        self.energies.other_loss -= (joints + self.loads.resistance * mean(0)) * h + rigid;
+    }
+
+    /// Where speeds are imposed, the drives gave what the wheels' momenta needed beside soil and rigid contacts.
+    fn find_drives(&mut self, h: f64) -> Result<(), DynamicsError> {
+        if self.command.drive != Drive::Speed {
+            return Ok(());
+        }
+        for (k, load) in self.loads.wheels.iter_mut().enumerate() {
+            let contact = &self.wheel_contacts[k];
+            if contact.normal == [0.0, 0.0] {
+                continue;
+            }
+            let turned = self.wheels_before[k].rate - self.world.motion_of(self.world.wheels[k]).rate;
+            load.rim_torque = self.rover.wheel.inertia * turned / h + load.soil_torque + contact.moment;
+            let wheel = &mut self.integrator.now.wheels[k];
+            wheel.rim_torque = load.rim_torque;
+            wheel.motor_torque = motor::torque_behind(&self.rover.effects, wheel.speed, load.rim_torque)?;
+            wheel.current = motor::current(&wheel.motor, wheel.motor_torque);
+        }
+        Ok(())
+    }
+
+    fn read_contacts(&mut self, h: f64) {
+        let world = &self.world;
+        for (k, load) in self.wheel_contacts.iter_mut().enumerate() {
+            *load = RigidLoad::default();
+            world.add_contacts(world.wheel_colliders[k], world.wheels[k], &self.wheels_before[k], h, load);
+        }
+        self.body_contacts.iter_mut().for_each(|load| *load = RigidLoad::default());
+        for &(collider, body) in &world.body_colliders {
+            let load = &mut self.body_contacts[body];
+            world.add_contacts(collider, world.carriers[body], &self.bodies_before[body], h, load);
+        }
+    }
+
+    /// Evaluates soil and drives at the new state, with the rigid contacts as they were on the mean of the step.
+    fn evaluate(&mut self) -> Result<(), DynamicsError> {
+        self.set_outside();
+        self.integrator.ahead.update(&self.rover, &self.state, &self.command)?;
+        std::mem::swap(&mut self.integrator.now, &mut self.integrator.ahead);
+        for (wheel, evaluation) in self.state.wheels.iter_mut().zip(&self.integrator.now.wheels) {
+            wheel.spin = evaluation.spin;
+            if evaluation.sinkage > 0.0 {
+                wheel.track.extend(evaluation.foot_x);
+            }
+        }
+        Ok(())
+    }
+
+    /// The rigid contacts as generalised forces, for the next step's stages.
+    fn set_outside(&mut self) {
+        let n = self.rover.coordinates();
+        let mut force = zeros();
+        let frames = &mut self.integrator.ahead.frames;
+        frames.update(&self.rover, &self.state.position, &self.state.rate);
+        for (load, wheel) in self.wheel_contacts.iter().zip(&self.rover.wheels) {
+            let centre = frames.point(&self.rover, wheel.body, [wheel.mount.x, wheel.mount.z]);
+            add_scaled(&mut force, 1.0, &centre.along(load.force), n);
+        }
+        for (body, load) in self.body_contacts.iter().enumerate() {
+            let centre = frames.point(&self.rover, body, self.world.centre(body));
+            add_scaled(&mut force, 1.0, &centre.along(load.force), n);
+            add_scaled(&mut force, load.moment, &turn_jacobian(&self.rover, body), n);
+        }
+        for evaluation in [&mut self.integrator.now, &mut self.integrator.ahead] {
+            if let Some(outside) = &mut evaluation.outside {
+                outside.force = force;
+                // A wheel that turns forward turns clockwise.
+                let torques = outside.torque.iter_mut().zip(&self.wheel_contacts);
+                torques.for_each(|(torque, load)| *torque = -load.moment);
+            }
+        }
+    }
+
+    fn check_events(&mut self) {
+        let radius = self.rover.true_wheel().radius;
+        let wheels = &self.integrator.now.wheels;
+        if self.state.position[2].abs() > TIPPED {
+            self.status = Status::Ended(Event::TippedOver);
+        } else if wheels.iter().any(|wheel| wheel.sinkage >= radius) {
+            self.status = Status::Ended(Event::SunkToAxle);
+        }
+        let speeds = wheels.iter().map(|wheel| wheel.speed);
+        if self.window.stuck(self.state.position[0], speeds, radius, self.step_size) && self.status == Status::Running {
+            self.status = Status::Ended(Event::Stuck);
+        }
+    }
+
+    /// Lets a recorder that lags take in the present signals.
+    fn observe(&mut self, take: fn(&mut Recorder, &mut Signals)) {
+        if self.recorder.lags() {
+            self.sense();
+            take(&mut self.recorder, &mut self.signals);
+        }
+    }
+
+    /// Writes the signals as they are recorded at the present time.
+    fn refresh(&mut self) {
+        self.sense();
+        self.recorder.record(&mut self.signals);
+    }
+
+    /// Writes the signals from the present state, as sensors without memory see it.
+    fn sense(&mut self) {
+        self.integrator.now.write_signals(&self.rover, &self.state, &self.energies, &mut self.signals);
+        for ((signals, wheel), rigid) in
+            self.signals.wheels.iter_mut().zip(&self.integrator.now.wheels).zip(&self.wheel_contacts)
+        {
+            // Without a rigid contact the soil's own numbers stay, to the last bit.
+            if rigid.normal != [0.0, 0.0] {
+                let soil = wheel.touch.forces;
+                let total = |i: usize| soil.normal * wheel.normal[i] + soil.drawbar * wheel.tangent[i] + rigid.force[i];
+                let along = |i: usize| soil.normal * wheel.normal[i] + rigid.normal[i];
+                let length = along(0).hypot(along(1));
+                let (x, z) = (along(0) / length, along(1) / length);
+                signals.contact_angle = (-x).atan2(z);
+                signals.normal_force = total(0) * x + total(1) * z;
+                signals.drawbar_pull = total(0) * z - total(1) * x;
+            }
+        }
+        self.rover.effects.record(self.state.start_x, &mut self.signals.body, &mut self.signals.wheels);
+    }
+
+    /// Whether a wheel, a link or the chassis touched anything rigid in the last step.
+    #[must_use]
+    pub fn touches(&self) -> bool {
+        self.wheel_contacts.iter().chain(&self.body_contacts).any(|contact| contact.normal != [0.0, 0.0])
+    }
+
+    /// Mean force of obstacles and ground on chassis (0) or link k over the last step, [x, z], N.
+    #[must_use]
+    pub fn body_contact_force(&self, body: usize) -> [f64; 2] {
+        self.body_contacts.get(body).map_or([0.0; 2], |contact| contact.force)
+    }
+
+    /// Mean force of obstacles on wheel k (0 at the rear) over the last step, [x, z], N.
+    #[must_use]
+    pub fn wheel_contact_force(&self, wheel: usize) -> [f64; 2] {
+        self.wheel_contacts.get(wheel).map_or([0.0; 2], |contact| contact.force)
+    }
+
+    /// Time since the start, s.
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.ticks as f64 * self.step_size
+    }
+
+    /// Inner steps since the start.
+    #[must_use]
+    pub fn ticks(&self) -> u64 {
+        self.ticks
+    }
+
+    /// Inner step, s.
+    #[must_use]
+    pub fn step_size(&self) -> f64 {
+        self.step_size
+    }
+
+    /// Signals at the present time: the true ones, but for the errors of sensors among the rover's effects.
+    #[must_use]
+    pub fn signals(&self) -> &Signals {
+        &self.signals
+    }
+
+    /// Whether the run goes on.
+    #[must_use]
+    pub fn status(&self) -> Status {
+        self.status
+    }
+
+    /// The rover.
+    #[must_use]
+    pub fn rover(&self) -> &Rover {
+        &self.rover
+    }
+
+    /// The moving data in joint coordinates.
+    #[must_use]
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Whether the last command was torques or speeds.
+    #[must_use]
+    pub fn drive(&self) -> Drive {
+        self.command.drive
+    }
+}
