@@ -10,6 +10,7 @@ use bekker::soil::Soil;
 use bekker::terrain::{Profile, Terrain, Waves};
 
 type Pairs = Vec<[Option<usize>; 2]>;
+type Spoil = fn(&mut Measurement);
 
 fn estimator(rover: &Rover) -> ContactAngles {
     ContactAngles::new(&nominal(rover), ContactAngleEstimation::default()).expect("every wheel has a pair")
@@ -71,7 +72,7 @@ fn property_bad_readings_are_refused_and_change_nothing() {
     let mut estimator = estimator(&Rover::rocker_bogie());
     (0..5).for_each(|k| estimator.update(&measurement(f64::from(k) * 0.01)).expect("finite readings"));
     let before = (estimator.angles().to_vec(), estimator.deviations().to_vec());
-    let spoil: [(&str, fn(&mut Measurement)); 7] = [
+    let spoil: [(&str, Spoil); 7] = [
         ("pitch is NaN", |m| m.pitch = f64::NAN),
         ("pitch rate is inf", |m| m.pitch_rate = f64::INFINITY),
         ("speed of wheel 2", |m| m.wheels[1].speed = f64::NAN),

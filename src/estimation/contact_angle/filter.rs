@@ -13,12 +13,13 @@
 //! solution are, without the singularity where that solution has none: at rest and in translation the rows of the
 //! angles vanish or coincide, and the filter keeps what it knew.
 
+use super::equation::Equation;
 use nalgebra::{Matrix2, SMatrix, SVector};
 
-const ALPHA: usize = 0;
+pub(super) const ALPHA: usize = 0;
 const RATE: usize = 1;
-const SPEED: [usize; 2] = [2, 3];
-const GAMMA: [usize; 2] = [4, 5];
+pub(super) const SPEED: [usize; 2] = [2, 3];
+pub(super) const GAMMA: [usize; 2] = [4, 5];
 
 /// Error of the kinematic equations that is always left, m/s: far under any speed, so that no variance vanishes.
 const LEAST_ERROR: f64 = 1e-6;
@@ -301,30 +302,4 @@ impl PairModel {
 
 fn mean_speed([rear, front]: [f64; 2]) -> f64 {
     0.5 * (rear.abs() + front.abs())
-}
-
-/// The points' part of a kinematic equation: its value, derivative, and second derivatives in (v, gamma - alpha).
-struct Equation {
-    value: f64,
-    row: State,
-    bends: [Matrix2<f64>; 2],
-}
-
-impl Equation {
-    /// Of (2.30) where `turning`, of (2.29) otherwise.
-    fn of(x: &State, turning: bool) -> Self {
-        let mut equation = Self { value: 0.0, row: State::zeros(), bends: [Matrix2::zeros(); 2] };
-        for k in [0, 1] {
-            let (speed, (sin, cos)) = (x[SPEED[k]], (x[GAMMA[k]] - x[ALPHA]).sin_cos());
-            // v sin or v cos: without the v, its derivative in the angle, and the sign with which it counts.
-            let (part, turned) = if turning { (sin, cos) } else { (cos, -sin) };
-            let sign = if turning == (k == 1) { 1.0 } else { -1.0 };
-            equation.value += sign * speed * part;
-            equation.row[SPEED[k]] = sign * part;
-            equation.row[GAMMA[k]] = sign * speed * turned;
-            equation.row[ALPHA] -= sign * speed * turned;
-            equation.bends[k] = Matrix2::new(0.0, sign * turned, sign * turned, -sign * speed * part);
-        }
-        equation
-    }
 }

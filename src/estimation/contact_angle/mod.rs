@@ -13,6 +13,7 @@
 //! too small by 1 - i, and with it, to first order, the angles between the directions of travel and the line.
 
 mod direct;
+mod equation;
 mod filter;
 mod pairs;
 mod parameters;
