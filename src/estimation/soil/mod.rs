@@ -25,7 +25,7 @@
 //!
 //! | readings | best settled | | worst settled |
 //! |---|---|---|---|
-//! | one load, one slip | 0.4 % | 100 % | 100 % |
+//! | one load, one slip | 0.5 % | 100 % | 100 % |
 //! | one load, three slips | 0.4 % | 2.5 % | 99.9 % |
 //! | three loads, one slip | 0.3 % | 2.8 % | 21 % |
 //! | three loads at three slips | 0.3 % | 1.7 % | 2.8 % |
