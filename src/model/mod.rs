@@ -3,6 +3,7 @@
 mod closed_loop;
 mod effects;
 mod file;
+mod obstacles;
 mod plant;
 mod presets;
 mod run;
