@@ -180,10 +180,10 @@ impl World {
         if let Some(chassis) = self.bodies.get_mut(self.carriers[0]) {
             let at = chassis.position().transform_point(self.masses[0].local([0.0; 2]));
             chassis.add_force_at_point(Vector::new(resistance, 0.0), at, true);
-            if let Some(shape) = self.ground.moved_to(&rover.terrain, at.x) {
-                if let Some(collider) = self.colliders.get_mut(self.ground_collider) {
-                    collider.set_shape(shape);
-                }
+            if let Some(shape) = self.ground.moved_to(&rover.terrain, at.x)
+                && let Some(collider) = self.colliders.get_mut(self.ground_collider)
+            {
+                collider.set_shape(shape);
             }
         }
         self.pipeline.step(
