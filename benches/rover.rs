@@ -5,6 +5,10 @@
 use bekker::contact::{Hold, Motion, Surface, touch};
 use bekker::model::Model;
 use bekker::modeldescription::Lookup;
+#[cfg(feature = "rigid")]
+use bekker::obstacle::Obstacle;
+#[cfg(feature = "rigid")]
+use bekker::rigid::RigidBodies;
 use bekker::rover::Rover;
 use bekker::signals::Command;
 use bekker::simulation::Simulation;
@@ -78,6 +82,59 @@ fn rocker_bogie_side(bencher: Bencher) {
 #[divan::bench]
 fn six_wheels(bencher: Bencher) {
     step(bencher, Rover::rigid(&[-0.5, -0.3, -0.1, 0.1, 0.3, 0.5]), 0.6);
+}
+
+/// The same rovers as rigid bodies: on soil alone, as above, and with a wheel on a rock.
+#[cfg(feature = "rigid")]
+mod rigid_bodies {
+    use super::*;
+
+    fn step(bencher: Bencher, mut rover: Rover, torque: f64) {
+        rover.terrain = Terrain::new(Profile::Waves(Waves { amplitude: 0.02, wavelength: 2.0, start: 0.3 }));
+        let command = Command::torque(vec![torque; rover.wheels.len()]);
+        let start = RigidBodies::new(rover, 0.0, 0.002, &[], 0.5).expect("settles");
+        steps(bencher, &start, &command);
+    }
+
+    fn steps(bencher: Bencher, start: &RigidBodies, command: &Command) {
+        bencher.counter(ItemsCount::new(STEPS)).with_inputs(|| start.clone()).bench_local_values(|mut plant| {
+            plant.advance(command, STEPS).expect("steps");
+            plant
+        });
+    }
+
+    #[divan::bench]
+    fn two_wheels(bencher: Bencher) {
+        step(bencher, Rover::two_wheeled(), 1.5);
+    }
+
+    #[divan::bench]
+    fn rocker_bogie_side(bencher: Bencher) {
+        step(bencher, Rover::rocker_bogie(), 0.3);
+    }
+
+    #[divan::bench]
+    fn six_wheels(bencher: Bencher) {
+        step(bencher, Rover::rigid(&[-0.5, -0.3, -0.1, 0.1, 0.3, 0.5]), 0.6);
+    }
+
+    #[divan::bench]
+    fn rocker_bogie_on_a_rock(bencher: Bencher) {
+        let command = Command::speed(vec![1.5; 3]);
+        let rock = [Obstacle::rock(0.5, 0.06, 0.16)];
+        let mut start = RigidBodies::new(Rover::rocker_bogie(), 0.0, 0.002, &rock, 0.5).expect("settles");
+        start.advance(&command, 1300).expect("steps");
+        assert!(start.touches(), "on the rock");
+        steps(bencher, &start, &command);
+    }
+
+    /// A snapshot of a rover on the rock.
+    #[divan::bench]
+    fn snapshot(bencher: Bencher) {
+        let rock = [Obstacle::rock(0.5, 0.06, 0.16)];
+        let start = RigidBodies::new(Rover::rocker_bogie(), 0.0, 0.002, &rock, 0.5).expect("settles");
+        bencher.bench(|| black_box(&start).clone());
+    }
 }
 
 /// The peer: the contact evaluations of 100 steps of the two-wheeled rover and nothing else.

@@ -63,7 +63,7 @@ fn property_without_obstacles_only_the_order_of_the_step_differs() {
     let joints = way(&model);
     model.stepping.plant = Plant::RigidBodies;
     let bodies = way(&model);
-    // The velocity loop holds the speed, so that less is left than without it: 1e-4 of the way seen.
+    // As without a loop, see `rigid_agreement.rs`.
     assert!((joints - bodies).abs() < 1e-3 * joints, "{bodies} m, expected {joints} m");
     assert_ne!(joints, bodies, "they are two plants");
 }

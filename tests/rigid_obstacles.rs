@@ -12,7 +12,8 @@ use bekker::terrain::{Profile, Terrain, Waves};
 
 /// Friction of the belly on the ground.
 const BELLY: f64 = 0.5;
-/// Forces of soil and rigid contacts balance at rest to this share of the weight; 2e-4 seen.
+/// Forces of soil and rigid contacts balance at rest to this share of the weight: the soil's are those of an instant,
+/// the contacts' those of the last step.
 const FORCE_BALANCE: f64 = 1e-3;
 /// Energies balance over a rock to this share of the drives' work: impacts last less than a step.
 const ENERGY_BALANCE: f64 = 0.02;

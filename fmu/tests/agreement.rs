@@ -4,6 +4,8 @@
 mod host;
 
 use bekker::model::Model;
+#[cfg(feature = "rigid")]
+use bekker::{model::Plant, obstacle::Obstacle};
 use bekker_fmu::fmi3::*;
 use bekker_modeldescription::{Lookup, Parameters};
 use host::{Fmu, INNER, get, messages, model, set, step};
@@ -60,6 +62,36 @@ fn agreement_of_the_fmu_with_the_core() {
         assert!(run.signals().body.velocity.abs() > 1e-3, "{preset}: the rover has moved");
         fmi3FreeInstance(instance);
     }
+}
+
+#[cfg(feature = "rigid")]
+#[test]
+fn agreement_of_rigid_bodies_on_a_rock() {
+    let mut model = model("rocker_bogie_speed");
+    model.stepping.plant = Plant::RigidBodies;
+    model.obstacles.push(Obstacle::rock(0.35, 0.06, 0.16));
+    let fmu = Fmu::new(&model);
+    let (inputs, signals) = references(&fmu, &model);
+    let instance = fmu.instantiate();
+    model.set("obstacle[1].height", 0.05).unwrap();
+    assert_eq!(set(instance, &[fmu.reference("obstacle[1].height")], &[0.05]), Status::Ok, "{:?}", messages());
+    assert_eq!(fmi3EnterInitializationMode(instance, 0, 0.0, 0.0, 0, 0.0), Status::Ok);
+    assert_eq!(fmi3ExitInitializationMode(instance), Status::Ok, "{:?}", messages());
+    assert_eq!(set(instance, &inputs, &[1.5; 3]), Status::Ok, "{:?}", messages());
+    let mut run = model.start().unwrap();
+    run.inputs_mut().set_all(&[1.5; 3]).unwrap();
+    let mut steepest: f64 = 0.0;
+    for k in 0..300 {
+        let stepped = step(instance, f64::from(k) * 10.0 * INNER, 10.0 * INNER);
+        assert_eq!((stepped.status, stepped.terminate), (Status::Ok, false), "{:?}", messages());
+        run.advance(10).unwrap();
+        let mut expected = Vec::new();
+        run.signals().values(&mut |value| expected.push(value));
+        assert_eq!(bits(&get(instance, &signals).unwrap()), bits(&expected), "step {k}");
+        steepest = run.signals().wheels.iter().fold(steepest, |most, wheel| most.max(wheel.contact_angle));
+    }
+    assert!(steepest > 0.5, "a wheel has climbed the rock: {steepest} rad");
+    fmi3FreeInstance(instance);
 }
 
 #[test]

@@ -37,10 +37,10 @@
 //! parameters = { k = { neutral = 0.0, min = 0.0, max = 10.0, unit = "N/m" } }
 //! ```
 
-use super::{ContactAngleSource, Control, ControlKind, Model, PRESETS, Plant, SoilSource, Stepping};
+use super::obstacles::ObstacleSpec;
+use super::{ContactAngleSource, Control, ControlKind, Model, PRESETS, SoilSource, Stepping};
 use crate::control::{Solver, Strength};
 use crate::effects::{DefinitionError, EffectDefinition};
-use crate::obstacle::{Obstacle, ObstacleKind, ObstacleParameters};
 use crate::rover::{Link, LinkParameters, MAX_COORDINATES, MAX_WHEELS, Mount, Rover, WheelMount};
 use crate::terrain::{TerrainSpec, TerrainSpecError};
 use bekker_modeldescription::{Lookup, ParameterError, Parameters};
@@ -132,25 +132,6 @@ struct File {
     obstacle: Vec<ObstacleSpec>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     effect: Vec<EffectDefinition>,
-}
-
-/// An obstacle with its numbers; those of [`ObstacleParameters`] where missing.
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ObstacleSpec {
-    kind: ObstacleKind,
-    x: Option<f64>,
-    height: Option<f64>,
-    width: Option<f64>,
-    friction: Option<f64>,
-}
-
-impl From<&Obstacle> for ObstacleSpec {
-    fn from(obstacle: &Obstacle) -> Self {
-        let ObstacleParameters { x, height, width, friction } = obstacle.parameters;
-        let [x, height, width, friction] = [x, height, width, friction].map(Some);
-        Self { kind: obstacle.kind, x, height, width, friction }
-    }
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -259,24 +240,6 @@ impl Model {
         let text = std::fs::read_to_string(path)
             .map_err(|source| ModelError::Unreadable { file: path.display().to_string(), source })?;
         Self::from_toml(&text, path.parent())
-    }
-
-    /// Adds obstacles; their numbers go through the vocabulary, so that errors carry full names.
-    fn add_obstacles(&mut self, specs: &[ObstacleSpec]) -> Result<(), ModelError> {
-        if !specs.is_empty() && self.stepping.plant != Plant::RigidBodies {
-            return Err(ModelError::Obstacles(specs.len()));
-        }
-        for spec in specs {
-            self.obstacles.push(Obstacle { kind: spec.kind, parameters: ObstacleParameters::default() });
-            let number = self.obstacles.len();
-            let given = [("x", spec.x), ("height", spec.height), ("width", spec.width), ("friction", spec.friction)];
-            for (name, value) in given {
-                if let Some(value) = value {
-                    self.set(&format!("obstacle[{number}].{name}"), value)?;
-                }
-            }
-        }
-        Ok(())
     }
 
     /// Sets parameters from a table, nested or with dotted names.

@@ -4,6 +4,7 @@ mod closed_loop;
 mod effects;
 mod estimating;
 mod file;
+mod obstacles;
 mod plant;
 mod presets;
 mod run;

@@ -4,10 +4,9 @@ use super::contacts::{Before, RigidLoad};
 use super::loads::Loads;
 use super::world::World;
 use crate::integrator::Integrator;
-use crate::motor;
 use crate::obstacle::Obstacle;
 use crate::recording::Recorder;
-use crate::rover::dynamics::{DynamicsError, Outside, Powers};
+use crate::rover::dynamics::{DynamicsError, Outside};
 use crate::rover::kinematics::turn_jacobian;
 use crate::rover::linear::{add_scaled, zeros};
 use crate::rover::{Rover, State};
@@ -19,26 +18,26 @@ use std::fmt;
 /// A rover of rigid bodies in motion. Cloning it is a snapshot: the clone goes on to the same bits.
 #[derive(Clone)]
 pub struct RigidBodies {
-    rover: Rover,
-    state: State,
+    pub(super) rover: Rover,
+    pub(super) state: State,
     /// The state before the present step.
-    previous: State,
-    integrator: Integrator,
-    world: World,
-    loads: Loads,
+    pub(super) previous: State,
+    pub(super) integrator: Integrator,
+    pub(super) world: World,
+    pub(super) loads: Loads,
     /// Rigid contacts of the wheels, then of chassis and links, over the last step.
-    wheel_contacts: Vec<RigidLoad>,
-    body_contacts: Vec<RigidLoad>,
-    wheels_before: Vec<Before>,
-    bodies_before: Vec<Before>,
-    command: Command,
+    pub(super) wheel_contacts: Vec<RigidLoad>,
+    pub(super) body_contacts: Vec<RigidLoad>,
+    pub(super) wheels_before: Vec<Before>,
+    pub(super) bodies_before: Vec<Before>,
+    pub(super) command: Command,
     step_size: f64,
     ticks: u64,
-    energies: Energies<f64>,
+    pub(super) energies: Energies<f64>,
     window: Window,
     status: Status,
     recorder: Recorder,
-    signals: Signals,
+    pub(super) signals: Signals,
 }
 
 impl fmt::Debug for RigidBodies {
@@ -122,7 +121,7 @@ impl RigidBodies {
     /// Applies `command` and makes `steps` inner steps with it.
     ///
     /// # Errors
-    /// [`StepError`].
+    /// [`StepError`]; one of the dynamics leaves bodies that cannot go on.
     pub fn advance(&mut self, command: &Command, steps: u64) -> Result<Status, StepError> {
         check_command(command, self.rover.wheels.len())?;
         if self.command != *command && self.status == Status::Running {
@@ -196,53 +195,9 @@ impl RigidBodies {
         for (before, handle) in self.bodies_before.iter_mut().zip(&self.world.carriers) {
             *before = self.world.motion_of(*handle);
         }
-        self.world.step(&self.rover, &self.loads.wheels, &self.loads.links, self.loads.resistance);
+        self.world.step(&self.rover, &self.loads.wheels, &self.loads.links, self.loads.resistance)?;
         self.world.read(&self.rover, &mut self.state);
         self.read_contacts(h);
-        Ok(())
-    }
-
-    /// Adds the energies of the step. Work is that of the forces that the bodies felt, over their mean velocities: what
-    /// changes the kinetic energy. Losses of the motors follow the trapezoidal rule.
-    fn add_energies(&mut self, before: &Powers<f64>, h: f64) {
-        let after = self.integrator.now.powers();
-        self.energies.dissipated += 0.5 * h * (before.dissipated + after.dissipated);
-        self.energies.electrical += 0.5 * h * (before.electrical + after.electrical);
-        for (k, load) in self.loads.wheels.iter().enumerate() {
-            let (from, to) = (&self.wheels_before[k], self.world.motion_of(self.world.wheels[k]));
-            let carrier = self.rover.wheels[k].body;
-            let carrier_rate =
-                self.bodies_before[carrier].rate + self.world.motion_of(self.world.carriers[carrier]).rate;
-            // Forward turning is clockwise.
-            let spin = -0.5 * (from.rate + to.rate);
-            let velocity = (from.velocity + to.velocity) * 0.5;
-            self.energies.drive += load.rim_torque * (spin + 0.5 * carrier_rate) * h;
-            let carried = load.force[0] * velocity.x + load.force[1] * velocity.y;
-            self.energies.soil_loss += (load.soil_torque * spin - carried) * h;
-        }
-        let mean = |i: usize| 0.5 * (self.previous.rate[i] + self.state.rate[i]);
-        let joints: f64 = self.loads.links.iter().enumerate().map(|(j, moment)| moment * mean(3 + j)).sum();
-        let rigid: f64 = self.wheel_contacts.iter().chain(&self.body_contacts).map(|contact| contact.work).sum();
-        self.energies.other_loss -= (joints + self.loads.resistance * mean(0)) * h + rigid;
-    }
-
-    /// Where speeds are imposed, the drives gave what the wheels' momenta needed beside soil and rigid contacts.
-    fn find_drives(&mut self, h: f64) -> Result<(), DynamicsError> {
-        if self.command.drive != Drive::Speed {
-            return Ok(());
-        }
-        for (k, load) in self.loads.wheels.iter_mut().enumerate() {
-            let contact = &self.wheel_contacts[k];
-            if contact.normal == [0.0, 0.0] {
-                continue;
-            }
-            let turned = self.wheels_before[k].rate - self.world.motion_of(self.world.wheels[k]).rate;
-            load.rim_torque = self.rover.wheel.inertia * turned / h + load.soil_torque + contact.moment;
-            let wheel = &mut self.integrator.now.wheels[k];
-            wheel.rim_torque = load.rim_torque;
-            wheel.motor_torque = motor::torque_behind(&self.rover.effects, wheel.speed, load.rim_torque)?;
-            wheel.current = motor::current(&wheel.motor, wheel.motor_torque);
-        }
         Ok(())
     }
 
@@ -324,27 +279,6 @@ impl RigidBodies {
     fn refresh(&mut self) {
         self.sense();
         self.recorder.record(&mut self.signals);
-    }
-
-    /// Writes the signals from the present state, as sensors without memory see it.
-    fn sense(&mut self) {
-        self.integrator.now.write_signals(&self.rover, &self.state, &self.energies, &mut self.signals);
-        for ((signals, wheel), rigid) in
-            self.signals.wheels.iter_mut().zip(&self.integrator.now.wheels).zip(&self.wheel_contacts)
-        {
-            // Without a rigid contact the soil's own numbers stay, to the last bit.
-            if rigid.normal != [0.0, 0.0] {
-                let soil = wheel.touch.forces;
-                let total = |i: usize| soil.normal * wheel.normal[i] + soil.drawbar * wheel.tangent[i] + rigid.force[i];
-                let along = |i: usize| soil.normal * wheel.normal[i] + rigid.normal[i];
-                let length = along(0).hypot(along(1));
-                let (x, z) = (along(0) / length, along(1) / length);
-                signals.contact_angle = (-x).atan2(z);
-                signals.normal_force = total(0) * x + total(1) * z;
-                signals.drawbar_pull = total(0) * z - total(1) * x;
-            }
-        }
-        self.rover.effects.record(self.state.start_x, &mut self.signals.body, &mut self.signals.wheels);
     }
 
     /// Whether a wheel, a link or the chassis touched anything rigid in the last step.

@@ -1,19 +1,12 @@
 //! The rapier world of one rover: bodies, joints, colliders, and one step of them.
 
-use super::bodies::{Carrier, joint, motions, parent};
+use super::bodies::{Carrier, motions, parent};
 use super::rapier::*;
-use super::shapes::{self, Ground};
-use crate::obstacle::Obstacle;
-use crate::rover::{Rover, State};
+use super::shapes::Ground;
+use crate::rover::{DynamicsError, Rover, State};
 
 /// Damping of the motor that imposes a wheel's speed, N m s/rad: 1e6 times what the soil of a small rover can do.
 const IMPOSING: f64 = 1e6;
-/// Solver iterations of rapier a step: as many small steps of its own.
-const SMALL_STEPS: usize = 4;
-/// Sweeps over all constraints in each of the two passes of a small step. With one, a driven wheel that slides on a rock
-/// is off its imposed speed by 3 %; with four by 2e-5, and more change nothing.
-const SWEEPS: usize = 4;
-
 /// Loads of one step on one wheel, N and N m.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct WheelLoad {
@@ -27,31 +20,31 @@ pub(super) struct WheelLoad {
 
 /// All rapier data of one rover. Its clone goes on to the same bits.
 pub(super) struct World {
-    gravity: Vector,
-    parameters: IntegrationParameters,
-    pipeline: PhysicsPipeline,
-    islands: IslandManager,
-    broad_phase: DefaultBroadPhase,
+    pub(super) gravity: Vector,
+    pub(super) parameters: IntegrationParameters,
+    pub(super) pipeline: PhysicsPipeline,
+    pub(super) islands: IslandManager,
+    pub(super) broad_phase: DefaultBroadPhase,
     pub narrow_phase: NarrowPhase,
     pub bodies: RigidBodySet,
-    colliders: ColliderSet,
-    joints: ImpulseJointSet,
-    multibodies: MultibodyJointSet,
-    soft_bodies: SoftBodySet,
-    ccd: CCDSolver,
+    pub(super) colliders: ColliderSet,
+    pub(super) joints: ImpulseJointSet,
+    pub(super) multibodies: MultibodyJointSet,
+    pub(super) soft_bodies: SoftBodySet,
+    pub(super) ccd: CCDSolver,
     /// Chassis, then links.
-    masses: Vec<Carrier>,
+    pub(super) masses: Vec<Carrier>,
     pub carriers: Vec<RigidBodyHandle>,
     pub wheels: Vec<RigidBodyHandle>,
     pub wheel_colliders: Vec<ColliderHandle>,
     /// Colliders of chassis and links with the carrier that they belong to.
     pub body_colliders: Vec<(ColliderHandle, usize)>,
     /// Joints of the wheels on their axles.
-    axles: Vec<MultibodyJointHandle>,
+    pub(super) axles: Vec<MultibodyJointHandle>,
     pub obstacles: Vec<ColliderHandle>,
-    ground: Ground,
-    ground_collider: ColliderHandle,
-    imposing: bool,
+    pub(super) ground: Ground,
+    pub(super) ground_collider: ColliderHandle,
+    pub(super) imposing: bool,
 }
 
 impl Clone for World {
@@ -85,105 +78,6 @@ impl Clone for World {
 }
 
 impl World {
-    /// The rover at `state` among `obstacles`, stepped by `step_size` (s).
-    pub fn new(rover: &Rover, state: &State, obstacles: &[Obstacle], belly_friction: f64, step_size: f64) -> Self {
-        let mut colliders = ColliderSet::new();
-        let (ground, collider) = Ground::new(&rover.terrain, state.position[0], belly_friction);
-        let ground_collider = colliders.insert(collider);
-        let obstacles =
-            obstacles.iter().filter_map(|o| shapes::obstacle(o, rover)).map(|collider| colliders.insert(collider));
-        let obstacles = obstacles.collect();
-        let parameters = IntegrationParameters {
-            dt: step_size,
-            num_solver_iterations: SMALL_STEPS,
-            num_internal_pgs_iterations: SWEEPS,
-            num_internal_stabilization_iterations: SWEEPS,
-            // Contacts are found anew at every step, and nothing here is fast enough to pass through another.
-            contact_recycling: false,
-            contact_clustering: false,
-            max_ccd_substeps: 0,
-            ..IntegrationParameters::default()
-        };
-        let mut world = Self {
-            gravity: Vector::new(0.0, -rover.environment.gravity),
-            parameters,
-            pipeline: PhysicsPipeline::new(),
-            islands: IslandManager::new(),
-            broad_phase: DefaultBroadPhase::new(),
-            narrow_phase: NarrowPhase::new(),
-            bodies: RigidBodySet::new(),
-            colliders,
-            joints: ImpulseJointSet::new(),
-            multibodies: MultibodyJointSet::new(),
-            soft_bodies: SoftBodySet::new(),
-            ccd: CCDSolver::new(),
-            masses: (0..=rover.links.len()).map(|body| Carrier::new(rover, body)).collect(),
-            carriers: Vec::new(),
-            wheels: Vec::new(),
-            wheel_colliders: Vec::new(),
-            body_colliders: Vec::new(),
-            axles: Vec::new(),
-            obstacles,
-            ground,
-            ground_collider,
-            imposing: false,
-        };
-        world.add_rover(rover);
-        world.place(rover, state);
-        world.set_motion(rover, state);
-        world
-    }
-
-    /// Adds the rover with all angles and coordinates at zero.
-    fn add_rover(&mut self, rover: &Rover) {
-        for body in 0..=rover.links.len() {
-            let own = self.masses[body];
-            let carrier = self.add_body(own.centre, own.mass, own.inertia);
-            let shapes = if body == 0 { vec![shapes::chassis(rover, &own)] } else { shapes::link(rover, &own, body) };
-            for shape in shapes {
-                let collider = self.colliders.insert_with_parent(shape, carrier, &mut self.bodies);
-                self.body_colliders.push((collider, body));
-            }
-            if body > 0 {
-                let (at, below) = (joint(rover, body), parent(rover, body));
-                self.add_joint(self.carriers[below], self.masses[below].local(at), carrier, own.local(at));
-            }
-            self.carriers.push(carrier);
-        }
-        for wheel in &rover.wheels {
-            let carrier = self.masses[wheel.body];
-            let centre = [wheel.mount.x, wheel.mount.z];
-            let body = self.add_body(centre, carrier.wheel_mass, rover.wheel.inertia);
-            let collider = self.colliders.insert_with_parent(shapes::wheel(rover), body, &mut self.bodies);
-            let axle = self.add_joint(self.carriers[wheel.body], carrier.local(centre), body, Vector::ZERO);
-            self.axles.extend(axle);
-            self.wheels.push(body);
-            self.wheel_colliders.push(collider);
-        }
-        // Rapier damps the joints of a multibody by default; their friction is the rover's own here.
-        if let Some((multibody, _)) = self.axles.first().and_then(|axle| self.multibodies.get_mut(*axle)) {
-            multibody.damping_mut().fill(0.0);
-        }
-    }
-
-    fn add_body(&mut self, [x, z]: [f64; 2], mass: f64, inertia: f64) -> RigidBodyHandle {
-        let pose = Pose::new(Vector::new(x, z), 0.0);
-        let mass = MassProperties::new(Vector::ZERO, mass, inertia);
-        self.bodies.insert(RigidBodyBuilder::dynamic().pose(pose).additional_mass_properties(mass).can_sleep(false))
-    }
-
-    fn add_joint(
-        &mut self,
-        carrier: RigidBodyHandle,
-        anchor: Vector,
-        carried: RigidBodyHandle,
-        anchor_there: Vector,
-    ) -> Option<MultibodyJointHandle> {
-        let joint =
-            RevoluteJointBuilder::new().local_anchor1(anchor).local_anchor2(anchor_there).contacts_enabled(false);
-        self.multibodies.insert(carrier, carried, joint, true)
-    }
-
     /// Centre of mass of a carrier without its wheels, from the chassis reference point with all angles at zero.
     pub fn centre(&self, body: usize) -> [f64; 2] {
         self.masses[body].centre
@@ -199,29 +93,6 @@ impl World {
         self.obstacles.iter().position(|handle| {
             self.colliders.get(*handle).is_some_and(|obstacle| rover.iter().any(|part| touches(part, obstacle)))
         })
-    }
-
-    /// Moves the rover from zero to `state`. This goes through the multibody's coordinates: rapier takes over the pose of
-    /// a root that was set directly, but not its angle as a coordinate (2D, version 0.36.1), and loses it then.
-    fn place(&mut self, rover: &Rover, state: &State) {
-        let motions = motions(rover, &self.masses, state);
-        let Some(axle) = self.axles.first().copied() else { return };
-        let Some((multibody, _)) = self.multibodies.get_mut(axle) else { return };
-        multibody.forward_kinematics(&self.bodies, true);
-        let (to, from) = (motions[0].pose.translation, self.masses[0].centre);
-        let mut shift = vec![to.x - from[0], to.y - from[1]];
-        shift.extend_from_slice(&state.position[2..]);
-        shift.resize(multibody.ndofs(), 0.0);
-        multibody.apply_displacements(&shift);
-        multibody.forward_kinematics(&self.bodies, false);
-        multibody.update_rigid_bodies(&mut self.bodies, true);
-        let colliders = self.wheel_colliders.iter().zip(&self.wheels);
-        let bodies = self.body_colliders.iter().map(|(collider, body)| (collider, &self.carriers[*body]));
-        for (collider, body) in colliders.chain(bodies) {
-            if let (Some(collider), Some(body)) = (self.colliders.get_mut(*collider), self.bodies.get(*body)) {
-                collider.set_position(*body.position());
-            }
-        }
     }
 
     /// Gives all bodies the velocities of `state`.
@@ -274,7 +145,16 @@ impl World {
 
     /// One step under the loads of the soil and the drives on the wheels, the moments of friction on the links (nose
     /// up, on the link) and the horizontal force on the chassis' reference point.
-    pub fn step(&mut self, rover: &Rover, wheels: &[WheelLoad], links: &[f64], resistance: f64) {
+    ///
+    /// # Errors
+    /// [`DynamicsError::NotFinite`]: rapier holds a body that is not finite where it is and goes on without it.
+    pub fn step(
+        &mut self,
+        rover: &Rover,
+        wheels: &[WheelLoad],
+        links: &[f64],
+        resistance: f64,
+    ) -> Result<(), DynamicsError> {
         self.bodies.iter_mut().for_each(|(_, body)| {
             body.reset_forces(false);
             body.reset_torques(false);
@@ -300,10 +180,10 @@ impl World {
         if let Some(chassis) = self.bodies.get_mut(self.carriers[0]) {
             let at = chassis.position().transform_point(self.masses[0].local([0.0; 2]));
             chassis.add_force_at_point(Vector::new(resistance, 0.0), at, true);
-            if let Some(shape) = self.ground.moved_to(&rover.terrain, at.x) {
-                if let Some(collider) = self.colliders.get_mut(self.ground_collider) {
-                    collider.set_shape(shape);
-                }
+            if let Some(shape) = self.ground.moved_to(&rover.terrain, at.x)
+                && let Some(collider) = self.colliders.get_mut(self.ground_collider)
+            {
+                collider.set_shape(shape);
             }
         }
         self.pipeline.step(
@@ -321,6 +201,7 @@ impl World {
             &(),
             &(),
         );
+        if self.pipeline.quarantine().is_empty() { Ok(()) } else { Err(DynamicsError::NotFinite) }
     }
 
     /// Reads positions, rates and spins of the rover.

@@ -72,6 +72,7 @@ pub(crate) struct Powers<S> {
 
 /// Forces that neither soil nor drives make: rigid contacts, as the plant of rigid bodies finds them.
 #[derive(Clone, Debug)]
+#[cfg_attr(not(feature = "rigid"), allow(dead_code, reason = "the plant of rigid bodies reads it"))]
 pub(crate) struct Outside<S> {
     /// Generalised force of all of them.
     pub force: Vector<S>,
@@ -95,6 +96,7 @@ pub(crate) struct Evaluation<S> {
     /// Power that joint friction and forces on the chassis take, W.
     pub other_loss: S,
     /// Horizontal force on the chassis at its reference point, N.
+    #[cfg_attr(not(feature = "rigid"), allow(dead_code, reason = "the plant of rigid bodies reads it"))]
     pub resistance: S,
     /// Forces from outside; none in joint coordinates alone.
     pub outside: Option<Box<Outside<S>>>,
