@@ -25,8 +25,6 @@ fn rover(wheels: usize) -> Nominal {
         wheel: Wheel::default(),
         motor: Motor { inverse_torque_limit: 0.2, ..Motor::default() },
         soil: Soil::default(),
-        links: Vec::new(),
-        wheel_bodies: vec![0; wheels],
     }
 }
 

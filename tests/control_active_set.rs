@@ -171,7 +171,9 @@ fn agreement_rough_terrain_control_with_clarabel() {
             let apart = ours.objective - reference.objective;
             let tolerance = match ours.criterion {
                 bekker::control::Criterion::Traction => RATIO,
-                bekker::control::Criterion::Power => case.nominal.winding_power(FORCES * weight * 0.1) + 1e-7 * ours.objective,
+                bekker::control::Criterion::Power => {
+                    case.nominal.winding_power(FORCES * weight * 0.1) + 1e-7 * ours.objective
+                }
             };
             assert!(apart.abs() <= tolerance, "seed {seed}: {apart} of {} apart", reference.objective);
         } else {

@@ -51,7 +51,8 @@ fn property_slip_control_gives_all_wheels_the_same_slip() {
 #[test]
 fn property_slip_control_needs_its_privileged_channel() {
     let case = Case::level(thesis_rover());
-    let mut controller = SlipController::new(thesis_rover(), SlipControl::default(), VelocityControl::default()).unwrap();
+    let mut controller =
+        SlipController::new(thesis_rover(), SlipControl::default(), VelocityControl::default()).unwrap();
     let (goal, mut command) = (Reference { velocity: 0.2 }, Command::torque(vec![0.0; 2]));
     let unknown = controller.command(&case.measurement(), &goal, &mut command).unwrap_err();
     assert_eq!(unknown, ControlError::Privileged { expected: 2, found: 0 });

@@ -23,7 +23,8 @@ fn draw(seed: u64) -> (Wheel, Soil, f64) {
     };
     let sinkage = wheel.radius * rng.random_range(0.03..0.3_f64);
     let n = soil.exponent;
-    let load = (3.0 - n) / 3.0 * wheel.width * soil.modulus(wheel.width) * (2.0 * wheel.radius).sqrt() * sinkage.powf(n + 0.5);
+    let load =
+        (3.0 - n) / 3.0 * wheel.width * soil.modulus(wheel.width) * (2.0 * wheel.radius).sqrt() * sinkage.powf(n + 0.5);
     (wheel, soil, load)
 }
 

@@ -70,7 +70,9 @@ pub enum ControlError {
         weight: f64,
     },
     /// The contact points do not span the balance (4.3), so it has no unique least-norm solution.
-    #[error("all contact points of the rover or of a joint's wheels coincide at pitch {pitch} rad: the force distribution is singular")]
+    #[error(
+        "all contact points of the rover or of a joint's wheels coincide at pitch {pitch} rad: the force distribution is singular"
+    )]
     Singular {
         /// The measured pitch, rad.
         pitch: f64,

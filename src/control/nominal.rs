@@ -121,9 +121,8 @@ impl Nominal {
 
     /// Refuses links that do not make a tree on the chassis.
     fn check_links(&self) -> Result<(), ControlError> {
-        let refuse = |quantity, value: usize, expected| {
-            Err(ControlError::Nominal { quantity, value: value as f64, expected })
-        };
+        let refuse =
+            |quantity, value: usize, expected| Err(ControlError::Nominal { quantity, value: value as f64, expected });
         if self.links.len() > MAX_COORDINATES - 3 {
             return refuse("number of links", self.links.len(), "5 or fewer");
         }

@@ -108,7 +108,8 @@ impl Controller for SlipController {
             let turning = self.body_rate(measured, index);
             let rim = radius * (measured.wheels[index].speed - turning);
             let true_slip = self.privileged.slip[index];
-            let over_ground = if true_slip >= 0.0 { rim * (1.0 - true_slip) } else { rim / (1.0 + true_slip).max(0.05) };
+            let over_ground =
+                if true_slip >= 0.0 { rim * (1.0 - true_slip) } else { rim / (1.0 + true_slip).max(0.05) };
             let along = (over_ground * wanted.signum()).max(slowest) * wanted.signum();
             // (r omega) = V / (1 - i) driving, V (1 + i) braking.
             let rim_goal = if slip >= 0.0 { along / (1.0 - slip) } else { along * (1.0 + slip) };

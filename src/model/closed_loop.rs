@@ -129,9 +129,7 @@ impl AtWork {
                 let gains = control.velocity_tuned.gains(&nominal)?;
                 Some(Self::Velocity(VelocityController::new(&nominal, gains)?))
             }
-            ControlKind::Rtc => {
-                Some(Self::Rtc(Box::new(EstimatingRtc::new(nominal, control)?)))
-            }
+            ControlKind::Rtc => Some(Self::Rtc(Box::new(EstimatingRtc::new(nominal, control)?))),
             ControlKind::Slip => Some(Self::Slip(SlipController::new(nominal, control.slip, control.velocity)?)),
             ControlKind::EqualTorque => {
                 Some(Self::EqualTorque(EqualTorqueController::new(&nominal, control.equal_torque)?))

@@ -61,8 +61,7 @@ impl Case {
         };
         let mut row = Vec::new();
         for (k, &gamma) in self.angles.iter().enumerate() {
-            let (tangent, normal) =
-                (Vector2::new(gamma.cos(), gamma.sin()), Vector2::new(-gamma.sin(), gamma.cos()));
+            let (tangent, normal) = (Vector2::new(gamma.cos(), gamma.sin()), Vector2::new(-gamma.sin(), gamma.cos()));
             let body = self.nominal.wheel_bodies[k];
             let centre = placed(&self.nominal, self.pitch, &self.joints, body, self.nominal.wheel_centres[k].into());
             let foot = centre - self.nominal.wheel.radius * normal;

@@ -32,8 +32,7 @@ pub use solver::{Program, Rows, Solver, Unsolved};
 pub use speed_loop::SpeedLoop;
 use speed_loop::Speeds;
 pub use strength::{
-    ShearLimit, Strength, compaction_resistance, contact_area, largest_stress, mobilised_share, projected_area,
-    sinkage,
+    ShearLimit, Strength, compaction_resistance, contact_area, largest_stress, mobilised_share, projected_area, sinkage,
 };
 pub use switch::Criterion;
 pub use traction::{MaximumTraction, Search};
@@ -263,8 +262,7 @@ impl Rtc {
         let touch = radius * self.nominal.soil.friction_angle.tan() * self.problem.minimum_load;
         let wheels = self.speed_loops.iter_mut().zip(&measured.wheels);
         for (torque, (wheel, seen)) in torques.iter_mut().zip(wheels) {
-            let speeds =
-                Speeds { wanted: goal.velocity / radius, wheel: seen.speed, body: measured.velocity / radius };
+            let speeds = Speeds { wanted: goal.velocity / radius, wheel: seen.speed, body: measured.velocity / radius };
             *torque = wheel.torque(&self.parameters, self.options.period, &speeds, *torque, touch, limit);
         }
     }

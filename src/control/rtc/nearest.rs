@@ -48,10 +48,7 @@ impl Nearest {
             let limit = LARGEST_WISH;
             Program::new(name, solver, quadratic, linear, rows, |rows| write(problem, weights.len(), limit, rows))
         };
-        Self {
-            wish: program("nearest balanced forces", &[1.0]),
-            all: program("nearest admissible forces", &weights),
-        }
+        Self { wish: program("nearest balanced forces", &[1.0]), all: program("nearest admissible forces", &weights) }
     }
 
     /// Writes the nearest forces into `forces`, N.

@@ -51,9 +51,10 @@ impl MaximumTraction {
         let unknowns = 2 * problem.wheels();
         let mut linear = vec![0.0; unknowns + 1];
         linear[unknowns] = 1.0;
-        let program = Program::new("maximum traction", solver, vec![0.0; unknowns + 1], linear, problem.rows(), |rows| {
-            write(problem, 1.0, &problem.expected_loads, rows);
-        });
+        let program =
+            Program::new("maximum traction", solver, vec![0.0; unknowns + 1], linear, problem.rows(), |rows| {
+                write(problem, 1.0, &problem.expected_loads, rows);
+            });
         Self { program, trial: vec![0.0; unknowns], loads: problem.expected_loads.clone() }
     }
 
