@@ -97,7 +97,7 @@ impl Control {
 pub(super) enum AtWork {
     Velocity(VelocityController),
     Rtc(Box<EstimatingRtc>),
-    Slip(SlipController),
+    Slip(Box<SlipController>),
     EqualTorque(EqualTorqueController),
 }
 
@@ -130,7 +130,9 @@ impl AtWork {
                 Some(Self::Velocity(VelocityController::new(&nominal, gains)?))
             }
             ControlKind::Rtc => Some(Self::Rtc(Box::new(EstimatingRtc::new(nominal, control)?))),
-            ControlKind::Slip => Some(Self::Slip(SlipController::new(nominal, control.slip, control.velocity)?)),
+            ControlKind::Slip => {
+                Some(Self::Slip(Box::new(SlipController::new(nominal, control.slip, control.velocity)?)))
+            }
             ControlKind::EqualTorque => {
                 Some(Self::EqualTorque(EqualTorqueController::new(&nominal, control.equal_torque)?))
             }

@@ -74,7 +74,7 @@ pub struct Program {
 #[derive(Clone)]
 enum Engine {
     InteriorPoint(InteriorPoint),
-    ActiveSet(ActiveSet),
+    ActiveSet(Box<ActiveSet>),
 }
 
 impl Program {
@@ -92,7 +92,7 @@ impl Program {
         let numbers = Numbers { quadratic, linear, equalities, rows };
         let engine = match solver {
             Solver::Clarabel => Engine::InteriorPoint(InteriorPoint::new(&numbers)),
-            Solver::ActiveSet => Engine::ActiveSet(ActiveSet::new(&numbers)),
+            Solver::ActiveSet => Engine::ActiveSet(Box::new(ActiveSet::new(&numbers))),
         };
         Self { name, numbers, engine }
     }
