@@ -39,7 +39,7 @@ impl Random {
         let kind = seed % 3;
         let cost = |k: usize, rng: &mut ChaCha8Rng| match kind {
             0 => rng.random_range(0.1..1.0),
-            1 if k % 2 == 0 => 1.0,
+            1 if k.is_multiple_of(2) => 1.0,
             _ => 0.0,
         };
         let quadratic = (0..n).map(|k| cost(k, &mut rng)).collect();
@@ -49,7 +49,7 @@ impl Random {
             let normal: Vec<f64> =
                 (0..n).map(|_| if rng.random_bool(0.6) { rng.random_range(-1.0..1.0) } else { 0.0 }).collect();
             let value: f64 = normal.iter().zip(&point).map(|(a, x)| a * x).sum();
-            let tight = row < equalities || (seed % 2 == 0 && rng.random_bool(0.5));
+            let tight = row < equalities || (seed.is_multiple_of(2) && rng.random_bool(0.5));
             bounds.push(value + if tight { 0.0 } else { rng.random_range(0.0..1.0) });
             rows.push(normal);
         }
