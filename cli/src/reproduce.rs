@@ -30,7 +30,9 @@ impl Reproduce {
         let mut findings = Vec::new();
         for study in studies {
             bar.set_message(study.id);
-            let found = (study.run)(self.trials as usize).with_context(|| format!("study `{}`", study.id))?;
+            let found = (study.run)(self.trials as usize)
+                .map_err(anyhow::Error::from_boxed)
+                .with_context(|| format!("study `{}`", study.id))?;
             findings.extend(found);
             bar.inc(1);
         }

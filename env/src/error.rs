@@ -40,7 +40,11 @@ pub fn model(error: &CoreModelError) -> PyErr {
 pub fn run(error: &RunError) -> PyErr {
     match error {
         RunError::Parameter(source) => parameter(source),
-        RunError::Period { .. } | RunError::WheelOrder { .. } => ModelError::new_err(error.to_string()),
+        RunError::Period { .. }
+        | RunError::WheelOrder { .. }
+        | RunError::ObstaclesWithoutBodies { .. }
+        | RunError::NeedsJointCoordinates { .. }
+        | RunError::NoRigidBodies => ModelError::new_err(error.to_string()),
         RunError::InputLength { .. } => InputError::new_err(error.to_string()),
         RunError::Step(_) | RunError::Control { .. } => SimulationError::new_err(error.to_string()),
     }
