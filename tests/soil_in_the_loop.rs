@@ -158,7 +158,7 @@ fn property_bad_readings_are_named_and_change_nothing() {
     let mut bad = measured([3.0, 3.0], [1.5, 1.5], 0.2);
     bad.wheels[1].torque = f64::NAN;
     let error = identifier.update(&bad).unwrap_err();
-    assert!(error.to_string().contains("measured torque of number 2"), "{error}");
+    assert!(error.to_string().contains("measured torque of wheel 2"), "{error}");
     let short = Measurement { wheels: vec![WheelMeasurement::default()], ..measured([0.0; 2], [0.0; 2], 0.0) };
     let error = identifier.update(&short).unwrap_err();
     assert!(matches!(error, EstimationError::Count { what: "wheels", expected: 2, found: 1 }));

@@ -24,6 +24,9 @@ pub(super) const GAMMA: [usize; 2] = [4, 5];
 /// Error of the kinematic equations that is always left, m/s: far under any speed, so that no variance vanishes.
 const LEAST_ERROR: f64 = 1e-6;
 
+/// Deviations of a speed within which a point counts as standing: noise goes no way.
+const STANDING: f64 = 4.0;
+
 /// Factor by which the rate may change faster than contact angles let it: the kinematic equations say so already, and the
 /// same knowledge is not to count twice.
 const FREE: f64 = 10.0;
@@ -58,8 +61,8 @@ pub struct PairModel {
     pub angle_deviation: f64,
     /// Way over which a contact angle forgets itself, m.
     pub correlation_length: f64,
-    /// Error of the kinematic equations, share of the speed: slip, radii, distances. It lasts as long as a contact angle
-    /// does, and counts as white noise of the same density.
+    /// Error of either speed in the kinematic equations, share of the speed: slip, radii, distances. It lasts as long as a
+    /// contact angle does, and counts as white noise of the same density.
     pub kinematic_error: f64,
 }
 
@@ -123,24 +126,27 @@ impl PairFilter {
 
     /// Prediction over `dt` seconds and update by a reading, (D.4)-(D.8). Measurements come one after the other, which
     /// for a diagonal R is the same as together and needs no inverse; the two equations come last, about the state that
-    /// the readings have led to. A filter that has lost its way starts anew at the reading.
+    /// the readings have led to. At rest they are left out, since they say nothing there (2.5), and noise of the speeds would
+    /// pass for knowledge. A filter that has lost its way starts anew at the reading.
     pub fn step(&mut self, dt: f64, reading: &PairReading) -> Innovation {
         self.predict(dt);
         self.watch(reading.inclination);
         let mut nis = self.absorb_entry(ALPHA, reading.inclination);
         nis += reading.rate.map_or(0.0, |rate| self.absorb_entry(RATE, rate));
         nis += self.absorb_entry(SPEED[0], reading.speeds[0]) + self.absorb_entry(SPEED[1], reading.speeds[1]);
-        nis += self.constrain(dt);
+        let moving = !self.stands();
+        nis += if moving { self.constrain(dt) } else { 0.0 };
         if self.lost() {
             let restarts = self.restarts.saturating_add(1);
             *self = Self { restarts, ..Self::new(self.model, reading) };
         }
-        Innovation { nis, count: 5 + usize::from(reading.rate.is_some()) }
+        Innovation { nis, count: 3 + usize::from(reading.rate.is_some()) + 2 * usize::from(moving) }
     }
 
     /// (D.4), (D.5): the line turns at its rate, rate and speeds walk randomly, and a contact angle is a Gauss-Markov
     /// process along the way about the ground's mean, so that without information it tends to that.
     fn predict(&mut self, dt: f64) {
+        let going = SPEED.map(|speed| self.beyond_noise(speed));
         let model = &self.model;
         let x = &mut self.state;
         let mut f = Covariance::identity();
@@ -151,13 +157,16 @@ impl PairFilter {
         let memory = 2.0 * mean_speed(speeds) / model.correlation_length;
         q[RATE] = (model.rate_drift * model.rate_drift + FREE * memory * model.rate_spread(speeds)) * dt;
         for k in [0, 1] {
-            let (speed, gamma) = (x[SPEED[k]], GAMMA[k]);
-            let kept = (-speed.abs() * dt / model.correlation_length).exp();
+            let gamma = GAMMA[k];
+            let forgets = dt / model.correlation_length;
+            let kept = (-going[k] * forgets).exp();
             let mean = x[ALPHA] - model.offset;
             let apart = x[gamma] - mean;
             f[(gamma, ALPHA)] = 1.0 - kept;
             f[(gamma, gamma)] = kept;
-            f[(gamma, SPEED[k])] = -speed.signum() * dt / model.correlation_length * kept * apart;
+            if going[k] > 0.0 {
+                f[(gamma, SPEED[k])] = -x[SPEED[k]].signum() * forgets * kept * apart;
+            }
             x[gamma] = mean + kept * apart;
             q[SPEED[k]] = model.speed_drift * model.speed_drift * dt;
             q[gamma] = model.angle_deviation * model.angle_deviation * (1.0 - kept * kept);
@@ -188,6 +197,17 @@ impl PairFilter {
         self.absorb_equation(true, dt) + self.absorb_equation(false, dt)
     }
 
+    /// Whether both points may be standing.
+    fn stands(&self) -> bool {
+        SPEED.iter().all(|speed| self.beyond_noise(*speed) == 0.0)
+    }
+
+    /// A speed's size beyond its own noise, m/s.
+    fn beyond_noise(&self, speed: usize) -> f64 {
+        let (value, variance) = (self.state[speed], self.covariance[(speed, speed)]);
+        (value * value - STANDING * STANDING * variance).max(0.0).sqrt()
+    }
+
     fn absorb_equation(&mut self, turning: bool, dt: f64) -> f64 {
         let Equation { mut value, mut row, bends } = Equation::of(&self.state, turning);
         if turning {
@@ -195,13 +215,14 @@ impl PairFilter {
             row[RATE] = -self.model.distance;
         }
         let speed = mean_speed([self.state[SPEED[0]], self.state[SPEED[1]]]);
-        let error = self.model.kinematic_error * speed;
+        let error = self.model.kinematic_error;
         // An error that is correlated over the time tau has the density of white noise 2 tau/dt times its variance.
         let way = speed * dt;
         let lasting = if way > 0.0 { (2.0 * self.model.correlation_length / way).max(1.0) } else { 1.0 };
         let (mean, spread) = self.beyond_first_order(&bends);
+        let parts = self.parts_squared(&row);
         let column = self.covariance * row;
-        let total = row.dot(&column) + lasting * error * error + LEAST_ERROR * LEAST_ERROR + spread;
+        let total = row.dot(&column) + lasting * error * error * parts + LEAST_ERROR * LEAST_ERROR + spread;
         self.absorb(column, -(value + mean), total)
     }
 
@@ -218,6 +239,18 @@ impl PairFilter {
         let mean = self.state[ALPHA] - self.model.offset;
         let biased = self.bias.abs() * (2.0 * WINDOW).sqrt() > BIASED;
         biased || GAMMA.iter().any(|gamma| (self.state[*gamma] - mean).abs() > most)
+    }
+
+    /// Sum of the squares of v cos or v sin of both points, which errors of the speeds are shares of; the directions with
+    /// their uncertainty.
+    fn parts_squared(&self, row: &State) -> f64 {
+        let p = &self.covariance;
+        let square = |k: usize| {
+            let (part, by_angle, gamma) = (row[SPEED[k]] * self.state[SPEED[k]], row[GAMMA[k]], GAMMA[k]);
+            let of_angle = p[(gamma, gamma)] - 2.0 * p[(gamma, ALPHA)] + p[(ALPHA, ALPHA)];
+            part * part + by_angle * by_angle * of_angle
+        };
+        square(0) + square(1)
     }
 
     /// Mean and variance of the second-order part of an equation, tr(H P)/2 and tr(H P H P)/2: without them the filter
