@@ -14,7 +14,7 @@ pub struct Reproduce {
     #[arg(long, default_value = "bekker-out/reproduction")]
     out: PathBuf,
     /// Trials (seeds) of everything that is noisy or varied.
-    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     trials: u32,
     /// Only these studies, separated by commas; all where missing.
     #[arg(long, value_delimiter = ',')]

@@ -8,6 +8,8 @@ use crate::model::Model;
 use crate::parallel::map_in_order;
 use bekker_modeldescription::Lookup;
 
+/// Depth of the ditch, wheel diameters: the shallowest of the go/no-go trials, which some controllers cross.
+const DEPTH: f64 = 0.25;
 /// Mean gain of thrust on the sled, %.
 const PUBLISHED_THRUST: f64 = 82.0;
 /// Resistance of the sled, N s/m: at full speed a tenth of the weight of this side of the rover.
@@ -20,7 +22,7 @@ const SLED: f64 = 0.1 * 3.05 * 9.81 / SPEED;
 pub fn sled(trials: usize) -> Result<Vec<Finding>, ReproductionError> {
     let seeds: Vec<u32> = (0..trials.max(1) as u32).collect();
     let of_seed = |&seed: &u32| -> Result<Vec<Drive>, ReproductionError> {
-        FIELD.iter().map(|contender| drive(&with_sled(model(contender, seed)?)?, SPEED, &COURSE)).collect()
+        FIELD.iter().map(|contender| drive(&with_sled(model(contender, DEPTH, seed)?)?, SPEED, &COURSE)).collect()
     };
     let done: Vec<Vec<Drive>> = map_in_order(&seeds, of_seed).into_iter().collect::<Result<_, _>>()?;
     let thrust = |drive: &Drive| -> f64 {

@@ -2,23 +2,16 @@
 
 use crate::output::say;
 use anyhow::{Context, Result};
-use bekker::measurement::{Record, Table};
-use bekker::model::{Model, Summary, SummaryBuilder};
-use bekker::modeldescription::Lookup;
-use bekker::simulation::Status;
+use bekker::measurement::Table;
+use bekker::model::{Model, Summary};
+use bekker::reproduction::{Course, Drive, drive, drive_at};
 use bekker::terrain::Terrain;
 use std::path::{Path, PathBuf};
 
-/// Length of the course: half a metre of level ground and two waves, m.
-const COURSE: f64 = 5.0;
-/// A rover that has not arrived by then is reported with what it has done, s.
-const TIME_LIMIT: f64 = 120.0;
-/// Time between two samples, s.
-const SAMPLE: f64 = 0.01;
+/// Half a metre of level ground and two waves; a rover that has not arrived in time is reported with what it has done.
+const COURSE: Course = Course { length: 5.0, time_limit: 120.0, sample: 0.01 };
 /// The thesis's speed: 2.5 rad/s at a radius of 10 cm, m/s.
 const SPEED: f64 = 0.25;
-/// Two speeds closer than this share are equal.
-const EQUAL_SPEED: f64 = 0.01;
 
 /// What was driven on one soil.
 struct Trio {
@@ -34,7 +27,10 @@ struct Trio {
 
 /// Drives the rover and prints the table; returns what was written.
 pub fn run(out: &Path) -> Result<Vec<(PathBuf, &'static str)>> {
-    say!("1. Chapter 4's two-wheeled rover over {COURSE} m of gently rolling sand (steepest slope 5 degrees)\n");
+    say!(
+        "1. Chapter 4's two-wheeled rover over {} m of gently rolling sand (steepest slope 5 degrees)\n",
+        COURSE.length
+    );
     let heads = ["windings", "electric", "energy", "slip", "speed", "fastest rim"];
     say!(
         "   {:30} {:>9} {:>9} {:>9} {:>7} {:>9} {:>12}",
@@ -89,52 +85,27 @@ impl Trio {
             written.push((path, "signals of that drive over time"));
             Ok(())
         };
-        let (table, velocity) = drive(&model("gentle_velocity")?, SPEED)?;
-        save("gentle_velocity", &table)?;
-        let (table, rtc) = drive(&model("gentle_rtc")?, SPEED)?;
-        save("gentle_rtc", &table)?;
-        let equal = at_speed(&model("gentle_velocity")?, rtc.speed)?;
+        let velocity = driven(&model("gentle_velocity")?, SPEED)?;
+        save("gentle_velocity", &velocity.table)?;
+        let rtc = driven(&model("gentle_rtc")?, SPEED)?;
+        save("gentle_rtc", &rtc.table)?;
+        let equal =
+            drive_at(&model("gentle_velocity")?, rtc.summary.speed, &COURSE).map_err(anyhow::Error::from_boxed)?;
         let mut level = model("gentle_velocity")?;
         level.rover.terrain = Terrain::default();
-        let level_slip = drive(&level, SPEED)?.1.slip;
+        let level_slip = driven(&level, SPEED)?.summary.slip;
+        let (velocity, rtc, equal) = (velocity.summary, rtc.summary, equal.summary);
         Ok(Self { shear_modulus, velocity, rtc, equal, level_slip })
     }
 }
 
-/// One drive over the course at this commanded speed, m/s.
-fn drive(model: &Model, speed: f64) -> Result<(Table, Summary)> {
-    let mut run = model.start()?;
-    run.inputs_mut().set("velocity_command", speed)?;
-    let stride = (SAMPLE / run.step_size()).round() as u64;
-    let mut record = Record::new(&mut run.signals().clone(), None)?;
-    let mut summary = SummaryBuilder::default();
-    summary.push(&run);
-    record.push(run.time(), run.signals())?;
-    let start = run.signals().body.x;
-    while run.signals().body.x - start < COURSE && run.time() < TIME_LIMIT && run.status() == Status::Running {
-        run.advance(stride)?;
-        summary.push(&run);
-        record.push(run.time(), run.signals())?;
-    }
-    if let Status::Ended(event) = run.status() {
+/// One drive over the course at this commanded speed, m/s; says so where it ends early.
+fn driven(model: &Model, speed: f64) -> Result<Drive> {
+    let done = drive(model, speed, &COURSE).map_err(anyhow::Error::from_boxed)?;
+    if let Some(event) = done.event {
         say!("   {} ended early: {event}", model.name);
     }
-    Ok((record.into_table(), summary.summary(&run)))
-}
-
-/// The drive whose mean speed is `speed`, by bisection on the commanded one.
-fn at_speed(model: &Model, speed: f64) -> Result<Summary> {
-    let (mut low, mut high) = (0.0, 8.0 * speed);
-    let mut found = drive(model, speed)?.1;
-    for _ in 0..30 {
-        if (found.speed / speed - 1.0).abs() < EQUAL_SPEED {
-            break;
-        }
-        let middle = 0.5 * (low + high);
-        found = drive(model, middle)?.1;
-        if found.speed < speed { low = middle } else { high = middle }
-    }
-    Ok(found)
+    Ok(done)
 }
 
 /// Says why our figures differ from the thesis's, with the figures just measured.
