@@ -21,11 +21,19 @@ pub fn reproduction_page(findings: &[Finding]) -> String {
     let links: String = findings.iter().map(link).collect();
     page.html(&format!("<nav aria-label=\"Contents\">{links}</nav>"));
     page.section_at("numbers", "All numbers with a published counterpart", "");
-    page.html(&table(&["section", "quantity", "thesis", "ours", "10 to 90 %", "trials"], &published(findings)));
+    page.html(&in_words(&table(
+        &["quantity", "thesis", "ours", "10 to 90 %", "trials", "where"],
+        &published(findings),
+    )));
     for finding in findings {
         add(&mut page, finding);
     }
     page.finish()
+}
+
+/// A table whose first and last column hold sentences, which may wrap.
+fn in_words(table: &str) -> String {
+    format!("<div class=\"words\">{table}</div>")
 }
 
 /// Rows that the thesis has a number for.
@@ -33,8 +41,8 @@ fn published(findings: &[Finding]) -> Vec<Vec<String>> {
     let rows = findings.iter().flat_map(|finding| finding.rows.iter().map(move |row| (finding, row)));
     rows.filter(|(_, row)| row.thesis.is_some())
         .map(|(finding, row)| {
-            let mut cells = vec![finding.section.clone()];
-            cells.extend(numbers(row));
+            let mut cells = numbers(row).to_vec();
+            cells.push(format!("{} ({})", finding.title, finding.section));
             cells
         })
         .collect()
@@ -57,7 +65,7 @@ fn add(page: &mut Page, finding: &Finding) {
             cells
         };
         let rows: Vec<Vec<String>> = finding.rows.iter().map(cells).collect();
-        page.html(&table(&["quantity", "thesis", "ours", "10 to 90 %", "trials", "why"], &rows));
+        page.html(&in_words(&table(&["quantity", "thesis", "ours", "10 to 90 %", "trials", "why"], &rows)));
     }
     if !finding.plots.is_empty() {
         let plots: Vec<(String, plotly::Plot)> =
