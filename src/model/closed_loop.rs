@@ -80,6 +80,11 @@ pub struct Control {
 }
 
 impl Control {
+    /// Gains of velocity control for wheels of a 3 kg rover side; the default ones are for the 10 kg rover's.
+    pub(crate) fn lighten(&mut self) {
+        (self.velocity.kp, self.velocity.ki) = (0.1, 5.0);
+    }
+
     /// Control period where a controller decides, s.
     pub(super) fn period(&self) -> Option<f64> {
         match self.kind {

@@ -46,9 +46,7 @@ impl Model {
         model.rover.terrain = terrain;
         model.control.kind = kind;
         if !model.rover.links.is_empty() && kind == ControlKind::Velocity {
-            // Lighter wheels than the controller's default gains are for.
-            model.control.velocity.kp = 0.1;
-            model.control.velocity.ki = 5.0;
+            model.control.lighten();
         }
         Ok(model)
     }

@@ -47,6 +47,7 @@ pub(super) fn model(contender: &Contender, depth: f64, seed: u32) -> Result<Mode
     let ditch = Ditch { width: drawn[0], depth: drawn[1], ..ditch };
     model.rover.terrain = loose(ditch).terrain(firm)?;
     model.stepping.seed = seed;
+    model.control.lighten();
     (contender.apply)(&mut model);
     Ok(model)
 }
