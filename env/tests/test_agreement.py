@@ -34,7 +34,7 @@ def core() -> Path:
     cargo = shutil.which("cargo")
     if cargo is None:
         pytest.skip("needs cargo")
-    build = [cargo, "build", "--workspace", "--quiet", "--example", "core_drive", "--message-format", "json"]
+    build = [cargo, "build", "--quiet", "--example", "core_drive", "--message-format", "json"]
     lines = subprocess.run(build, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()
     programs = [json.loads(line).get("executable") for line in lines]
     return Path(next(program for program in reversed(programs) if program))

@@ -67,7 +67,7 @@ def core_json() -> Any:
     cargo = shutil.which("cargo")
     if cargo is None:
         pytest.skip("needs cargo")
-    build = [cargo, "build", "--workspace", "--quiet", "--example", "core_diagnosis", "--message-format", "json"]
+    build = [cargo, "build", "--quiet", "--example", "core_diagnosis", "--message-format", "json"]
     lines = subprocess.run(build, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()
     program = next(p for line in reversed(lines) if (p := json.loads(line).get("executable")))
     command = [program, str(SAND), str(DRAWS), *CANDIDATES]
