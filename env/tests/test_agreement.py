@@ -55,7 +55,8 @@ def test_agreement_simulate_equals_the_core(drive: Drive, core: Path, tmp_path: 
     # At an event on the very first inner step of a period the core prints the last instant twice.
     assert np.array_equal(got, expected[: len(got)])
     assert len(expected) - len(got) in (0, 1)
-    assert len(got) > 5, "the drive ended before it began"
+    # A rover that was drawn top-heavy may hit the ground with its belly at once.
+    assert len(got) > 3, "the drive ended before it began"
 
 
 @all_drives
