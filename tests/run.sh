@@ -8,6 +8,7 @@ cargo test --workspace
 python3 -m venv .venv
 .venv/bin/python -m pip install --quiet --disable-pip-version-check --upgrade "./env[test]"
 .venv/bin/python -m mypy --strict env/python/bekker
-.venv/bin/python -m pytest --quiet -n auto env/tests
+# `cargo test` has built the examples with which the Python tests compare.
+BEKKER_EXAMPLES="$PWD/target/debug/examples" .venv/bin/python -m pytest --quiet -n auto env/tests
 .venv/bin/python -m pytest --quiet -n auto tests/generators tests/study
 .venv/bin/python tests/study/study.py --quick --bekker target/debug/bekker --out target/study-quick

@@ -1,6 +1,11 @@
 """What the tests share: rovers, terrains and commands drawn at random."""
 
+import json
+import os
+import shutil
+import subprocess
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -27,6 +32,22 @@ TERRAINS = (
     "preset = 'slope'\nslope = {a}",
     "preset = 'random'\nseed = {seed}",
 )
+
+
+def core_program(name: str) -> Path:
+    """A program of the core's, an example of the root package: from BEKKER_EXAMPLES, where the Rust tests have just built
+    all of them, or built here."""
+    built = os.environ.get("BEKKER_EXAMPLES")
+    if built is not None:
+        return Path(built) / name
+    cargo = shutil.which("cargo")
+    if cargo is None:
+        pytest.skip("needs cargo")
+    build = [cargo, "build", "--quiet", "--example", name, "--message-format", "json"]
+    root = Path(__file__).resolve().parents[2]
+    lines = subprocess.run(build, cwd=root, check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()
+    programs = [json.loads(line).get("executable") for line in lines]
+    return Path(next(program for program in reversed(programs) if program))
 
 
 @dataclass

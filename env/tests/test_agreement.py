@@ -1,19 +1,14 @@
 """The same inputs give the same bits in the core, through `simulate`, by stepping, and in the environment."""
 
-import json
-import shutil
 import subprocess
 from pathlib import Path
 
 import gymnasium
 import numpy as np
 import pytest
-from conftest import SEEDS, Drive
+from conftest import SEEDS, Drive, core_program
 
 import bekker
-
-ROOT = Path(__file__).parents[2]
-
 
 all_drives = pytest.mark.parametrize("drive", SEEDS, indirect=True)
 
@@ -31,13 +26,7 @@ def simulated(drive: Drive) -> bekker.Result:
 @pytest.fixture(scope="module")
 def core() -> Path:
     """The Rust program `core_drive`, which shares nothing with the Python door."""
-    cargo = shutil.which("cargo")
-    if cargo is None:
-        pytest.skip("needs cargo")
-    build = [cargo, "build", "--quiet", "--example", "core_drive", "--message-format", "json"]
-    lines = subprocess.run(build, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()
-    programs = [json.loads(line).get("executable") for line in lines]
-    return Path(next(program for program in reversed(programs) if program))
+    return core_program("core_drive")
 
 
 @all_drives

@@ -3,7 +3,6 @@
 import csv
 import json
 import pickle
-import shutil
 import signal
 import subprocess
 import sys
@@ -20,6 +19,7 @@ import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import pytest
+from conftest import core_program
 
 import bekker
 from bekker.levels import levels, means
@@ -64,12 +64,7 @@ def diagnosis() -> bekker.Diagnosis:
 
 def core_json() -> Any:
     """What the Rust program `core_diagnosis` says, which shares nothing with the Python door."""
-    cargo = shutil.which("cargo")
-    if cargo is None:
-        pytest.skip("needs cargo")
-    build = [cargo, "build", "--quiet", "--example", "core_diagnosis", "--message-format", "json"]
-    lines = subprocess.run(build, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()
-    program = next(p for line in reversed(lines) if (p := json.loads(line).get("executable")))
+    program = core_program("core_diagnosis")
     command = [program, str(SAND), str(DRAWS), *CANDIDATES]
     return json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout)
 
