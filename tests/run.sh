@@ -2,11 +2,10 @@
 # All tests: Rust, then Python in a virtual environment of its own (.venv), then a small part of the study on hidden effects.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-# What travels in the wheel and in the command line is compiled on all cores here, for a little less speed.
-export CARGO_PROFILE_RELEASE_LTO=off CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16
 cargo test --workspace
 python3 -m venv .venv
-.venv/bin/python -m pip install --quiet --disable-pip-version-check --upgrade "./env[test]"
+# In the profile of the Rust tests, so that what they have compiled serves here too.
+MATURIN_PEP517_ARGS="--profile dev" .venv/bin/python -m pip install --quiet --disable-pip-version-check --upgrade "./env[test]"
 .venv/bin/python -m mypy --strict env/python/bekker
 # `cargo test` has built the examples with which the Python tests compare.
 BEKKER_EXAMPLES="$PWD/target/debug/examples" .venv/bin/python -m pytest --quiet -n auto env/tests
