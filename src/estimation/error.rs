@@ -54,16 +54,6 @@ pub enum EstimationError {
     /// The nominal rover makes no sense.
     #[error(transparent)]
     Rover(#[from] ControlError),
-    /// The nominal rover makes no sense to this estimator.
-    #[error("nominal {quantity} is {value}; expected {expected}")]
-    Nominal {
-        /// What of it.
-        quantity: &'static str,
-        /// Its value.
-        value: f64,
-        /// What was expected.
-        expected: &'static str,
-    },
     /// A parameter of a group is outside its bounds.
     #[error("in `{group}`: {error}")]
     Parameter {

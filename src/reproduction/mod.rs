@@ -1,4 +1,4 @@
-//! The thesis's results beside ours: every figure and number of sections 2.4, 2.6 and 4.4 as a [`Finding`].
+//! The thesis's results beside ours: simulations and experiments of sections 2.3, 2.4, 2.6 and 4.4, each as a [`Finding`].
 //!
 //! A finding is computed, never stored: it drives the same models, sensors, estimators and controllers as every door
 //! and states the assumptions that the thesis leaves open. Nothing is tuned towards a published number; where ours

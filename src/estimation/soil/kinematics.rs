@@ -3,7 +3,7 @@
 
 use super::super::EstimationError;
 use super::super::error::{finite, same_count};
-use crate::control::Nominal;
+use crate::control::{ControlError, Nominal};
 use crate::rover::{MAX_COORDINATES, MAX_WHEELS};
 use crate::signals::Measurement;
 
@@ -72,21 +72,12 @@ impl Posture {
     }
 }
 
-/// Refuses a rover with more parts than an estimator on board has room for, or links that are not a tree.
-pub(super) fn check_structure(nominal: &Nominal) -> Result<(), EstimationError> {
-    let refuse =
-        |quantity, value: usize, expected| Err(EstimationError::Nominal { quantity, value: value as f64, expected });
-    if !(2..=MAX_WHEELS).contains(&nominal.wheels()) {
-        return refuse("number of wheels", nominal.wheels(), "2 to 8");
-    }
-    if nominal.links.len() > MAX_LINKS {
-        return refuse("number of links", nominal.links.len(), "at most 5");
-    }
-    if let Some((j, link)) = nominal.links.iter().enumerate().find(|(j, link)| link.parent > *j) {
-        return refuse("parent of a link", link.parent, if j == 0 { "0" } else { "a link of a lower number" });
-    }
-    if let Some(&body) = nominal.wheel_bodies.iter().find(|&&body| body > nominal.links.len()) {
-        return refuse("body of a wheel", body, "the chassis 0 or a link");
+/// Refuses a rover that makes no sense, or has more wheels than an estimator on board has room for.
+pub(super) fn check_rover(nominal: &Nominal) -> Result<(), EstimationError> {
+    nominal.check()?;
+    if nominal.wheels() > MAX_WHEELS {
+        let value = nominal.wheels() as f64;
+        return Err(ControlError::Nominal { quantity: "number of wheels", value, expected: "2 to 8" }.into());
     }
     Ok(())
 }
@@ -143,7 +134,7 @@ impl KinematicSinkage {
     /// # Errors
     /// [`EstimationError`] where the rover or the measurement makes no sense.
     pub fn from(nominal: &Nominal, start: &Measurement) -> Result<Self, EstimationError> {
-        check_structure(nominal)?;
+        check_rover(nominal)?;
         check_measurement(nominal, start)?;
         let mut sinkage = Self { nominal: nominal.clone(), heights: [0.0; MAX_WHEELS] };
         sinkage.restart(start);

@@ -12,7 +12,7 @@ mod wheel;
 use super::super::EstimationError;
 use super::directions::Direction;
 use super::filter::StrengthFilter;
-use super::kinematics::{KinematicSinkage, Posture, check_measurement, check_structure};
+use super::kinematics::{KinematicSinkage, Posture, check_measurement, check_rover};
 use super::loads::QuasiStatic;
 use super::parameters::SoilIdentification;
 use super::reading::{Deviations, Reading, Strength};
@@ -103,9 +103,9 @@ impl SoilIdentifier {
     /// # Errors
     /// [`EstimationError`] where the rover or a parameter makes no sense.
     pub fn new(nominal: &Nominal, parameters: SoilIdentification) -> Result<Self, EstimationError> {
-        check_structure(nominal)?;
+        check_rover(nominal)?;
         Ok(Self {
-            balance: QuasiStatic::new(nominal)?,
+            balance: QuasiStatic::new(nominal),
             filter: StrengthFilter::new(&nominal.wheel, &nominal.soil, parameters)?,
             nominal: nominal.clone(),
             start: None,
