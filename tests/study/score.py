@@ -48,9 +48,9 @@ def single(effect, result):
     true, verdict = effect["case"], result["verdict"]
     if verdict == "effect_missing" and set(named(result)) == {true}:
         return "right"
-    if verdict in ("effect_missing", "undetermined"):
+    if verdict == "undetermined":
         possible = tied(result)
-        if true in possible and (verdict == "undetermined" or len(named(result)) == 1):
+        if true in possible:
             alike = {name for name, c in effect["cosines"].items() if abs(c) > HONEST}
             return "right_tie" if possible - {true} <= alike else "broad_tie"
     if verdict == "effect_missing":
@@ -65,7 +65,7 @@ def pair(effects, result):
     if verdict == "effect_missing" and set(named(result)) == true:
         return "right"
     allowed = true | tied_allowed(effects)
-    if verdict in ("effect_missing", "undetermined") and true <= tied(result) and set(result["effects"]) <= allowed:
+    if verdict == "undetermined" and true <= tied(result) and set(result["effects"]) <= allowed:
         return "right_tie"
     if verdict == "effect_missing":
         if set(named(result)) - allowed:

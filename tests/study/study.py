@@ -4,7 +4,7 @@
     python3 tests/study/study.py --bekker target/release/bekker --set development --seeds 50 --out FOLDER
 
 Thresholds are chosen on `--set development` (the library's forms, seeds from 1000), frozen, and reported once on
-`--set report` (other forms of the literature, seeds from 7000). Results that exist in FOLDER are kept: the study goes on
+`--set report` (other forms of the literature, seeds from 9000). Results that exist in FOLDER are kept: the study goes on
 where it stopped. `--quick` is the small fixed part for CI; it fails where a case is wrong. Needs numpy only.
 """
 

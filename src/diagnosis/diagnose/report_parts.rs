@@ -10,7 +10,7 @@ use super::profile::profiles;
 use super::result::{CandidateResult, Diagnosis, LackOfFit, PairResult, ParameterResult, Share, Step};
 use super::search::Search;
 use super::stage::Stage;
-use super::verdict::{ALIKE, Finding, left, misfit};
+use super::verdict::{Finding, confused, left, misfit};
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::failure::{Failure, failures};
@@ -116,7 +116,7 @@ pub(crate) fn assemble(
         },
         smallest_p: 1.0 / (options.draws as f64 + 1.0),
         explained_share: 1.0 - last.left,
-        confused_with: confused(stage, &finding),
+        confused_with: confused(search, stage, &finding),
         failures: failures(&problem.experiment, &steps[0].fit, floors),
         failures_left: left_over,
         suggestions,
@@ -136,7 +136,7 @@ fn suggestions(inputs: &Inputs, finding: &Finding, fitted: &Calibration, left_ov
     let signatures = stage.sensitivities.signatures.iter().enumerate();
     let unseen = signatures.filter(|(k, _)| largest_size(stage, *k) < DETECTABLE).map(|(_, s)| s.id.clone());
     let blind: Vec<String> = unseen.chain(prepared.invisible.iter().cloned()).collect();
-    let pairs = confused(stage, finding);
+    let pairs = confused(search, stage, finding);
     let question = Question {
         problem: search.problem,
         values: &fitted.values()[..search.problem.base.len()],
@@ -282,18 +282,4 @@ fn probabilities(inputs: &Inputs) -> (Share, BTreeMap<String, f64>) {
         }
     }
     (share, inclusion)
-}
-
-/// Pairs that look alike here and of which one is named or tied.
-fn confused(stage: &Stage, finding: &Finding) -> Vec<[String; 2]> {
-    let mut pairs: Vec<[String; 2]> = Vec::new();
-    for own in &finding.involved() {
-        for signature in &stage.sensitivities.signatures {
-            let known = |pair: &[String; 2]| pair.contains(own) && pair.contains(&signature.id);
-            if signature.id != *own && stage.cosine(own, &signature.id) > ALIKE && !pairs.iter().any(known) {
-                pairs.push([own.clone(), signature.id.clone()]);
-            }
-        }
-    }
-    pairs
 }

@@ -151,3 +151,40 @@ pub(crate) fn without_effects(stage: &Stage, blind: f64) -> Finding {
     };
     Finding { verdict, effects: Vec::new(), ties: Vec::new(), cautions }
 }
+
+/// Pairs that look alike here and of which one is named or tied, less those that the data tell apart.
+pub(crate) fn confused(search: &Search, stage: &Stage, finding: &Finding) -> Vec<[String; 2]> {
+    let mut pairs: Vec<[String; 2]> = Vec::new();
+    for own in &finding.involved() {
+        // The set in which `own` plays its part: the effects found, or those with it in its rival's place.
+        let part_of = |(found, rival): &(String, String)| (rival == own).then(|| swapped(&finding.effects, found, own));
+        let set = finding.ties.iter().find_map(part_of).unwrap_or_else(|| finding.effects.clone());
+        for signature in &stage.sensitivities.signatures {
+            let known = |pair: &[String; 2]| pair.contains(own) && pair.contains(&signature.id);
+            if signature.id != *own
+                && stage.cosine(own, &signature.id) > ALIKE
+                && !told_apart(search, &set, own, &signature.id)
+                && !pairs.iter().any(known)
+            {
+                pairs.push([own.clone(), signature.id.clone()]);
+            }
+        }
+    }
+    pairs
+}
+
+fn swapped(effects: &[String], out: &str, into: &str) -> Vec<String> {
+    effects.iter().map(|id| if id == out { into } else { id.as_str() }.to_owned()).collect()
+}
+
+/// Whether the fits tell two effects apart although their signatures are alike: in the place of `own`, `other` gains less
+/// than the share that the cosine `ALIKE` stands for. A cosine knows neither of signs and bounds nor of large effects.
+fn told_apart(search: &Search, set: &[String], own: &str, other: &str) -> bool {
+    let in_place = swapped(set, own, other);
+    if set.iter().any(|id| id == other) || search.fits.get(&in_place).is_none() {
+        return false;
+    }
+    let without: Vec<String> = set.iter().filter(|id| *id != own).cloned().collect();
+    let rest = search.net_gain(&without);
+    search.net_gain(&in_place) - rest < ALIKE * ALIKE * (search.net_gain(set) - rest)
+}
