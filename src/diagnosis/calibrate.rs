@@ -127,7 +127,9 @@ fn least_squares<'a>(
     jacobian: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
 ) -> LeastSquares<'a> {
     let (lower, upper) = weighted.free.iter().map(Free::bounds).unzip();
-    LeastSquares { lower, upper, tolerance: weighted.predict.tolerance(), residual, jacobian }
+    let tolerance = weighted.predict.tolerance();
+    let far_tolerance = if weighted.hurried { weighted.predict.far_tolerance() } else { tolerance };
+    LeastSquares { lower, upper, tolerance, far_tolerance, residual, jacobian }
 }
 
 fn search(

@@ -85,7 +85,7 @@ fn with_problem(
     let robust = noise.robust.unwrap_or(f64::INFINITY);
     let fit = |predict: &dyn Predict| {
         f(
-            &Weighted { predict, layout: &problem.layout, free: &free, whitening: &whitening, robust },
+            &Weighted { predict, layout: &problem.layout, free: &free, whitening: &whitening, robust, hurried: true },
             &noise.deviations(),
         )
     };

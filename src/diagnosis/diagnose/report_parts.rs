@@ -52,6 +52,7 @@ pub(crate) fn whitened_residual(
             free: &free,
             whitening: search.ground.whitening,
             robust: f64::INFINITY,
+            hurried: true,
         };
         Ok(weighted.whitened(&predict.values(values)?, values))
     })?
