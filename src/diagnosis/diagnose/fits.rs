@@ -61,7 +61,7 @@ pub(crate) fn run(problem: &Problem, noise: &Noise, task: &Task) -> Option<Calib
         if task.starts.is_empty() {
             calibrate(weighted, weights, effort(problem))
         } else {
-            calibrate_from(weighted, weights, &task.starts)
+            calibrate_from(weighted, weights, &task.starts, most_searches(problem))
         }
     })
 }
@@ -90,6 +90,14 @@ fn with_problem(
         )
     };
     problem.predict(&free, fit).ok()?
+}
+
+/// Searches of a fit whose starts are given.
+fn most_searches(problem: &Problem) -> usize {
+    match problem.experiment.kind {
+        Kind::SingleWheel => usize::MAX,
+        Kind::Traverse => 2,
+    }
 }
 
 fn effort(problem: &Problem) -> Effort {

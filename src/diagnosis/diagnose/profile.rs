@@ -63,7 +63,7 @@ fn refit(search: &Search, free: &[Free], start: &[f64], k: usize, at: f64) -> Op
             let whitening = search.ground.whitening;
             let weighted =
                 Weighted { predict, layout: &problem.layout, free: &others, whitening, robust, hurried: true };
-            calibrate_from(&weighted, &search.noise.deviations(), &[start])
+            calibrate_from(&weighted, &search.noise.deviations(), &[start], 1)
         })
         .ok()??;
     let mut values = fit.values();

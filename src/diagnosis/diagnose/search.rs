@@ -90,7 +90,8 @@ impl Search<'_> {
         }
     }
 
-    /// Refits single effects on top of a stage: all on a carriage, those worth it on a traverse.
+    /// Refits single effects on top of a stage: all on a carriage, those worth it on a traverse, where all are if the stage
+    /// is far from the measurements.
     pub fn singles(&mut self, stage: &Stage) {
         let best = stage.gains.singles.iter().map(|(gain, ..)| *gain).fold(0.0, f64::max);
         let mut order: Vec<usize> = (0..stage.gains.singles.len()).collect();
@@ -100,7 +101,9 @@ impl Search<'_> {
             .into_iter()
             .enumerate()
             .filter(|(rank, k)| {
-                !traverse || (*rank < SINGLES_TRAVERSE && stage.gains.singles[*k].0 >= WORTH_A_REFIT * best)
+                !traverse
+                    || stage.fit.is_far()
+                    || (*rank < SINGLES_TRAVERSE && stage.gains.singles[*k].0 >= WORTH_A_REFIT * best)
             })
             .map(|(_, k)| k)
             .collect();
@@ -121,12 +124,17 @@ impl Search<'_> {
         }
         let shares: &[f64] = match self.problem.experiment.kind {
             Kind::SingleWheel => &STARTS,
+            Kind::Traverse if stage.fit.is_far() => &STARTS,
             Kind::Traverse if own.is_empty() => &STARTS[..1],
             Kind::Traverse => &[],
         };
         own.extend(
             shares.iter().map(|share| candidate.free.iter().map(|free| free.start + share * span(free)).collect()),
         );
+        if self.problem.experiment.kind == Kind::Traverse && stage.fit.is_far() {
+            // What a step along the sensitivities promises may be worse than the stage itself.
+            own.push(candidate.free.iter().map(|free| free.start).collect());
+        }
         let before = stage.fit.values();
         let parts = |own| {
             let mut parts: Vec<(&str, &[f64])> =
