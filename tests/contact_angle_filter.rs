@@ -210,6 +210,31 @@ fn property_a_filter_that_is_misled_starts_anew() {
     }
 }
 
+/// What a jerk of two readings may turn an angle by, that is not known within 15 degrees.
+const BY_A_JERK: f64 = 10.0 * std::f64::consts::PI / 180.0;
+
+#[test]
+fn property_a_jerk_from_rest_turns_no_angle() {
+    let mut case = Case::new(15.0, 0.1, 0.3);
+    case.model.kinematic_error = 0.1;
+    case.speed_noise = 0.004;
+    for seed in 0..50 {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut unit = || -> f64 { StandardNormal.sample(&mut rng) };
+        let rest = Truth { alpha: 0.0, v1: 0.0, gamma: [0.0; 2] };
+        let mut filter = PairFilter::new(case.model, &case.reading(&rest, &mut unit));
+        // The soil gives way under the starting drives: a rate that no ground makes.
+        for rate in [0.11, 0.14] {
+            let moving = case.reading(&Truth { v1: 0.067, ..rest }, &mut unit);
+            filter.step(0.01, &PairReading { rate: Some([rate, case.rate_noise.powi(2)]), ..moving });
+        }
+        for point in [0, 1] {
+            let [angle, _] = filter.angle(point);
+            assert!(angle.abs() < BY_A_JERK, "seed {seed}, point {point}: {angle} rad");
+        }
+    }
+}
+
 /// Arithmetic of a dozen operations.
 const ROUNDING: f64 = 1e-12;
 
