@@ -2,7 +2,7 @@
 
 use super::ReproductionError;
 use super::contender::{RTC, VELOCITY, as_in_the_thesis, holding_speed, with};
-use crate::model::{ContactAngleSource, ControlKind, Distribution, Model, Variation};
+use crate::model::{ControlKind, Distribution, Model, Variation};
 use crate::rover::Rover;
 use crate::soil::Soil;
 use crate::terrain::LooseDitch;
@@ -124,7 +124,7 @@ pub(super) struct Entrant {
 pub(super) const ENTRANTS: &[Entrant] = &[
     Entrant { name: VELOCITY, apply: |model| with(model, ControlKind::Velocity), command: |trial| trial.speed },
     Entrant { name: RTC, apply: by_body_force, command: wish },
-    Entrant { name: "RTC, true contact angles", apply: by_body_force_with_true_angles, command: wish },
+    Entrant { name: "RTC that knows the soil's resistance", apply: by_body_force_with_resistance, command: wish },
     Entrant { name: "RTC holding its speed", apply: holding_speed, command: |trial| trial.speed },
     Entrant {
         name: "slip control by the true slip",
@@ -139,9 +139,11 @@ fn by_body_force(model: &mut Model) {
     model.control.rtc.gain = OPEN_LOOP;
 }
 
-fn by_body_force_with_true_angles(model: &mut Model) {
+/// Without the soil's resistance the balance takes all torque for pull at the axles: it then believes that the pull tips the
+/// bogie back, holds its front wheel for unloaded, and brakes it.
+fn by_body_force_with_resistance(model: &mut Model) {
     by_body_force(model);
-    model.control.contact_angles = ContactAngleSource::Sensor;
+    model.control.rtc.resistance = 1.0;
 }
 
 /// The desired speed at which m K v_desired is the body force, m/s.

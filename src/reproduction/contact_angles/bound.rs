@@ -40,7 +40,7 @@ impl Wave {
         let mut information = Information::new(self, &splines);
         let transient = (self.transient() as f64 * self.period / step) as usize;
         let every = (1.0 / (FINE * CHECKS)) as usize;
-        let checked = |k: usize| k >= transient && k % every == 0;
+        let checked = |k: usize| k >= transient && k.is_multiple_of(every);
         let mut filter = [MeanSquare::default(); 2];
         for (k, instant) in truth.iter().enumerate() {
             let row = splines.at(way(k));

@@ -16,6 +16,9 @@ const SPEED: f64 = 0.05;
 /// Time over way/speed after which a drive counts as stuck.
 const PATIENCE: f64 = 4.0;
 
+/// Changes what an estimator believes.
+pub(super) type Belief = fn(&mut ContactAngleEstimation);
+
 /// A drive over some ground.
 #[derive(Clone, Debug)]
 pub(super) struct Drive {
@@ -27,7 +30,7 @@ pub(super) struct Drive {
     /// Whether the estimator reads a gyroscope.
     pub gyroscope: bool,
     /// Changes what the estimator believes.
-    pub believe: fn(&mut ContactAngleEstimation),
+    pub believe: Belief,
     pub seed: u32,
 }
 

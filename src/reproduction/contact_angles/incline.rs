@@ -1,9 +1,8 @@
 //! The incline of 2.6.2: figures 2.25 and 2.26.
 
 use super::ContactAnglesError;
-use super::drive::{Drive, Driven, GROUND, SENSORS, drive_all};
+use super::drive::{Belief, Drive, Driven, GROUND, SENSORS, drive_all};
 use super::rock::{WHEELS, consistency_rows, error_rows, line};
-use crate::estimation::ContactAngleEstimation;
 use crate::reproduction::{Finding, Plot};
 use crate::rover::Rover;
 use crate::terrain::{Profile, Samples, SamplesError, Terrain};
@@ -18,7 +17,7 @@ const WAY: f64 = 1.0;
 const SPACING: f64 = 0.005;
 
 /// What the filter may believe instead, one at a time.
-const VARIATIONS: [(&str, fn(&mut ContactAngleEstimation)); 4] = [
+const VARIATIONS: [(&str, Belief); 4] = [
     (", slip taken as known within 3 %", |belief| belief.slip_deviation = 0.03),
     (", ground taken as three times as smooth", |belief| belief.correlation_length *= 3.0),
     (", ground taken as a third as smooth", |belief| belief.correlation_length /= 3.0),

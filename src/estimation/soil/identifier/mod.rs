@@ -154,9 +154,9 @@ impl SoilIdentifier {
         self.travel(measured);
         let before = (self.filter.clone(), self.travelled);
         let mut observed = [None; MAX_WHEELS];
-        for k in 0..self.nominal.wheels() {
+        for (k, observed) in observed.iter_mut().enumerate().take(self.nominal.wheels()) {
             match self.observe(&scene, k) {
-                Ok(ready) => observed[k] = Some(ready),
+                Ok(ready) => *observed = Some(ready),
                 Err(silent) => (self.uses[k], self.readings[k]) = (silent, None),
             }
         }
