@@ -140,7 +140,7 @@ fn by_body_force(model: &mut Model) {
 }
 
 /// Without the soil's resistance the balance takes all torque for pull at the axles: it then believes that the pull tips the
-/// bogie back, holds its front wheel for unloaded, and brakes it.
+/// bogie back, holds its front wheel for unloaded, and brakes it. With it a part of the lost thrust comes back.
 fn by_body_force_with_resistance(model: &mut Model) {
     by_body_force(model);
     model.control.rtc.resistance = 1.0;
