@@ -99,9 +99,10 @@ impl Cell {
                 thesis: published.filter(|_| self.wall >= STEEPEST),
                 ours: self.share(k),
                 reason:
-                    "Decided by the wheels' traction, which the thesis does not give. Shear stress (2.1) never falls \
-                         with slip, so that a spinning wheel pulls as hard as any and no torque pulls harder; RTC \
-                         without a term for the soil's resistance asks for too little on the wall."
+                    "Decided by the wheels' traction, which the thesis does not give. Shear stress (2.1) never falls with \
+                     slip, so that a spinning wheel pulls as hard as any and no torque pulls harder. RTC's balance (4.3) \
+                     takes all torque for pull, so the bogie's front wheel for unloaded, and brakes it: the soil's resistance \
+                     in the balance makes up for a part, speed loops at the wheels for the rest."
                         .to_owned(),
             }
         };
