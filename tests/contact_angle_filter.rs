@@ -16,6 +16,7 @@ struct Case {
     rate_noise: f64,
     speed_noise: f64,
     dt: f64,
+    gyroscope: bool,
 }
 
 /// True motion of a [`Case`].
@@ -49,14 +50,16 @@ impl Case {
             kinematic_error: 0.001,
         };
         let speed_noise = 0.002;
-        Self { model, speed: 0.1, pitch_noise: 0.3_f64.to_radians(), rate_noise: 0.01, speed_noise, dt: 0.02 }
+        let pitch_noise = 0.3_f64.to_radians();
+        Self { model, speed: 0.1, pitch_noise, rate_noise: 0.01, speed_noise, dt: 0.02, gyroscope: true }
     }
 
     fn reading(&self, truth: &Truth, unit: &mut impl FnMut() -> f64) -> PairReading {
         let noisy = |value: f64, deviation: f64, unit: f64| [value + deviation * unit, deviation * deviation];
+        let rate = noisy(truth.rate(self.model.distance), self.rate_noise, unit());
         PairReading {
             inclination: noisy(truth.alpha, self.pitch_noise, unit()),
-            rate: Some(noisy(truth.rate(self.model.distance), self.rate_noise, unit())),
+            rate: self.gyroscope.then_some(rate),
             speeds: [noisy(truth.v1, self.speed_noise, unit()), noisy(truth.v2(), self.speed_noise, unit())],
         }
     }
@@ -84,7 +87,8 @@ const LINEARISED: f64 = 1.05;
 
 #[test]
 fn property_the_filter_is_consistent_on_ground_that_is_as_it_believes() {
-    for case in [Case::new(12.0, 0.1, 0.2), Case::new(10.0, 0.5, 0.5)] {
+    let cases = [Case::new(12.0, 0.1, 0.2), Case::new(10.0, 0.5, 0.5)];
+    for case in cases.into_iter().flat_map(|case| [case, Case { gyroscope: false, ..case }]) {
         let (mut angles, mut entries, mut innovations, mut count) = (0.0, 0.0, 0.0, 0);
         for seed in 0..SEEDS {
             let mut rng = ChaCha8Rng::seed_from_u64(seed as u64);
@@ -203,6 +207,31 @@ fn property_a_filter_that_is_misled_starts_anew() {
     assert!(filter.restarts() >= 1);
     for point in [0, 1] {
         assert!((filter.angle(point)[0] - 0.5).abs() < 0.02, "{:?}", filter.angle(point));
+    }
+}
+
+/// What a jerk of two readings may turn an angle by, that is not known within 15 degrees.
+const BY_A_JERK: f64 = 10.0 * std::f64::consts::PI / 180.0;
+
+#[test]
+fn property_a_jerk_from_rest_turns_no_angle() {
+    let mut case = Case::new(15.0, 0.1, 0.3);
+    case.model.kinematic_error = 0.1;
+    case.speed_noise = 0.004;
+    for seed in 0..50 {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut unit = || -> f64 { StandardNormal.sample(&mut rng) };
+        let rest = Truth { alpha: 0.0, v1: 0.0, gamma: [0.0; 2] };
+        let mut filter = PairFilter::new(case.model, &case.reading(&rest, &mut unit));
+        // The soil gives way under the starting drives: a rate that no ground makes.
+        for rate in [0.11, 0.14] {
+            let moving = case.reading(&Truth { v1: 0.067, ..rest }, &mut unit);
+            filter.step(0.01, &PairReading { rate: Some([rate, case.rate_noise.powi(2)]), ..moving });
+        }
+        for point in [0, 1] {
+            let [angle, _] = filter.angle(point);
+            assert!(angle.abs() < BY_A_JERK, "seed {seed}, point {point}: {angle} rad");
+        }
     }
 }
 

@@ -78,3 +78,16 @@ fn property_a_closed_loop_allocates_nothing() {
         }
     }
 }
+
+#[test]
+fn property_estimators_in_the_loop_allocate_nothing() {
+    for preset in ["gentle_rtc", "rocker_bogie_velocity"] {
+        let text = format!(
+            "preset = '{preset}'\n[control]\nkind = 'rtc'\nsolver = 'active_set'\nsoil = 'estimator'\n\
+             contact_angles = 'estimator'\n"
+        );
+        let mut run = Model::from_toml(&text, None).expect("a model").start().expect("a start");
+        run.advance(200).expect("a drive");
+        assert_eq!(counting::allocations(|| assert!(run.advance(500).is_ok())), 0, "{preset}");
+    }
+}

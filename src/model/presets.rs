@@ -2,7 +2,7 @@
 
 use super::{ControlKind, Model, ModelError};
 use crate::rover::Rover;
-use crate::terrain::{Ditch, Incline, LooseDitch, Profile, Rough, Terrain, TerrainSpecError, Waves};
+use crate::terrain::{Incline, LooseDitch, Profile, Rough, Terrain, TerrainSpecError, Waves};
 
 /// Names and meanings of the built-in models.
 pub const PRESETS: &[(&str, &str)] = &[
@@ -38,7 +38,7 @@ impl Model {
             "rocker_bogie_velocity" => (Rover::rocker_bogie(), ControlKind::Velocity, gentle(1.0)),
             "challenging_velocity" => (Rover::two_wheeled(), ControlKind::Velocity, rough()?),
             "challenging_rtc" => (Rover::two_wheeled(), ControlKind::Rtc, rough()?),
-            "fsrl_ditch" => (Rover::fsrl(), ControlKind::Velocity, ditch(Rover::fsrl().soil.cohesion)?),
+            "fsrl_ditch" => (Rover::fsrl(), ControlKind::Velocity, ditch(&Rover::fsrl())?),
             "fsrl_incline" => (Rover::fsrl(), ControlKind::Velocity, incline()?),
             _ => return Err(ModelError::UnknownPreset { name: name.to_owned() }),
         };
@@ -60,12 +60,20 @@ fn gentle(wavelength: f64) -> Terrain {
     Terrain::new(Profile::Waves(Waves { amplitude, wavelength, start: 0.5 }))
 }
 
-/// The ditch of 4.4.2: about one wheel diameter deep, two to four wide, covered by loose sand. Three diameters and half
-/// the stiffness of the ground around are assumptions; the sand's cohesion is that of the thesis's bevameter sand.
-fn ditch(firm_cohesion: f64) -> Result<Terrain, TerrainSpecError> {
-    let diameter = 0.128;
-    let ditch = Ditch { depth: diameter, width: 3.0 * diameter, position: 0.7 };
-    Ok(LooseDitch { ditch, cohesion: 180.0, modulus_factor: 0.5 }.terrain(firm_cohesion)?)
+/// The ditch of 4.4.2, covered by loose sand: three wheel diameters wide, of the two to four that are stated, its walls as
+/// steep as the soil's friction angle of 28 degrees, which is as steep as loose sand lies. Half the stiffness of the dry
+/// sand around is an assumption; the loose sand's cohesion is that of the thesis's bevameter sand.
+fn ditch(rover: &Rover) -> Result<Terrain, TerrainSpecError> {
+    let radius = rover.wheel.radius;
+    let ditch = LooseDitch {
+        width: 6.0 * radius,
+        wall: rover.soil.friction_angle,
+        rounding: 1.25 * radius,
+        position: 0.7,
+        cohesion: 180.0,
+        modulus_factor: 0.5,
+    };
+    ditch.terrain(rover.soil.cohesion)
 }
 
 fn rough() -> Result<Terrain, TerrainSpecError> {

@@ -36,11 +36,11 @@ pub(super) const FIELD: &[Contender] = &[
     },
 ];
 
-const VELOCITY: &str = "velocity control";
-const RTC: &str = "RTC";
+pub(super) const VELOCITY: &str = "velocity control";
+pub(super) const RTC: &str = "RTC";
 
 /// RTC as section 4.4.1 has it: pitch and wheel speeds are measured, contact angles estimated from them, the soil known.
-fn as_in_the_thesis(model: &mut Model) {
+pub(super) fn as_in_the_thesis(model: &mut Model) {
     with(model, ControlKind::Rtc);
     model.control.contact_angles = ContactAngleSource::Estimator;
 }
@@ -57,7 +57,7 @@ fn identifying(model: &mut Model) {
 
 /// RTC with all that the thesis leaves out and the project offers: it makes up for the soil's resistance, integrates the
 /// speed error, and each wheel's own loop (the gains of velocity control) keeps it within 20 % of the wanted speed.
-fn holding_speed(model: &mut Model) {
+pub(super) fn holding_speed(model: &mut Model) {
     as_in_the_thesis(model);
     let velocity = model.control.velocity;
     let rtc = &mut model.control.rtc;
@@ -65,7 +65,7 @@ fn holding_speed(model: &mut Model) {
     (rtc.speed_kp, rtc.speed_ki) = (velocity.kp, velocity.ki);
 }
 
-fn with(model: &mut Model, kind: ControlKind) {
+pub(super) fn with(model: &mut Model, kind: ControlKind) {
     model.control.kind = kind;
     model.sensors.body.pitch_noise = PITCH_NOISE;
     model.sensors.encoder.wheel_speed_noise = WHEEL_SPEED_NOISE;

@@ -9,6 +9,7 @@ mod challenging;
 pub mod contact_angles;
 mod contender;
 mod ditch;
+mod ditch_rover;
 mod drive;
 pub mod instruments;
 pub mod on_board;

@@ -1,6 +1,8 @@
 //! Ground of the thesis's experiments, where a preset with a few numbers does not describe it.
 
-use super::{Ditch, Profile, Random, Samples, SamplesError, SoilColumn, SoilTable, SoilTableError, Spectrum, Terrain};
+use super::{
+    Profile, Random, Samples, SamplesError, SoilColumn, SoilTable, SoilTableError, Spectrum, Terrain, TerrainSpecError,
+};
 use std::sync::Arc;
 
 /// Distance between the samples of a course, m: fine beside every wheel that the project ships.
@@ -100,11 +102,20 @@ impl Incline {
     }
 }
 
-/// A ditch filled with loose sand in firmer ground.
+/// A ditch of loose sand in firmer ground: straight walls with rounded rims and a rounded bottom.
+///
+/// Loose sand slides down to its angle of repose, about its friction angle, so that depth and width hang together: a
+/// ditch as wide as `width` is at most tan(wall) (width/2 - rounding sin(wall)) deep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LooseDitch {
-    /// Shape of its surface.
-    pub ditch: Ditch,
+    /// Distance from rim to rim, m.
+    pub width: f64,
+    /// Slope of the walls, rad.
+    pub wall: f64,
+    /// Radius of rims and bottom, m; no less than that of a wheel, which shapes loose sand so.
+    pub rounding: f64,
+    /// Position of the deepest place, m.
+    pub position: f64,
     /// Cohesion of the loose sand, Pa.
     pub cohesion: f64,
     /// Factor of the loose sand on Bekker's moduli.
@@ -114,14 +125,38 @@ pub struct LooseDitch {
 impl LooseDitch {
     /// Width along x over which the soil changes, m.
     const EDGE: f64 = 0.02;
+    /// Distance between the samples of the ditch, m.
+    const SPACING: f64 = 0.0025;
+    /// Known ground before and behind the ditch, m.
+    const AROUND: f64 = 5.0;
+
+    /// Depth of the deepest place below the level ground, m.
+    #[must_use]
+    pub fn depth(&self) -> f64 {
+        -self.height(0.0)
+    }
 
     /// The ground; `firm_cohesion` (Pa) is that of the soil outside.
     ///
     /// # Errors
-    /// [`SoilTableError`] where a number is out of range.
-    pub fn terrain(&self, firm_cohesion: f64) -> Result<Terrain, SoilTableError> {
-        let Ditch { width, position, .. } = self.ditch;
-        let (from, to) = (position - 0.5 * width, position + 0.5 * width);
+    /// [`TerrainSpecError`] where a number is out of range.
+    pub fn terrain(&self, firm_cohesion: f64) -> Result<Terrain, TerrainSpecError> {
+        let half = 0.5 * self.width;
+        let count = (self.width / Self::SPACING).max(2.0).ceil() as usize;
+        let along = |i: usize| -half + self.width * i as f64 / count as f64;
+        // A sample a spacing outside keeps the level ground level up to the rims.
+        let beside = [half + Self::AROUND, half + Self::SPACING];
+        let mut places: Vec<f64> = beside.iter().map(|x| -x).collect();
+        places.extend((0..=count).map(along));
+        places.extend(beside.iter().rev());
+        let z: Vec<f64> = places.iter().map(|&along| self.height(along)).collect();
+        let x: Vec<f64> = places.iter().map(|along| self.position + along).collect();
+        let ground = Terrain::new(Profile::Samples(Arc::new(Samples::new(&x, &z)?)));
+        Ok(ground.with_soil(self.soil(firm_cohesion)?))
+    }
+
+    fn soil(&self, firm_cohesion: f64) -> Result<SoilTable, SoilTableError> {
+        let (from, to) = (self.position - 0.5 * self.width, self.position + 0.5 * self.width);
         let x = vec![from - Self::EDGE, from, to, to + Self::EDGE];
         let column = |name: &str, firm: f64, loose: f64| SoilColumn {
             name: name.to_owned(),
@@ -132,7 +167,28 @@ impl LooseDitch {
             column("k_phi_factor", 1.0, self.modulus_factor),
             column("k_c_factor", 1.0, self.modulus_factor),
         ];
-        Ok(Terrain::new(Profile::Ditch(self.ditch)).with_soil(SoilTable::new(x, columns)?))
+        SoilTable::new(x, columns)
+    }
+
+    /// Height at a distance from the middle, m: arcs of circles and straight lines, C1. A ditch too narrow for its walls
+    /// has its rims' arcs meet the bottom's.
+    fn height(&self, along: f64) -> f64 {
+        let half = 0.5 * self.width;
+        let wall = self.wall.min((0.5 * half / self.rounding).min(1.0).asin());
+        let (sin, cos) = wall.sin_cos();
+        // Each arc reaches `reach` along x and `rise` in height.
+        let (reach, rise) = (self.rounding * sin, self.rounding * (1.0 - cos));
+        let depth = 2.0 * rise + wall.tan() * (half - 2.0 * reach);
+        let from_rim = (half - along.abs()).max(0.0);
+        let from_middle = half - from_rim;
+        let arc = |x: f64| self.rounding - (self.rounding * self.rounding - x * x).max(0.0).sqrt();
+        if from_rim < reach {
+            -arc(from_rim)
+        } else if from_middle < reach {
+            arc(from_middle) - depth
+        } else {
+            -rise - wall.tan() * (from_rim - reach)
+        }
     }
 }
 
@@ -170,6 +226,30 @@ mod tests {
         assert!((far.slope - course.slope.tan()).abs() < 1e-9);
         let expected = course.slope.tan() * (2.0 - course.start - 0.5 * course.transition);
         assert!((far.height - expected).abs() < 1e-9, "{}", far.height);
+        Ok(())
+    }
+
+    /// Secants of 2.5 mm between arcs of 8 cm.
+    const SAMPLED: f64 = 0.01;
+
+    #[test]
+    fn analytic_a_loose_ditch_has_walls_of_the_given_slope() -> Outcome {
+        let wall = 28.0_f64.to_radians();
+        let ditch =
+            LooseDitch { width: 0.4, wall, rounding: 0.08, position: 1.0, cohesion: 180.0, modulus_factor: 0.5 };
+        // The straight wall would reach the middle `reach/2` on either side lower than the arcs let it.
+        let reach = 0.08 * wall.sin();
+        let depth = wall.tan() * (0.2 - 2.0 * reach) + 2.0 * 0.08 * (1.0 - wall.cos());
+        assert!((ditch.depth() - depth).abs() < 1e-12);
+        let terrain = ditch.terrain(1000.0)?;
+        assert!((terrain.at(1.0).height + depth).abs() < 1e-6 && terrain.at(1.0).slope.abs() < SAMPLED);
+        assert!((terrain.at(1.1).slope - wall.tan()).abs() < 1e-6);
+        assert_eq!((terrain.at(0.79).height, terrain.at(1.21).height), (0.0, 0.0));
+        let steepest = (0..400).map(|i| terrain.at(0.8 + 1e-3 * f64::from(i)).slope.abs()).fold(0.0, f64::max);
+        assert!((steepest - wall.tan()).abs() < SAMPLED, "{steepest}");
+        // Too narrow for walls of that slope: arcs alone, less steep.
+        let narrow = LooseDitch { width: 0.1, ..ditch };
+        assert!(narrow.depth() > 0.0 && narrow.depth() < 0.5 * wall.tan() * 0.1);
         Ok(())
     }
 }

@@ -41,7 +41,8 @@ use super::error::{ControlError, finite, same_count, same_links, within_bounds};
 use super::{Controller, Nominal};
 use crate::signals::{Command, Drive, Measurement, Reference};
 use crate::soil::Soil;
-use bekker_modeldescription::{Unit, parameters};
+use bekker_modeldescription::{Lookup, Unit, parameters};
+use std::ops::RangeInclusive;
 
 parameters! {
     /// Rough-terrain control.
@@ -143,6 +144,8 @@ pub struct Rtc {
     /// Acceleration that the integral action asks for, m/s^2.
     integral: f64,
     speed_loops: Vec<SpeedLoop>,
+    /// Bounds of cohesion, friction angle and shear modulus.
+    strength_bounds: [RangeInclusive<f64>; 3],
 }
 
 impl Rtc {
@@ -173,8 +176,19 @@ impl Rtc {
         let problem = Problem::new(&nominal, load);
         let optimiser = Optimiser::new(&problem, options.solver);
         let (forces, speed_loops) = (vec![0.0; 2 * wheels], vec![SpeedLoop::default(); wheels]);
-        let outcome = None;
-        Ok(Self { nominal, parameters, options, problem, optimiser, forces, outcome, integral: 0.0, speed_loops })
+        let strength_bounds = ["cohesion", "friction_angle", "shear_modulus"].map(bounds_of_soil);
+        Ok(Self {
+            nominal,
+            parameters,
+            options,
+            problem,
+            optimiser,
+            forces,
+            outcome: None,
+            integral: 0.0,
+            speed_loops,
+            strength_bounds,
+        })
     }
 
     /// Takes over an estimate of the soil's strength: cohesion, Pa, friction angle, rad, and shear modulus K, m (which
@@ -184,7 +198,11 @@ impl Rtc {
     /// [`ControlError::Parameter`] where a value is out of bounds or not finite; the soil is then as before.
     pub fn set_soil(&mut self, cohesion: f64, friction_angle: f64, shear_modulus: f64) -> Result<(), ControlError> {
         let soil = Soil { cohesion, friction_angle, shear_modulus, ..self.nominal.soil };
-        within_bounds("estimated soil", soil)?;
+        let values = [cohesion, friction_angle, shear_modulus];
+        // The vocabulary's own check lists all parameters, which allocates: it is left to say what is wrong.
+        if !values.iter().zip(&self.strength_bounds).all(|(value, bounds)| bounds.contains(value)) {
+            within_bounds("estimated soil", soil)?;
+        }
         self.nominal.soil = soil;
         Ok(())
     }
@@ -321,6 +339,12 @@ impl Rtc {
         let tractions = self.forces.iter().step_by(2);
         tractions.map(|traction| self.nominal.winding_power(self.nominal.wheel.radius * traction)).sum()
     }
+}
+
+/// Bounds of a parameter of the soil in the vocabulary; none contains anything where there is no such parameter.
+fn bounds_of_soil(name: &str) -> RangeInclusive<f64> {
+    let all = Soil::<f64>::default().list();
+    all.iter().find(|(variable, _)| variable.name == name).map_or(f64::NAN..=f64::NAN, |(of, _)| of.min..=of.max)
 }
 
 impl Controller for Rtc {

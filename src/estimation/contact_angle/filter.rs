@@ -120,7 +120,10 @@ impl PairFilter {
         covariance[(GAMMA[1], GAMMA[0])] = alpha_variance;
         let mut filter =
             Self { model, state: [alpha, rate, v1, v2, mean, mean].into(), covariance, bias: 0.0, restarts: 0 };
-        filter.constrain(0.0);
+        // At rest the equations tie the angles to the noise of the speeds and of the rate, and the first jerk would turn them.
+        if !filter.stands() {
+            filter.constrain(0.0);
+        }
         filter
     }
 

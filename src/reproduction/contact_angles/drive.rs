@@ -2,7 +2,9 @@
 
 use super::{ContactAnglesError, MeanSquare};
 use crate::estimation::{ContactAngleEstimation, ContactAngles};
-use crate::model::{Model, nominal};
+use crate::model::{Model, Plant, nominal};
+use crate::obstacle::Obstacle;
+use crate::parallel::map_in_order;
 use crate::sensors::Sensors;
 use crate::simulation::Status;
 use crate::soil::Soil;
@@ -14,14 +16,21 @@ const SPEED: f64 = 0.05;
 /// Time over way/speed after which a drive counts as stuck.
 const PATIENCE: f64 = 4.0;
 
+/// Changes what an estimator believes.
+pub(super) type Belief = fn(&mut ContactAngleEstimation);
+
 /// A drive over some ground.
 #[derive(Clone, Debug)]
 pub(super) struct Drive {
     pub terrain: Terrain,
+    /// Rigid obstacle on it; with one the plant is that of rigid bodies.
+    pub obstacle: Option<Obstacle>,
     /// Way of the chassis, m.
     pub way: f64,
     /// Whether the estimator reads a gyroscope.
     pub gyroscope: bool,
+    /// Changes what the estimator believes.
+    pub believe: Belief,
     pub seed: u32,
 }
 
@@ -68,19 +77,25 @@ impl Drive {
         model.rover.soil = firm(&model.rover.soil);
         model.sensors = sensors();
         model.stepping.seed = self.seed;
+        if let Some(obstacle) = self.obstacle {
+            model.stepping.plant = Plant::RigidBodies;
+            model.obstacles.push(obstacle);
+        }
         Ok(model)
     }
 
     fn parameters(&self) -> ContactAngleEstimation {
         let Sensors { encoder, body, gyroscope, joint, .. } = sensors();
-        ContactAngleEstimation {
+        let mut parameters = ContactAngleEstimation {
             pitch_noise: body.pitch_noise,
             pitch_rate_noise: if self.gyroscope { gyroscope.pitch_rate_noise } else { 1e3 },
             link_angle_noise: joint.link_angle_noise,
             link_rate_noise: joint.link_rate_noise,
             wheel_speed_noise: encoder.wheel_speed_noise,
             ..ContactAngleEstimation::default()
-        }
+        };
+        (self.believe)(&mut parameters);
+        parameters
     }
 
     /// Drives, and compares estimates with the true slope under each wheel at every control period.
@@ -136,6 +151,13 @@ impl Drive {
             Status::Running => Ok(()),
         }
     }
+}
+
+/// The same drive with the seeds 0..`trials`.
+pub(super) fn drive_all(drive: &Drive, trials: u32) -> Result<Vec<Driven>, ContactAnglesError> {
+    let seeds: Vec<u32> = (0..trials).collect();
+    let of_seed = |seed: &u32| Drive { seed: *seed, ..drive.clone() }.run();
+    map_in_order(&seeds, of_seed).into_iter().collect()
 }
 
 impl Driven {

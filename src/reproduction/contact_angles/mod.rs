@@ -1,11 +1,13 @@
 //! Section 2.6: contact angles estimated in simulation (2.6.1) and on a rocker-bogie rover (2.6.2).
 
+mod bound;
 mod drive;
 mod incline;
 mod rock;
 mod undulating;
 mod wave;
 
+pub use bound::Bound;
 pub use incline::incline;
 pub use rock::rock;
 pub use undulating::undulating;

@@ -93,6 +93,11 @@ impl Wave {
         0.5 * self.distance * sin / (half_turn * cos).sin()
     }
 
+    /// Deviation of the wave's slope, rad.
+    pub(super) fn angle_deviation(&self) -> f64 {
+        (self.amplitude() * TAU / self.wavelength).atan() * FRAC_1_SQRT_2
+    }
+
     /// The true motion, reading by reading.
     pub(super) fn truth(&self) -> Vec<Truth> {
         let (amplitude, k) = (self.amplitude(), TAU / self.wavelength);
@@ -152,7 +157,7 @@ impl Wave {
             rate_drift: 0.0,
             speed_drift: self.speed_noise / (length / self.speed).sqrt(),
             offset: 0.0,
-            angle_deviation: (self.amplitude() * k).atan() * FRAC_1_SQRT_2,
+            angle_deviation: self.angle_deviation(),
             correlation_length: length,
             kinematic_error: 0.001,
         }
@@ -189,7 +194,8 @@ impl Wave {
         truth.iter().map(&mut reading).collect()
     }
 
-    fn transient(&self) -> usize {
+    /// Readings of the initial transient.
+    pub(super) fn transient(&self) -> usize {
         (TRANSIENT * self.wavelength / (self.speed * self.period)) as usize
     }
 

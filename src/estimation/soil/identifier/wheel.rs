@@ -18,29 +18,61 @@ struct Rolling {
     rim_speed: f64,
 }
 
+/// A wheel's mean readings that tell of the soil.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ready {
+    mean: Sums,
+    slip: f64,
+    /// Standard deviation of the slip by the noise of the body's velocity, which all wheels share.
+    by_velocity: f64,
+    /// Standard deviation of the slip by the noise of the wheel's own encoder.
+    by_encoder: f64,
+}
+
+impl Ready {
+    /// Time of the first of the readings, s.
+    pub fn since(&self) -> f64 {
+        self.mean.since
+    }
+}
+
 impl SoilIdentifier {
-    /// What wheel `k` says, and its use by the filter.
-    pub(super) fn read(
+    /// Takes wheel `k`'s reading in; its mean where that is due and tells something, and otherwise why not.
+    pub(super) fn observe(&mut self, scene: &Scene, k: usize) -> Result<Ready, WheelUse> {
+        if let Some(silent) = self.silent(scene, k) {
+            self.sums[k] = Sums::default();
+            return Err(silent);
+        }
+        let mean = self.averaged(scene, k).ok_or(WheelUse::Averaging)?;
+        if self.accelerates(scene, &mean) {
+            return Err(WheelUse::Accelerating);
+        }
+        let parameters = self.filter.parameters();
+        let ratio = mean.velocity.max(0.0) / mean.rim_speed;
+        let root = mean.count.sqrt();
+        let by_velocity = parameters.velocity_noise / mean.rim_speed / root;
+        let by_encoder = ratio * self.nominal.wheel.radius * parameters.wheel_speed_noise / mean.rim_speed / root;
+        let slip = 1.0 - ratio;
+        if slip < parameters.minimum_slip.max(SURE * by_velocity.hypot(by_encoder)) {
+            return Err(WheelUse::NoSlip);
+        }
+        Ok(Ready { mean, slip, by_velocity, by_encoder })
+    }
+
+    /// What became of wheel `k`'s means, of which `sharing` wheels have the same noise of the body's velocity: each takes its
+    /// part of what that tells, so that it does not count twice.
+    pub(super) fn take(
         &mut self,
         scene: &Scene,
         k: usize,
+        ready: &Ready,
+        sharing: usize,
     ) -> Result<(WheelUse, Option<(Reading, Deviations)>), EstimationError> {
-        if let Some(silent) = self.silent(scene, k) {
-            self.sums[k] = Sums::default();
-            return Ok((silent, None));
-        }
-        let Some(mean) = self.averaged(scene, k) else {
-            return Ok((WheelUse::Averaging, None));
-        };
-        let parameters = *self.filter.parameters();
-        let (slip, slip_deviation) = self.slip(mean.velocity.max(0.0), mean.rim_speed);
-        let slip_deviation = slip_deviation / mean.count.sqrt();
-        if slip < parameters.minimum_slip.max(SURE * slip_deviation) {
-            return Ok((WheelUse::NoSlip, None));
-        }
+        let Ready { mean, slip, by_velocity, by_encoder } = *ready;
         let Some((sinkage, sinkage_deviation)) = self.sinkage(scene, k, mean.load, slip) else {
             return Ok((WheelUse::Sunk, None));
         };
+        let parameters = *self.filter.parameters();
         let reading = Reading { load: mean.load, torque: mean.torque, sinkage, slip };
         // Errors that last count as one reading a correlation time.
         let step = self.read_at[k].map_or(f64::INFINITY, |before| scene.measured.time - before);
@@ -49,9 +81,22 @@ impl SoilIdentifier {
             load: parameters.load_error * mean.load * repeated,
             torque: parameters.torque_noise / mean.count.sqrt(),
             sinkage: sinkage_deviation * repeated,
-            slip: slip_deviation,
+            slip: by_encoder.hypot(by_velocity * (sharing as f64).sqrt()),
         };
         Ok((self.filtered(&reading, &errors)?, Some((reading, errors))))
+    }
+
+    /// Whether the body's acceleration over the averaging time is beyond its noise, and of the weight more than the loads'
+    /// error: the balance of the loads knows no inertia.
+    fn accelerates(&self, scene: &Scene, mean: &Sums) -> bool {
+        let time = scene.measured.time - mean.since;
+        if time <= 0.0 {
+            return false;
+        }
+        let parameters = self.filter.parameters();
+        let noise = std::f64::consts::SQRT_2 * parameters.velocity_noise;
+        let change = (scene.measured.velocity - mean.first_velocity).abs();
+        change - SURE * noise > parameters.load_error * self.nominal.gravity * time
     }
 
     /// Why wheel `k` says nothing at this instant, if so.
@@ -76,6 +121,7 @@ impl SoilIdentifier {
         let sums = Sums {
             count: before.count + 1.0,
             since: if before.count > 0.0 { before.since } else { time },
+            first_velocity: if before.count > 0.0 { before.first_velocity } else { scene.measured.velocity },
             load: before.load + scene.loads[k],
             torque: before.torque + scene.measured.wheels[k].torque,
             velocity: before.velocity + velocity,
