@@ -15,7 +15,7 @@ use std::convert::Infallible;
 const STEP_TOLERANCE: f64 = 1e-10;
 
 /// Cost for each residual, 1/2 by noise alone, from which it is far beyond noise. There the model is wrong, and a search
-/// would crawl along its bounds for a last per mille that decides nothing.
+/// would crawl along its bounds for a last per cent that decides nothing.
 const FAR: f64 = 2.0;
 
 /// Steps after which a search gives up; fits here take 10 to 60.

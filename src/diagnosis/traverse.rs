@@ -191,7 +191,7 @@ impl Predict for TraversePrediction<'_> {
     }
 
     fn far_tolerance(&self) -> f64 {
-        1e-3
+        3e-3
     }
 
     fn values(&self, free: &[f64]) -> Result<Vec<f64>, PredictionError> {

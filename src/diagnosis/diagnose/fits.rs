@@ -128,6 +128,17 @@ pub(crate) fn outcome(problem: &Problem, noise: &Noise, task: &Task) -> Option<O
     Some(Outcome { values: fit.values(), chi_square: fit.chi_square })
 }
 
+/// Cost of a task at its first start; `None` where the model has no answer.
+pub(crate) fn cost(problem: &Problem, noise: &Noise, task: &Task) -> Option<f64> {
+    let mut cost = None;
+    with_problem(problem, noise, task, |weighted, _| {
+        let residual = weighted.residual(&weighted.coordinates(task.starts.first()?));
+        cost = Some(residual.iter().map(|r| r * r).sum()).filter(|cost: &f64| cost.is_finite());
+        None
+    });
+    cost
+}
+
 /// What is known at given values without a search: cost, standard errors, which parameters sit on bounds.
 pub(crate) fn settle(problem: &Problem, noise: &Noise, task: &Task) -> Option<Calibration> {
     with_problem(problem, noise, task, |weighted, weights| settled(weighted, weights, task.starts.first()?))

@@ -128,10 +128,11 @@ impl Search<'_> {
             Kind::Traverse if own.is_empty() => &STARTS[..1],
             Kind::Traverse => &[],
         };
+        let far = self.problem.experiment.kind == Kind::Traverse && stage.fit.is_far();
         own.extend(
             shares.iter().map(|share| candidate.free.iter().map(|free| free.start + share * span(free)).collect()),
         );
-        if self.problem.experiment.kind == Kind::Traverse && stage.fit.is_far() {
+        if far {
             // What a step along the sensitivities promises may be worse than the stage itself.
             own.push(candidate.free.iter().map(|free| free.start).collect());
         }
@@ -142,8 +143,22 @@ impl Search<'_> {
             parts.push((&signature.id, own));
             parts
         };
-        let starts = own.iter().map(|own| self.problem.assemble(&before, &parts(own))).collect();
+        let mut starts: Vec<_> = own.iter().map(|own| self.problem.assemble(&before, &parts(own))).collect();
+        if far {
+            self.keep_best(&effects, &mut starts);
+        }
         (effects, starts)
+    }
+
+    /// Leaves the start of the least cost: a search far from the measurements is long.
+    fn keep_best(&self, effects: &[String], starts: &mut Vec<Vec<f64>>) {
+        let costed = starts.iter().map(|start| {
+            let task = self.problem.task(effects, vec![start.clone()]);
+            super::fits::cost(self.problem, self.noise, &task).unwrap_or(f64::INFINITY)
+        });
+        let costs: Vec<f64> = costed.collect();
+        let best = (0..starts.len()).min_by(|a, b| costs[*a].total_cmp(&costs[*b]));
+        *starts = best.map(|k| starts.swap_remove(k)).into_iter().collect();
     }
 
     /// Refits the pairs that look best by their sensitivities.
