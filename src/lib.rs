@@ -22,6 +22,7 @@
 //! | [`control`] | controllers: they see measurements, never the true state | signals |
 //! | [`estimation`] | what a rover finds out from measurements: contact angles, soil | signals, control, contact |
 //! | [`model`] | all of it in one value; TOML in and out; a run | all above |
+//! | [`snapshot`] | the moving state of a run as bytes | |
 //! | [`reproduction`] | the thesis's results beside ours | model |
 //! | [`measurement`], [`diagnosis`], [`report`] | experiments, comparison, calibration, pages | model |
 //!
@@ -61,6 +62,7 @@ pub mod scalar;
 pub mod sensors;
 pub mod signals;
 pub mod simulation;
+pub mod snapshot;
 pub mod soil;
 pub mod terrain;
 pub mod wheel;

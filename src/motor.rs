@@ -2,6 +2,7 @@
 
 use crate::effects::{Effects, ExpressionFailure};
 use crate::scalar::Scalar;
+use crate::snapshot::moving;
 use bekker_modeldescription::{Unit, parameters};
 
 parameters! {
@@ -19,6 +20,8 @@ parameters! {
         inverse_current_limit: [Unit::PER_AMPERE] = 0.0, 0.0..=100.0, Fixed, "amplifier data";
     }
 }
+
+moving!(Motor { gear_ratio, torque_constant, resistance, inverse_torque_limit, inverse_current_limit });
 
 /// What one drive gives at one instant; torques on the wheel's side of the gear, N m.
 #[derive(Clone, Copy, Debug)]

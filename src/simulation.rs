@@ -6,6 +6,7 @@ use crate::rover::dynamics::{DynamicsError, Evaluation, Powers};
 use crate::rover::{Rover, SettleError, State};
 use crate::scalar::Scalar;
 use crate::signals::{Command, Drive, Signals};
+use crate::snapshot::{Moving, Reader, SnapshotError, Writer, moving, moving_code};
 use crate::terrain::TerrainError;
 use std::fmt;
 
@@ -31,6 +32,14 @@ pub enum Event {
     SunkToAxle,
 }
 
+moving_code!(Event, "an event" {
+    Event::Stuck => 1 => Event::Stuck,
+    Event::TippedOver => 2 => Event::TippedOver,
+    Event::BellyContact => 3 => Event::BellyContact,
+    Event::LeftTerrain => 4 => Event::LeftTerrain,
+    Event::SunkToAxle => 5 => Event::SunkToAxle,
+});
+
 impl fmt::Display for Event {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -50,6 +59,31 @@ pub enum Status {
     Running,
     /// It has ended; further steps change nothing.
     Ended(Event),
+}
+
+impl Moving for Status {
+    fn save(&self, to: &mut Writer) {
+        match self {
+            Status::Running => to.number(0),
+            Status::Ended(event) => {
+                to.number(1);
+                event.save(to);
+            }
+        }
+    }
+
+    fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {
+        *self = match from.number()? {
+            0 => Status::Running,
+            1 => {
+                let mut event = Event::Stuck;
+                event.load(from)?;
+                Status::Ended(event)
+            }
+            code => return Err(SnapshotError::Code { what: "a status", code }),
+        };
+        Ok(())
+    }
 }
 
 /// Why a simulation cannot start or go on.
@@ -107,6 +141,8 @@ pub(crate) struct Energies<S> {
     pub other_loss: S,
 }
 
+moving!(Energies<f64> { dissipated, electrical, drive, soil_loss, other_loss });
+
 /// Progress since the present window of rim travel began.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Window {
@@ -115,6 +151,8 @@ pub(crate) struct Window {
     rim_travel: f64,
     rim_progress: f64,
 }
+
+moving!(Window { start_x, rim_travel, rim_progress });
 
 impl Window {
     /// A window that begins at `x`.
@@ -169,6 +207,9 @@ pub struct Simulation<S = f64> {
     recorder: Recorder<S>,
     signals: Signals<S>,
 }
+
+// Of the integrator's memory only the evaluation at the present state outlives a step.
+moving!(Simulation { state, integrator, command, ticks, energies, window, status, recorder, signals });
 
 impl<S: Scalar> Simulation<S> {
     /// A rover at rest above `x0` (m), settled on its soil, stepped by `step_size` (s).

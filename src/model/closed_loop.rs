@@ -10,6 +10,7 @@ use crate::estimation::ContactAngleEstimation;
 use crate::estimation::soil::SoilIdentification;
 use crate::rover::{Link, LinkParameters, Rover};
 use crate::signals::{Command, Measurement, Reference, Signals};
+use crate::snapshot::{Moving, Reader, SnapshotError, Writer};
 use crate::soil::Soil;
 use bekker_modeldescription::{Unit, parameters};
 use std::fmt;
@@ -104,6 +105,26 @@ pub(super) enum AtWork {
     Rtc(Box<EstimatingRtc>),
     Slip(Box<SlipController>),
     EqualTorque(EqualTorqueController),
+}
+
+impl Moving for AtWork {
+    fn save(&self, to: &mut Writer) {
+        match self {
+            Self::Velocity(controller) => controller.save(to),
+            Self::Rtc(controller) => controller.save(to),
+            Self::Slip(controller) => controller.save(to),
+            Self::EqualTorque(controller) => controller.save(to),
+        }
+    }
+
+    fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {
+        match self {
+            Self::Velocity(controller) => controller.load(from),
+            Self::Rtc(controller) => controller.load(from),
+            Self::Slip(controller) => controller.load(from),
+            Self::EqualTorque(controller) => controller.load(from),
+        }
+    }
 }
 
 impl fmt::Debug for AtWork {

@@ -5,6 +5,7 @@ use crate::control::{ControlError, Controller, Nominal, Rtc, RtcOptions};
 use crate::estimation::ContactAngles;
 use crate::estimation::soil::{SoilIdentifier, Strength};
 use crate::signals::{Command, Measurement, Reference};
+use crate::snapshot::{Moving, Reader, SnapshotError, Writer};
 
 /// Where rough-terrain control has its contact angles from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -37,6 +38,20 @@ pub(super) struct EstimatingRtc {
     soil: Option<SoilIdentifier>,
     /// The measurement as control sees it.
     seen: Measurement,
+}
+
+impl Moving for EstimatingRtc {
+    fn save(&self, to: &mut Writer) {
+        self.rtc.save(to);
+        self.contact_angles.iter().for_each(|estimator| estimator.save(to));
+        self.soil.iter().for_each(|identifier| identifier.save(to));
+    }
+
+    fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {
+        self.rtc.load(from)?;
+        self.contact_angles.iter_mut().try_for_each(|estimator| estimator.load(from))?;
+        self.soil.iter_mut().try_for_each(|identifier| identifier.load(from))
+    }
 }
 
 impl EstimatingRtc {

@@ -8,6 +8,7 @@ mod obstacles;
 mod plant;
 mod presets;
 mod run;
+mod saving;
 mod summary;
 mod variation;
 

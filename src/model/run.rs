@@ -6,6 +6,7 @@ use crate::control::{ControlError, Rtc};
 use crate::sensors::SensorSuite;
 use crate::signals::{Command, Measurement, Reference, Signals};
 use crate::simulation::{Status, StepError};
+use crate::snapshot::Fingerprint;
 use bekker_modeldescription::{Lookup, ParameterError, Parameters, Unit, Variable, join, parameters};
 
 /// A control period must be a whole number of inner steps, to this relative tolerance (a decimal
@@ -183,14 +184,16 @@ pub enum RunError {
 /// A model in motion. Cloning it is a snapshot: the clone goes on to the same bits.
 #[derive(Clone, Debug)]
 pub struct Run {
-    simulation: AnyPlant,
-    sensors: SensorSuite,
-    controller: Option<AtWork>,
+    pub(super) simulation: AnyPlant,
+    pub(super) sensors: SensorSuite,
+    pub(super) controller: Option<AtWork>,
     /// Inner steps a control period.
     period: u64,
-    inputs: Inputs,
-    command: Command,
-    measurement: Measurement,
+    pub(super) inputs: Inputs,
+    pub(super) command: Command,
+    pub(super) measurement: Measurement,
+    /// Of the model.
+    pub(super) fingerprint: Fingerprint,
 }
 
 impl Run {
@@ -212,6 +215,7 @@ impl Run {
             inputs: Inputs::new(model),
             command,
             measurement: Measurement::default(),
+            fingerprint: Fingerprint::of(model),
         };
         if run.controller.is_some() {
             run.sensors.read(0.0, run.simulation.signals(), &mut run.measurement);

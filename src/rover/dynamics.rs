@@ -9,6 +9,7 @@ use crate::effects::{BodyMotion, ExpressionFailure, Local, Place};
 use crate::motor::{self, Motor};
 use crate::scalar::Scalar;
 use crate::signals::{Command, Drive};
+use crate::snapshot::moving;
 use crate::terrain::TerrainError;
 
 /// Why the right-hand side could not be evaluated.
@@ -60,6 +61,26 @@ pub(crate) struct WheelEvaluation<S> {
     pub drive_slope: S,
 }
 
+moving!(WheelEvaluation<f64> {
+    touch,
+    normal,
+    tangent,
+    turn,
+    velocity,
+    normal_velocity,
+    spin,
+    speed,
+    slip,
+    sinkage,
+    contact_angle,
+    motor,
+    foot_x,
+    motor_torque,
+    rim_torque,
+    current,
+    drive_slope,
+});
+
 /// Powers at one instant, W, whose integrals are the energies among the signals.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Powers<S> {
@@ -101,6 +122,19 @@ pub(crate) struct Evaluation<S> {
     /// Forces from outside; none in joint coordinates alone.
     pub outside: Option<Box<Outside<S>>>,
 }
+
+// Without forces from outside, which the plant of rigid bodies alone has.
+moving!(Evaluation<f64> {
+    frames,
+    mass,
+    system,
+    wheels,
+    acceleration,
+    joint_friction,
+    potential,
+    other_loss,
+    resistance,
+});
 
 impl<S: Scalar> Evaluation<S> {
     pub fn new(rover: &Rover<S>) -> Self {

@@ -40,6 +40,7 @@ pub use traction::{MaximumTraction, Search};
 use super::error::{ControlError, finite, same_count, same_links, within_bounds};
 use super::{Controller, Nominal};
 use crate::signals::{Command, Drive, Measurement, Reference};
+use crate::snapshot::{Moving, Reader, SnapshotError, Writer, load_grown, loaded, moving_code};
 use crate::soil::Soil;
 use bekker_modeldescription::{Unit, parameters};
 
@@ -96,6 +97,12 @@ pub enum Footing {
     Lifted,
 }
 
+moving_code!(Footing, "a footing" {
+    Footing::Loaded => 0 => Footing::Loaded,
+    Footing::Light => 1 => Footing::Light,
+    Footing::Lifted => 2 => Footing::Lifted,
+});
+
 /// Load over the minimum, of the weight, up to which a wheel counts as about to lift off.
 const LIGHT: f64 = 1e-6;
 
@@ -126,6 +133,32 @@ pub struct Outcome {
     pub steps: usize,
 }
 
+impl Moving for Outcome {
+    fn save(&self, to: &mut Writer) {
+        self.criterion.save(to);
+        (self.feasible, self.optimal).save(to);
+        self.objective.save(to);
+        self.forces.save(to);
+        (self.body_force, self.shortfall).save(to);
+        self.joint_shortfall.save(to);
+        self.footing.save(to);
+        self.trim.save(to);
+        self.steps.save(to);
+    }
+
+    fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {
+        self.criterion.load(from)?;
+        (self.feasible, self.optimal) = loaded(from)?;
+        self.objective.load(from)?;
+        load_grown(&mut self.forces, from)?;
+        (self.body_force, self.shortfall) = loaded(from)?;
+        load_grown(&mut self.joint_shortfall, from)?;
+        load_grown(&mut self.footing, from)?;
+        load_grown(&mut self.trim, from)?;
+        self.steps.load(from)
+    }
+}
+
 /// Rough-terrain control of a rover with n >= 2 wheels on a chassis or on links with passive joints; commands torques.
 ///
 /// Without integral action and speed loops it keeps no history: the same readings give the same torques, bit for
@@ -143,6 +176,25 @@ pub struct Rtc {
     /// Acceleration that the integral action asks for, m/s^2.
     integral: f64,
     speed_loops: Vec<SpeedLoop>,
+}
+
+/// The soil may have been set; the optimisation is posed and solved anew from each measurement.
+impl Moving for Rtc {
+    fn save(&self, to: &mut Writer) {
+        let Soil { cohesion, friction_angle, shear_modulus, .. } = self.nominal.soil;
+        [cohesion, friction_angle, shear_modulus].save(to);
+        self.integral.save(to);
+        self.speed_loops.save(to);
+        self.outcome.save(to);
+    }
+
+    fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {
+        let soil = &mut self.nominal.soil;
+        [soil.cohesion, soil.friction_angle, soil.shear_modulus] = loaded(from)?;
+        self.integral.load(from)?;
+        self.speed_loops.load(from)?;
+        self.outcome.load(from)
+    }
 }
 
 impl Rtc {
