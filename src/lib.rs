@@ -17,6 +17,7 @@
 //! | [`motor`], [`effects`] | drives, and missing physics to be switched on | contact |
 //! | [`rover`] | bodies, joints, equations of motion, rest | effects, terrain, motor |
 //! | [`simulation`] | a rover in motion, with a fixed step | rover |
+//! | [`equations`] | the same as explicit differential equations, for other integrators, and their derivatives | rover, simulation |
 //! | [`obstacle`], `rigid` | rocks and ledges; the plant of rigid bodies that feels them | rover, simulation |
 //! | [`signals`], [`sensors`] | commands, true signals, what sensors make of them | |
 //! | [`control`] | controllers: they see measurements, never the true state | signals |
@@ -43,6 +44,7 @@ pub mod contact;
 pub mod control;
 pub mod diagnosis;
 pub mod effects;
+pub mod equations;
 pub mod estimation;
 mod integrator;
 pub mod linear_stress;

@@ -85,6 +85,17 @@ fn limited_torque<S: Scalar>(motor: &Motor<S>, actual: &Motor<S>, effects: &Effe
     (given, slope)
 }
 
+/// Share of its limits that a drive of the data sheet `motor` has left where `torque` is asked of it: 1 without limits,
+/// negative where one binds.
+pub(crate) fn reserve<S: Scalar>(motor: &Motor<S>, actual: &Motor<S>, effects: &Effects<S>, speed: S, torque: S) -> S {
+    let asked = torque.abs();
+    let by_torque = asked * motor.inverse_torque_limit;
+    let by_current = asked * motor.inverse_current_limit / (motor.gear_ratio * motor.torque_constant);
+    let given = effects.torque_gain().map_or(torque, |gain| torque * gain);
+    let by_voltage = effects.voltage_limit.share(actual, speed, given);
+    S::from(1.0) - by_torque.larger(by_current).larger(by_voltage)
+}
+
 /// Motor current for a torque on the wheel's side of the gear: I = T / (N K_t) (4.7, 4.9), A.
 pub fn current<S: Scalar>(motor: &Motor<S>, torque: S) -> S {
     torque / (motor.gear_ratio * motor.torque_constant)

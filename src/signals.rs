@@ -142,11 +142,11 @@ moving_code!(Drive, "what is commanded" { Drive::Torque => 0 => Drive::Torque, D
 
 /// What the drives are told: one value a wheel, held until the next command.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Command {
+pub struct Command<S = f64> {
     /// Meaning of the values.
     pub drive: Drive,
     /// One value a wheel, rear to front: N m or rad/s.
-    pub values: Vec<f64>,
+    pub values: Vec<S>,
 }
 
 moving!(Command { drive, values });

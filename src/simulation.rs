@@ -320,28 +320,13 @@ impl<S: Scalar> Simulation<S> {
             self.status = Status::Ended(Event::TippedOver);
         } else if wheels.iter().any(|wheel| wheel.sinkage.value() >= radius) {
             self.status = Status::Ended(Event::SunkToAxle);
-        } else if self.belly_touches() {
+        } else if belly_clearance(&self.rover, &self.state) < 0.0 {
             self.status = Status::Ended(Event::BellyContact);
         }
         let speeds = wheels.iter().map(|wheel| wheel.speed.value());
         if self.window.stuck(x, speeds, radius, self.step_size) && self.status == Status::Running {
             self.status = Status::Ended(Event::Stuck);
         }
-    }
-
-    /// Whether the belly, a straight line between the outer wheels of the chassis, touches the ground.
-    fn belly_touches(&self) -> bool {
-        const POINTS: usize = 7;
-        let mounts = &self.rover.wheels;
-        let (rear, front) = (mounts[0].mount.x.value(), mounts[mounts.len() - 1].mount.x.value());
-        let (sin, cos) = self.state.position[2].value().sin_cos();
-        let belly = self.rover.body.belly_z.value();
-        (1..=POINTS).any(|i| {
-            let along = rear + (front - rear) * i as f64 / (POINTS + 1) as f64;
-            let x = self.state.position[0].value() + cos * along - sin * belly;
-            let z = self.state.position[1].value() + sin * along + cos * belly;
-            z < self.rover.terrain.at(S::from(x)).height.value()
-        })
     }
 
     /// Lets a recorder that lags take in the present signals.
@@ -406,11 +391,35 @@ impl<S: Scalar> Simulation<S> {
         &self.state
     }
 
+    pub(crate) fn command(&self) -> &Command {
+        &self.command
+    }
+
+    pub(crate) fn energies(&self) -> Energies<S> {
+        self.energies
+    }
+
     /// Whether the last command was torques or speeds.
     #[must_use]
     pub fn drive(&self) -> Drive {
         self.command.drive
     }
+}
+
+/// Least height of the belly, a straight line between the outer wheels of the chassis, above the ground, m.
+pub(crate) fn belly_clearance<S: Scalar>(rover: &Rover<S>, state: &State<S>) -> f64 {
+    const POINTS: usize = 7;
+    let mounts = &rover.wheels;
+    let (rear, front) = (mounts[0].mount.x.value(), mounts[mounts.len() - 1].mount.x.value());
+    let (sin, cos) = state.position[2].value().sin_cos();
+    let belly = rover.body.belly_z.value();
+    let height = |i: usize| {
+        let along = rear + (front - rear) * i as f64 / (POINTS + 1) as f64;
+        let x = state.position[0].value() + cos * along - sin * belly;
+        let z = state.position[1].value() + sin * along + cos * belly;
+        z - rover.terrain.at(S::from(x)).height.value()
+    };
+    (1..=POINTS).map(height).fold(f64::INFINITY, f64::min)
 }
 
 /// Refuses a command that does not fit a rover with this number of wheels.
@@ -474,6 +483,16 @@ impl<S: Scalar> Evaluation<S> {
             link.angle = state.position[3 + j];
             link.rate = state.rate[3 + j];
         }
+    }
+}
+
+impl<S: Copy> Energies<S> {
+    /// The same over another scalar.
+    pub fn map<T>(&self, f: &dyn Fn(S) -> T) -> Energies<T> {
+        let Self { dissipated, electrical, drive, soil_loss, other_loss } = *self;
+        let [dissipated, electrical, drive] = [dissipated, electrical, drive].map(f);
+        let [soil_loss, other_loss] = [soil_loss, other_loss].map(f);
+        Energies { dissipated, electrical, drive, soil_loss, other_loss }
     }
 }
 

@@ -3,8 +3,8 @@
 use super::Model;
 use super::estimating::{ContactAngleSource, EstimatingRtc, SoilSource};
 use crate::control::{
-    ControlError, Controller, EqualTorque, EqualTorqueController, Nominal, NominalLink, RoughTerrainControl, Rtc,
-    SlipControl, SlipController, Solver, Strength, TunedVelocity, VelocityControl, VelocityController,
+    ControlError, Controller, Criterion, EqualTorque, EqualTorqueController, Nominal, NominalLink, RoughTerrainControl,
+    Rtc, SlipControl, SlipController, Solver, Strength, TunedVelocity, VelocityControl, VelocityController,
 };
 use crate::estimation::ContactAngleEstimation;
 use crate::estimation::soil::SoilIdentification;
@@ -62,6 +62,8 @@ pub struct Control {
     pub strength: Strength,
     /// Who solves rough-terrain control's optimisation.
     pub solver: Solver,
+    /// What it optimises; `None` goes by the ground (4.11, 4.12).
+    pub criterion: Option<Criterion>,
     /// Individual-wheel velocity control with gains from the plant.
     pub velocity_tuned: TunedVelocity,
     /// Slip control by the true slip.

@@ -64,8 +64,8 @@ impl EstimatingRtc {
             SoilSource::Nominal => None,
             SoilSource::Estimator => Some(SoilIdentifier::new(&nominal, control.soil_identification)?),
         };
-        let (strength, solver, period) = (control.strength, control.solver, control.rtc_timing.period);
-        let options = RtcOptions { strength, solver, period };
+        let Control { strength, solver, criterion, rtc_timing, .. } = *control;
+        let options = RtcOptions { strength, solver, criterion, period: rtc_timing.period };
         let rtc = Rtc::with_options(nominal, control.rtc, options)?;
         Ok(Self { rtc, contact_angles, soil, seen: Measurement::default() })
     }

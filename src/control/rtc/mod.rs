@@ -77,11 +77,13 @@ pub struct RtcOptions {
     pub solver: Solver,
     /// Control period at which commands are asked for, s; integral action and speed loops count with it.
     pub period: f64,
+    /// What is optimised; `None` goes by the ground (4.11, 4.12).
+    pub criterion: Option<Criterion>,
 }
 
 impl Default for RtcOptions {
     fn default() -> Self {
-        Self { strength: Strength::default(), solver: Solver::default(), period: 0.01 }
+        Self { strength: Strength::default(), solver: Solver::default(), period: 0.01, criterion: None }
     }
 }
 
@@ -381,7 +383,8 @@ impl Controller for Rtc {
         self.pose(measured, goal)?;
         let touching = measured.wheels.iter().zip(&self.problem.lifted).filter(|(_, lifted)| !**lifted);
         let angles = touching.map(|(wheel, _)| wheel.contact_angle);
-        let criterion = Criterion::for_terrain(angles, self.parameters.switch_angle);
+        let by_ground = || Criterion::for_terrain(angles, self.parameters.switch_angle);
+        let criterion = self.options.criterion.unwrap_or_else(by_ground);
         let found = self.optimiser.solve(&self.problem, criterion, &mut self.forces)?;
         for (index, &traction) in self.forces.iter().step_by(2).enumerate() {
             finite("tractive force", Some(index), traction)?;

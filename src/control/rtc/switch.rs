@@ -3,7 +3,8 @@
 use crate::snapshot::moving_code;
 
 /// What a force distribution optimises.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Criterion {
     /// Least power P dissipated in the windings (4.10), W: for benign ground.
     #[default]
