@@ -25,7 +25,7 @@ use crate::rover::{Rover, State};
 use crate::scalar::{Dual, Scalar};
 use crate::signals::{Command, Drive, Signals};
 use crate::simulation::{Energies, Event, Simulation, TIPPED, Window, belly_clearance};
-use crate::snapshot::moving;
+use crate::snapshot::{Moving, Reader, SnapshotError, Writer, moving};
 use crate::terrain::Profile;
 use bekker_modeldescription::Parameters;
 use states::places;
@@ -78,6 +78,19 @@ impl Equations {
     #[must_use]
     pub fn at(simulation: &Simulation) -> Self {
         simulation.equations()
+    }
+
+    /// Writes states, inputs and what [`Equations::accept`] remembers.
+    pub fn write(&self, to: &mut Writer) {
+        self.save(to);
+    }
+
+    /// Takes over what the equations of the same rover wrote; to be evaluated anew.
+    ///
+    /// # Errors
+    /// [`SnapshotError`]; the equations are of no use then.
+    pub fn read(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {
+        self.load(from)
     }
 
     /// Derivatives at the present states and inputs along `states` and `inputs`, exact by dual numbers. It allocates.

@@ -88,8 +88,9 @@ impl Control {
         (self.velocity.kp, self.velocity.ki) = (0.1, 5.0);
     }
 
-    /// Control period where a controller decides, s.
-    pub(super) fn period(&self) -> Option<f64> {
+    /// Control period where a controller decides, s; `None` where commands come from outside.
+    #[must_use]
+    pub fn period(&self) -> Option<f64> {
         match self.kind {
             ControlKind::Torque | ControlKind::Speed => None,
             ControlKind::SpeedLoop | ControlKind::Velocity | ControlKind::Slip => Some(self.velocity.period),
