@@ -89,10 +89,10 @@ fn agreement_the_simulation_tends_to_the_equations_with_order_two() {
     // Windings warm behind each step: first order in what they dissipate, and in nothing else.
     let (body, dissipated): (&[usize], &[usize]) = (&[0, 1, 2, 3, 4, 9, 10, 11, 12], &[7]);
     for (preset, parameters, torques, signals_of, expected) in [
-        ("gentle_velocity", &[("slip_sinkage.n1", 0.4)][..], vec![1.2, 1.4], body, 2.0),
+        ("gentle_velocity", &[("slip_sinkage.n1", 0.4)][..], vec![1.7, 1.8], body, 2.0),
         ("rocker_bogie_velocity", &[("viscous_friction.coefficient", 0.02)], vec![0.20, 0.22, 0.24], body, 2.0),
-        ("gentle_velocity", &heat, vec![1.2, 1.4], body, 2.0),
-        ("gentle_velocity", &heat, vec![1.2, 1.4], dissipated, 1.0),
+        ("gentle_velocity", &heat, vec![1.7, 1.8], body, 2.0),
+        ("gentle_velocity", &heat, vec![1.7, 1.8], dissipated, 1.0),
     ] {
         // Under way, so that nothing starts from standstill.
         let from = under_way(&model(preset, parameters), &torques, 300);
@@ -105,6 +105,7 @@ fn agreement_the_simulation_tends_to_the_equations_with_order_two() {
         }
         rates(&mut fine, &x);
         let exact = signals(&fine);
+        assert!(exact[2].abs() > 0.01, "{preset} drives at {} m/s", exact[2]);
         let error = |step_size: f64| {
             let y = simulated(&from, &torques, step_size);
             signals_of.iter().map(|&i| (y[i] - exact[i]).powi(2)).sum::<f64>().sqrt()
@@ -121,8 +122,8 @@ fn agreement_the_simulation_tends_to_the_equations_with_order_two() {
 #[test]
 fn agreement_tangents_are_the_limit_of_differences() {
     for (preset, parameters, torques) in [
-        ("gentle_velocity", vec![("winding_heat.thermal_resistance", 10.0)], vec![1.2, 1.4]),
-        ("challenging_velocity", vec![("slip_sinkage.n1", 0.4), ("drag.force", 1.0)], vec![1.0, 0.8]),
+        ("gentle_velocity", vec![("winding_heat.thermal_resistance", 10.0)], vec![1.7, 1.8]),
+        ("challenging_velocity", vec![("slip_sinkage.n1", 0.4), ("drag.force", 1.0)], vec![1.6, 1.7]),
         ("rocker_bogie_velocity", vec![("grousers.height", 0.005), ("rate.exponent", 0.1)], vec![0.20, 0.22, 0.24]),
     ] {
         let simulation = under_way(&model(preset, &parameters), &torques, 300);

@@ -48,7 +48,7 @@ fn integrate(fmu: &mut dyn Model, from: f64, end: f64) {
 
 #[test]
 fn agreement_of_model_exchange_with_co_simulation() {
-    const TORQUES: [(&str, f64); 2] = [("wheel[1].torque_command", 1.1), ("wheel[2].torque_command", 1.3)];
+    const TORQUES: [(&str, f64); 2] = [("wheel[1].torque_command", 1.7), ("wheel[2].torque_command", 1.8)];
     let mut exchange = plant(&[]);
     exchange.continuous().unwrap().check().unwrap();
     TORQUES.iter().for_each(|(name, value)| set(&mut *exchange, name, *value));
@@ -169,8 +169,8 @@ const DIFFERENCES: f64 = 2e-5;
 #[test]
 fn agreement_of_derivatives_with_differences_and_with_each_other() {
     let mut fmu = plant(&[]);
-    set(&mut *fmu, "wheel[1].torque_command", 1.1);
-    set(&mut *fmu, "wheel[2].torque_command", 1.3);
+    set(&mut *fmu, "wheel[1].torque_command", 1.7);
+    set(&mut *fmu, "wheel[2].torque_command", 1.8);
     fmu.advance_to(0.5).unwrap();
     // In co-simulation: how outputs answer to inputs at once.
     let inputs = all(&*fmu, Causality::Input);
@@ -250,8 +250,8 @@ fn agreement_of_derivatives_with_differences_and_with_each_other() {
 #[test]
 fn property_a_state_saved_between_steps_of_an_integrator_goes_on() {
     let mut fmu = plant(&[("winding_heat.thermal_resistance", 5.0)]);
-    set(&mut *fmu, "wheel[1].torque_command", 1.1);
-    set(&mut *fmu, "wheel[2].torque_command", 1.3);
+    set(&mut *fmu, "wheel[1].torque_command", 1.7);
+    set(&mut *fmu, "wheel[2].torque_command", 1.8);
     integrate(&mut *fmu, 0.0, 0.1);
     let bytes = fmu.serialise().unwrap();
     let mut other = plant(&[]);
