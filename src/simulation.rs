@@ -292,6 +292,22 @@ impl<S: Scalar> Simulation<S> {
         Ok(())
     }
 
+    /// Goes on with other constants of the rover, whose structure stays.
+    ///
+    /// # Errors
+    /// [`StepError::Dynamics`]; nothing is changed then.
+    pub(crate) fn retune(&mut self, rover: Rover<S>) -> Result<(), StepError> {
+        let mut state = self.state.clone();
+        let mut integrator = Integrator::new(&rover, &state);
+        integrator
+            .evaluate(&rover, &mut state, &self.command)
+            .map_err(|source| StepError::Dynamics { time: self.time(), source })?;
+        (self.rover, self.state, self.integrator) = (rover, state, integrator);
+        self.observe(Recorder::jump);
+        self.refresh();
+        Ok(())
+    }
+
     fn step(&mut self) -> Result<(), StepError> {
         let before = self.integrator.now.powers();
         let stepped = self.integrator.step(&self.rover, &mut self.state, &self.command, self.step_size);

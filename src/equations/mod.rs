@@ -148,6 +148,12 @@ impl<S: Scalar> Equations<S> {
         (0..5).for_each(|_| f(weight * radius));
     }
 
+    /// Goes on with other constants of the rover, whose structure stays; to be evaluated anew.
+    pub fn retune(&mut self, rover: Rover<S>) {
+        self.evaluation = Evaluation::new(&rover);
+        self.rover = rover;
+    }
+
     /// Calls `f` with every state's value.
     pub fn visit_states(&mut self, mut f: impl FnMut(&mut S)) {
         places(&mut self.state, &mut self.energies, &mut f);

@@ -168,6 +168,27 @@ impl AtWork {
         })
     }
 
+    /// Takes the history of `old` over, which controls the same rover with other numbers.
+    ///
+    /// # Errors
+    /// [`SnapshotError`] where it is another controller.
+    pub fn resume(&mut self, old: &Self) -> Result<(), SnapshotError> {
+        let believed = match self {
+            Self::Rtc(controller) => Some(controller.rtc().nominal().soil),
+            _ => None,
+        };
+        let mut history = Writer::default();
+        old.save(&mut history);
+        let bytes = history.finish();
+        let mut from = Reader::new(&bytes);
+        self.load(&mut from)?;
+        from.end()?;
+        if let (Self::Rtc(controller), Some(soil)) = (self, believed) {
+            controller.believe(soil);
+        }
+        Ok(())
+    }
+
     /// Rough-terrain control, where it is at work.
     pub fn rtc(&self) -> Option<&Rtc> {
         match self {

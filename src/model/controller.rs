@@ -15,7 +15,7 @@ const VERSION: u32 = 1;
 /// measured at the start of each, it is the [`Run`](super::Run) of the same model to the last bit.
 #[derive(Clone, Debug)]
 pub struct ControllerRun {
-    controller: AtWork,
+    pub(super) controller: AtWork,
     /// Inner step of the model, s, and how many of them make a control period: times are counted as a run counts them.
     step_size: f64,
     period: u64,
@@ -25,7 +25,7 @@ pub struct ControllerRun {
     command: Command,
     /// For the one kind that is allowed to know it; here nobody tells.
     truth: Signals,
-    fingerprint: Fingerprint,
+    pub(super) fingerprint: Fingerprint,
 }
 
 impl Model {

@@ -6,6 +6,7 @@ use crate::estimation::ContactAngles;
 use crate::estimation::soil::{SoilIdentifier, Strength};
 use crate::signals::{Command, Measurement, Reference};
 use crate::snapshot::{Moving, Reader, SnapshotError, Writer};
+use crate::soil::Soil;
 
 /// Where rough-terrain control has its contact angles from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -73,6 +74,14 @@ impl EstimatingRtc {
     /// The controller itself.
     pub fn rtc(&self) -> &Rtc {
         &self.rtc
+    }
+
+    /// Believes in `soil`, a checked one, unless an estimator finds it out.
+    pub fn believe(&mut self, soil: Soil) {
+        if self.soil.is_none() {
+            // Within the bounds, as every parameter of a model: it is not refused.
+            let _ = self.rtc.set_soil(soil.cohesion, soil.friction_angle, soil.shear_modulus);
+        }
     }
 
     pub fn command(

@@ -12,6 +12,7 @@ mod presets;
 mod run;
 mod saving;
 mod summary;
+mod tuning;
 mod variation;
 
 pub use closed_loop::{Control, ControlKind, RtcTiming, nominal};

@@ -160,6 +160,12 @@ pub enum RunError {
         /// Obstacles of the model.
         obstacles: usize,
     },
+    /// A parameter that a run under way cannot change.
+    #[error("`{name}` cannot change while a run is under way; expected a change of soil, effects, sensors or gains")]
+    NotTunable {
+        /// The parameter.
+        name: String,
+    },
     /// A controller by itself, of a model that has none which lives on measurements.
     #[error(
         "control.kind = {kind:?} is no controller that lives on measurements alone; \

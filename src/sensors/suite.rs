@@ -72,6 +72,11 @@ impl SensorSuite {
         }
     }
 
+    /// Goes on with sensors of other numbers; noise and held samples stay.
+    pub(crate) fn retune(&mut self, sensors: Sensors) {
+        self.sensors = sensors;
+    }
+
     /// Reads the signals at `time`, s, into `measurement`. Allocates only where a rover has more wheels or links than at
     /// the reading before.
     pub fn read(&mut self, time: f64, signals: &Signals, measurement: &mut Measurement) {

@@ -104,6 +104,9 @@ impl Rover {
 
     /// Brings rates and outputs up to the present states and inputs.
     fn bring_up(&mut self) -> Result<(), Failure> {
+        if self.ordinary.as_ref().is_some_and(|ordinary| ordinary.at_work) {
+            self.tune()?;
+        }
         let Some(ordinary) = &mut self.ordinary else { return Ok(()) };
         let torques = &self.values[self.references.inputs.clone()];
         if ordinary.fresh && ordinary.equations.torques_mut() == torques {
@@ -141,8 +144,8 @@ impl Rover {
 /// the known ground; that is a [`Failure`] of [`rates`](Continuous::rates) which a shorter step avoids.
 impl Continuous for Rover {
     fn check(&self) -> Result<(), Failure> {
-        self.model.check_equations().map_err(|error| Failure(error.to_string()))?;
-        let mut sensors = self.model.sensors;
+        self.tuned.check_equations().map_err(|error| Failure(error.to_string()))?;
+        let mut sensors = self.tuned.sensors;
         let neutral = Sensors::default().list();
         match sensors.list().into_iter().zip(neutral).find(|((_, value), (_, neutral))| value != neutral) {
             None => Ok(()),

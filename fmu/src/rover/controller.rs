@@ -8,6 +8,7 @@ use crate::model::{Failure, Model, Outcome};
 use bekker::control::Criterion;
 use bekker::model::{ControlKind, ControllerRun, Model as RoverModel};
 use bekker::snapshot::{Fingerprint, Reader, SnapshotError, Writer, close, open};
+use bekker_modeldescription::xml::Variability::{Fixed, Tunable};
 use bekker_modeldescription::xml::{Description, Entry, Item, Kind as Type};
 use bekker_modeldescription::{Lookup, Parameters, Role, Unit, Variable};
 use std::collections::HashMap;
@@ -48,8 +49,11 @@ const READ_OF_VEHICLE: [&str; 7] = ["x", "z", "mass", "centre_of_mass_x", "centr
 #[derive(Clone)]
 pub(super) struct Controller {
     description: Arc<Description>,
-    /// As it was read; its parameters are those that the run was started with.
+    /// As it was read; its parameters are those that the run was started with. And with those that it has now.
     model: RoverModel,
+    tuned: RoverModel,
+    /// The values of the latter.
+    applied: Vec<f64>,
     run: ControllerRun,
     /// The mode that the run was started with.
     mode: f64,
@@ -70,7 +74,10 @@ impl Controller {
         let mode = usual_mode(&model);
         let run = in_mode(&model, mode).start_controller().map_err(|error| error.to_string())?;
         let mut entries = vec![Entry::time(), mode_entry(mode)];
-        entries.extend(list(&model).into_iter().map(|(variable, value)| Entry::parameter(variable, value)));
+        entries.extend(list(&model).into_iter().map(|(variable, value)| {
+            let variability = if model.is_tunable(&variable.name) { Tunable } else { Fixed };
+            Entry { variability, ..Entry::parameter(variable, value) }
+        }));
         let parameters = MODE + 1..entries.len();
         let (wheels, links) = (model.rover.wheels.len(), model.rover.links.len());
         let named = measurements("", wheels, links).into_iter().map(|variable| Entry::input(variable, 0.0));
@@ -82,13 +89,23 @@ impl Controller {
         torques.control.kind = ControlKind::Torque;
         entries.extend(torques.inputs().list().into_iter().map(|(variable, _)| Entry::output(variable)));
         let outputs = inputs.end..entries.len();
-        let values = entries.iter().map(|entry| entry.start).collect();
+        let values: Vec<f64> = entries.iter().map(|entry| entry.start).collect();
+        let (tuned, applied) = (model.clone(), values[parameters.clone()].to_vec());
         let description = Arc::new(description(&model, Kind::Controller, run.period(), text, entries));
-        Ok(Self { description, model, run, mode, values, parameters, inputs, outputs, time: 0.0 })
+        Ok(Self { description, model, tuned, applied, run, mode, values, parameters, inputs, outputs, time: 0.0 })
     }
 
     /// Makes a controller with these parameters in this mode.
     fn restart(&mut self, parameters: &[f64], mode: f64) -> Result<(), Failure> {
+        let model = self.with(parameters);
+        self.run = in_mode(&model, mode).start_controller().map_err(|error| Failure(error.to_string()))?;
+        (self.tuned, self.model, self.mode) = (model.clone(), model, mode);
+        self.applied = parameters.to_vec();
+        Ok(())
+    }
+
+    /// The model with these parameters.
+    fn with(&self, parameters: &[f64]) -> RoverModel {
         let names = self.description.entries[self.parameters.clone()].iter().map(|entry| entry.variable.name.as_str());
         let values: HashMap<&str, f64> = names.zip(parameters.iter().copied()).collect();
         let mut model = self.model.clone();
@@ -100,8 +117,31 @@ impl Controller {
             });
         }
         model.control.kind = kind;
-        self.run = in_mode(&model, mode).start_controller().map_err(|error| Failure(error.to_string()))?;
-        (self.model, self.mode) = (model, mode);
+        model
+    }
+
+    /// Lets tunable parameters that have been set act from now on; others wait for the next start.
+    fn tune(&mut self) -> Result<(), Failure> {
+        let values = &self.values[self.parameters.clone()];
+        if *values == *self.applied {
+            return Ok(());
+        }
+        let entries = &self.description.entries[self.parameters.clone()];
+        let wanted = entries.iter().zip(values).zip(&self.applied);
+        let wanted =
+            wanted.map(|((entry, value), applied)| if entry.variability == Tunable { *value } else { *applied });
+        let wanted: Vec<f64> = wanted.collect();
+        self.tune_to(wanted)
+    }
+
+    fn tune_to(&mut self, wanted: Vec<f64>) -> Result<(), Failure> {
+        if wanted == self.applied {
+            return Ok(());
+        }
+        let model = self.with(&wanted);
+        let (before, after) = (in_mode(&self.tuned, self.mode), in_mode(&model, self.mode));
+        self.run.retune(&before, &after).map_err(|error| Failure(error.to_string()))?;
+        (self.tuned, self.applied) = (model, wanted);
         Ok(())
     }
 
@@ -235,6 +275,7 @@ impl Model for Controller {
                 self.time
             )));
         }
+        self.tune()?;
         while self.run.decisions() < place.end() {
             self.decide()?;
         }
@@ -261,6 +302,7 @@ impl Model for Controller {
             list(&self.model).into_iter().map(|(variable, value)| (variable.name, value)).collect();
         let names = self.description.entries[self.parameters.clone()].iter().map(|entry| &entry.variable.name);
         write_list(&names.filter_map(|name| started.get(name).copied()).collect::<Vec<f64>>(), &mut body);
+        write_list(&self.applied, &mut body);
         body.real(self.mode);
         body.bytes(&self.run.snapshot());
         body.real(self.time);
@@ -274,8 +316,11 @@ impl Model for Controller {
         read_list(&mut there.values, "values", &mut from)?;
         let mut parameters = vec![0.0; there.parameters.len()];
         read_list(&mut parameters, "parameters", &mut from)?;
+        let mut applied = vec![0.0; there.parameters.len()];
+        read_list(&mut applied, "parameters", &mut from)?;
         let mode = from.real()?;
         there.restart(&parameters, mode)?;
+        there.tune_to(applied)?;
         there.run.restore(from.bytes()?)?;
         there.time = from.real()?;
         from.end()?;

@@ -1,9 +1,10 @@
 //! What of a model an FMU offers.
 
+use bekker::model::{ControlKind, Model};
 use serde::Deserialize;
 
 /// What of a model an FMU offers: `kind` in the section `[fmu]` of the packed model file.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
     /// The plant: wheel torques or speeds in (whichever the model has, torques where it has a controller), true and
@@ -12,7 +13,6 @@ pub enum Kind {
     /// The controller: measurements in, torques out.
     Controller,
     /// The model as it is.
-    #[default]
     RoverWithController,
 }
 
@@ -36,16 +36,24 @@ impl Kind {
         }
     }
 
-    /// The kind that a model file asks for.
+    /// The usual kind: a model without a controller is a plant.
+    #[must_use]
+    pub fn usual(model: &Model) -> Self {
+        match model.control.kind {
+            ControlKind::Torque | ControlKind::Speed => Self::Rover,
+            _ => Self::RoverWithController,
+        }
+    }
+
+    /// The kind that a model file asks for, if it does.
     ///
     /// # Errors
     /// A sentence where the file is not TOML or the kind unknown.
-    pub fn of(text: &str) -> Result<Self, String> {
+    pub fn of(text: &str) -> Result<Option<Self>, String> {
         #[derive(Default, Deserialize)]
         #[serde(deny_unknown_fields)]
         struct Section {
-            #[serde(default)]
-            kind: Kind,
+            kind: Option<Kind>,
         }
         #[derive(Deserialize)]
         struct File {
@@ -56,8 +64,8 @@ impl Kind {
         Ok(file.fmu.kind)
     }
 
-    /// `text`, the model file of a model, with this kind in it. The usual kind is not written.
-    pub(super) fn written(self, text: String) -> String {
-        if self == Self::default() { text } else { format!("{text}\n[fmu]\nkind = \"{}\"\n", self.word()) }
+    /// `text`, the model file of `model`, with this kind in it. The usual kind is not written.
+    pub(super) fn written(self, model: &Model, text: String) -> String {
+        if self == Self::usual(model) { text } else { format!("{text}\n[fmu]\nkind = \"{}\"\n", self.word()) }
     }
 }

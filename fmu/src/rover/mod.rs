@@ -6,9 +6,15 @@
 //! | [`Kind::Controller`] | measurements, by the names of the signals, and `velocity_command` | `wheel[k].torque_command` |
 //! | [`Kind::RoverWithController`] | those of the model | signals |
 //!
+//! Without a key `[fmu] kind` in the model file, a model without a controller is a rover, any other the third.
+//!
 //! A rover and a controller of the same model file, wired name by name and stepped by the control period, the controller
 //! first, are the third to the last bit: the controller decides at the start of its step, on what is measured then, and
 //! its torques hold for the rover's step from there. Where sensors have errors, the rover's `measured.*` are to be wired.
+//!
+//! # Parameters on the way
+//! Soil, gravity, motors, sensors, gains and effects are tunable (see [`RoverModel::is_tunable`]): set between two steps
+//! they act from the next inner step on, while everything that moves stays as it is. The rest waits for a start.
 //!
 //! # Time
 //! Inner steps lie at whole multiples of the inner step. A communication point between two of them is served by linear
@@ -58,7 +64,7 @@ pub fn load(folder: &Path) -> Result<Box<dyn Model>, String> {
 /// A sentence where the text is no valid model, or has not what its kind needs.
 pub fn parse(text: &str) -> Result<Box<dyn Model>, String> {
     let model = RoverModel::from_toml(text, None).map_err(|error| error.to_string())?;
-    Ok(match Kind::of(text)? {
+    Ok(match Kind::of(text)?.unwrap_or_else(|| Kind::usual(&model)) {
         Kind::Controller => Box::new(Controller::new(model, text)?),
         kind => Box::new(Rover::new(model, kind, text)?),
     })
@@ -69,7 +75,7 @@ pub fn parse(text: &str) -> Result<Box<dyn Model>, String> {
 /// # Errors
 /// A sentence where the model does not start.
 pub fn describe(model: &RoverModel) -> Result<(String, Description), String> {
-    describe_as(model, Kind::default())
+    describe_as(model, Kind::usual(model))
 }
 
 /// As [`describe`], for an FMU of this kind.
@@ -77,7 +83,7 @@ pub fn describe(model: &RoverModel) -> Result<(String, Description), String> {
 /// # Errors
 /// A sentence where the model does not start, or has not what the kind needs.
 pub fn describe_as(model: &RoverModel, kind: Kind) -> Result<(String, Description), String> {
-    let text = kind.written(model.to_toml().map_err(|error| error.to_string())?);
+    let text = kind.written(model, model.to_toml().map_err(|error| error.to_string())?);
     let mut read = RoverModel::from_toml(&text, None).map_err(|error| error.to_string())?;
     if read.list() != model.clone().list() || read.control.kind != model.control.kind {
         return Err("its TOML does not read back as the same model".to_owned());

@@ -5,8 +5,9 @@ use super::outputs::{event, measurements, number, write_readings};
 use super::place::Place;
 use super::{Kind, USUAL_STEP, description};
 use crate::model::{Continuous, Failure, Model, Outcome};
-use bekker::model::{ControlKind, Model as RoverModel, Run};
+use bekker::model::{ControlKind, Model as RoverModel, Plant, Run};
 use bekker::simulation::Status;
+use bekker_modeldescription::xml::Variability::{Fixed, Tunable};
 use bekker_modeldescription::xml::{Description, Entry};
 use bekker_modeldescription::{Lookup, Parameters, Variable};
 use std::ops::Range;
@@ -29,8 +30,11 @@ pub(super) struct References {
 #[derive(Clone)]
 pub(super) struct Rover {
     pub(super) description: Arc<Description>,
-    /// With the parameters that the run was started with.
+    /// With the parameters that the run was started with, and with those that it has now.
     pub(super) model: RoverModel,
+    pub(super) tuned: RoverModel,
+    /// The values of the latter.
+    pub(super) applied: Vec<f64>,
     pub(super) run: Run,
     /// Seconds between readings of the sensors, where this is a plant whose sensors are read.
     sensing: Option<f64>,
@@ -66,7 +70,12 @@ impl Rover {
             first..entries.len()
         };
         let mut parameters = Vec::new();
-        visit(&mut model, sensing, &mut |variable, value| parameters.push(Entry::parameter(variable, *value)));
+        let tunable = model.stepping.plant == Plant::JointCoordinates;
+        let rules = model.clone();
+        visit(&mut model, sensing, &mut |variable, value| {
+            let variability = if tunable && rules.is_tunable(&variable.name) { Tunable } else { Fixed };
+            parameters.push(Entry { variability, ..Entry::parameter(variable, *value) });
+        });
         let parameters = group(parameters);
         let inputs = model.inputs().list().into_iter().map(|(variable, value)| Entry::input(variable, value));
         let inputs = group(inputs.collect());
@@ -80,11 +89,13 @@ impl Rover {
         let (states, derivatives) = ordinary.as_ref().map(|ordinary| ordinary.entries(first)).unwrap_or_default();
         let (states, derivatives) = (group(states), group(derivatives));
         let references = References { parameters, inputs, signals, measured, event, states, derivatives };
-        let values = entries.iter().map(|entry| entry.start).collect();
+        let values: Vec<f64> = entries.iter().map(|entry| entry.start).collect();
         let description = Arc::new(description(&model, kind, run.step_size(), text, entries));
         let mut rover = Self {
             description,
             before: vec![0.0; references.signals.len()],
+            applied: values[references.parameters.clone()].to_vec(),
+            tuned: model.clone(),
             model,
             run,
             sensing,
@@ -121,7 +132,38 @@ impl Rover {
         let mut values = parameters.iter();
         visit(&mut model, self.sensing, &mut |_, place| values.next().into_iter().for_each(|value| *place = *value));
         self.run = start(&model, self.sensing).map_err(Failure)?;
-        self.model = model;
+        (self.tuned, self.model) = (model.clone(), model);
+        self.applied = parameters.to_vec();
+        Ok(())
+    }
+
+    /// Lets tunable parameters that have been set act from now on; others wait for the next start.
+    pub(super) fn tune(&mut self) -> Result<(), Failure> {
+        let values = &self.values[self.references.parameters.clone()];
+        if *values == *self.applied {
+            return Ok(());
+        }
+        let entries = &self.description.entries[self.references.parameters.clone()];
+        let wanted = entries.iter().zip(values).zip(&self.applied);
+        let wanted =
+            wanted.map(|((entry, value), applied)| if entry.variability == Tunable { *value } else { *applied });
+        let wanted: Vec<f64> = wanted.collect();
+        self.tune_to(wanted)
+    }
+
+    pub(super) fn tune_to(&mut self, wanted: Vec<f64>) -> Result<(), Failure> {
+        if wanted == self.applied {
+            return Ok(());
+        }
+        let mut model = self.tuned.clone();
+        let mut values = wanted.iter();
+        visit(&mut model, self.sensing, &mut |_, place| values.next().into_iter().for_each(|value| *place = *value));
+        self.run.retune(&self.tuned, &model).map_err(|error| Failure(error.to_string()))?;
+        if let Some(ordinary) = &mut self.ordinary {
+            ordinary.equations.retune(model.rover.clone());
+            ordinary.stale();
+        }
+        (self.tuned, self.applied) = (model, wanted);
         Ok(())
     }
 
@@ -221,6 +263,7 @@ impl Model for Rover {
     }
 
     fn advance(&mut self, steps: u64) -> Result<Outcome, Failure> {
+        self.tune()?;
         self.write_inputs()?;
         let target = self.ticks() + steps;
         self.run_to(target)?;
@@ -234,6 +277,7 @@ impl Model for Rover {
         if place.end() < self.ticks() || (ahead && time < now) {
             return Err(Failure(format!("the communication point {time} s lies before the present time, {now} s")));
         }
+        self.tune()?;
         self.write_inputs()?;
         if place.share > 0.0 && self.ticks() <= place.whole {
             self.run_to(place.whole)?;

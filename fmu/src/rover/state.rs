@@ -39,6 +39,7 @@ impl Rover {
         let mut body = Writer::default();
         write_list(&self.values, &mut body);
         write_list(&self.started_with(), &mut body);
+        write_list(&self.applied, &mut body);
         body.bytes(&self.run.snapshot()?);
         write_list(&self.before, &mut body);
         body.number(u64::from(self.between));
@@ -63,6 +64,8 @@ impl Rover {
         let mut parameters = vec![0.0; there.references.parameters.len()];
         read_list(&mut parameters, "parameters", &mut from)?;
         there.restart(&parameters)?;
+        read_list(&mut parameters, "parameters", &mut from)?;
+        there.tune_to(parameters)?;
         there.run.restore(from.bytes()?)?;
         read_list(&mut there.before, "signals", &mut from)?;
         there.between = read_flag(&mut from)?;
