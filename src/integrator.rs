@@ -70,7 +70,7 @@ pub(crate) struct Integrator<S = f64> {
     condensed: Vec<Condensed<S>>,
 }
 
-moving!(Integrator { now });
+moving!(Integrator { now } { ahead, predicted, first, second, condensed });
 
 impl<S: Scalar> Integrator<S> {
     pub fn new(rover: &Rover<S>, state: &State<S>) -> Self {

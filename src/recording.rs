@@ -43,7 +43,7 @@ struct Lag<S> {
 
 impl Moving for Recorder {
     fn save(&self, to: &mut Writer) {
-        if let Some(Lag { input, ring, newest, started, .. }) = &self.lag {
+        if let Some(Lag { input, ring, newest, started, decay: _, mean: _, delay: _ }) = &self.lag {
             input.save(to);
             ring.save(to);
             newest.save(to);

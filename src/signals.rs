@@ -208,9 +208,10 @@ pub struct Measurement {
 
 impl Moving for Measurement {
     fn save(&self, to: &mut Writer) {
-        [self.time, self.pitch, self.pitch_rate, self.velocity].save(to);
-        self.wheels.save(to);
-        self.links.save(to);
+        let Self { time, pitch, pitch_rate, velocity, wheels, links } = self;
+        [*time, *pitch, *pitch_rate, *velocity].save(to);
+        wheels.save(to);
+        links.save(to);
     }
 
     fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {

@@ -209,7 +209,7 @@ pub struct Simulation<S = f64> {
 }
 
 // Of the integrator's memory only the evaluation at the present state outlives a step.
-moving!(Simulation { state, integrator, command, ticks, energies, window, status, recorder, signals });
+moving!(Simulation { state, integrator, command, ticks, energies, window, status, recorder, signals } { rover, step_size });
 
 impl<S: Scalar> Simulation<S> {
     /// A rover at rest above `x0` (m), settled on its soil, stepped by `step_size` (s).

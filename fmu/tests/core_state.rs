@@ -11,7 +11,10 @@ use bekker_modeldescription::xml::{Causality, Entry, Kind as Type, Variability};
 use core_support::{all, bits, get, loaded, set};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
-fn models() -> Vec<(RoverModel, Kind, Vec<(&'static str, f64)>)> {
+/// A model, its kind, and parameters that are set before the start.
+type Case = (RoverModel, Kind, Vec<(&'static str, f64)>);
+
+fn models() -> Vec<Case> {
     let preset = |name| RoverModel::preset(name).unwrap();
     let estimators =
         "preset = \"gentle_rtc\"\n[control]\nkind = \"rtc\"\ncontact_angles = \"estimator\"\nsoil = \"estimator\"\n";

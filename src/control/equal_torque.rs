@@ -34,7 +34,7 @@ pub struct EqualTorqueController {
     integral: f64,
 }
 
-moving!(EqualTorqueController { integral });
+moving!(EqualTorqueController { integral } { gains, torque_share, limit, wheels });
 
 impl EqualTorqueController {
     /// A controller at rest for the nominal rover, of which it uses mass, gravity, wheel radius, torque limit and

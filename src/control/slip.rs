@@ -45,7 +45,7 @@ pub struct SlipController {
 }
 
 // What is revealed is used up by each command.
-moving!(SlipController { inner, integral });
+moving!(SlipController { inner, integral } { nominal, parameters, privileged, goals });
 
 impl SlipController {
     /// A controller at rest for the nominal rover, with the gains `wheels` for the loops of the wheels' speeds.

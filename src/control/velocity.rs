@@ -66,7 +66,7 @@ pub struct VelocityController {
     loops: Vec<Loop>,
 }
 
-moving!(VelocityController { loops });
+moving!(VelocityController { loops } { gains, radius, limit });
 
 impl VelocityController {
     /// A controller at rest for the nominal rover, of which it uses wheel radius, torque limit and number of wheels.

@@ -62,7 +62,7 @@ pub struct Equations<S = f64> {
 }
 
 // The evaluation is made anew from these.
-moving!(Equations { command, state, energies, window });
+moving!(Equations { command, state, energies, window } { rover, evaluation, signals });
 
 /// Derivatives of rates and signals along a direction in states and inputs.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -43,9 +43,11 @@ pub(super) struct EstimatingRtc {
 
 impl Moving for EstimatingRtc {
     fn save(&self, to: &mut Writer) {
-        self.rtc.save(to);
-        self.contact_angles.iter().for_each(|estimator| estimator.save(to));
-        self.soil.iter().for_each(|identifier| identifier.save(to));
+        // What is seen is put together anew for each command.
+        let Self { rtc, contact_angles, soil, seen: _ } = self;
+        rtc.save(to);
+        contact_angles.iter().for_each(|estimator| estimator.save(to));
+        soil.iter().for_each(|identifier| identifier.save(to));
     }
 
     fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {

@@ -17,16 +17,17 @@ impl Run {
     /// [`SnapshotError::RigidBodies`] for the plant of rigid bodies.
     pub fn snapshot(&self) -> Result<Vec<u8>, SnapshotError> {
         let mut body = Writer::default();
-        match &self.simulation {
+        let Self { simulation, sensors, controller, inputs, command, measurement, .. } = self;
+        match simulation {
             AnyPlant::JointCoordinates(simulation) => simulation.save(&mut body),
             #[cfg(feature = "rigid")]
             AnyPlant::RigidBodies(_) => return Err(SnapshotError::RigidBodies),
         }
-        self.sensors.save(&mut body);
-        self.controller.iter().for_each(|controller| controller.save(&mut body));
-        save_all(&self.inputs, &mut body);
-        self.command.save(&mut body);
-        self.measurement.save(&mut body);
+        sensors.save(&mut body);
+        controller.iter().for_each(|controller| controller.save(&mut body));
+        save_all(inputs, &mut body);
+        command.save(&mut body);
+        measurement.save(&mut body);
         Ok(close(KIND, VERSION, self.fingerprint, &body.finish()))
     }
 

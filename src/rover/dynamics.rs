@@ -134,7 +134,7 @@ moving!(Evaluation<f64> {
     potential,
     other_loss,
     resistance,
-});
+} { outside });
 
 impl<S: Scalar> Evaluation<S> {
     pub fn new(rover: &Rover<S>) -> Self {

@@ -25,11 +25,12 @@ pub struct SensorSuite {
 
 impl Moving for SensorSuite {
     fn save(&self, to: &mut Writer) {
-        self.noise.save(to);
-        self.further_noise.save(to);
-        self.clocks.save(to);
-        self.held.save(to);
-        self.rests.save(to);
+        let Self { noise, further_noise, clocks, held, rests, sensors: _ } = self;
+        noise.save(to);
+        further_noise.save(to);
+        clocks.save(to);
+        held.save(to);
+        rests.save(to);
     }
 
     fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {

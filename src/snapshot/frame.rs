@@ -107,21 +107,30 @@ pub fn open(kind: [u8; 4], version: u32, model: Fingerprint, bytes: &[u8]) -> Re
     if got != version {
         return Err(FrameError::Version { got, expected: version });
     }
-    let ((whose, length), (sum, body)) = head(rest).ok_or(FrameError::Foreign)?;
-    if whose != model.value() {
+    let head = Head::of(rest).ok_or(FrameError::Foreign)?;
+    if head.model != model.value() {
         return Err(FrameError::Model);
     }
-    if body.len() as u64 != length {
-        return Err(FrameError::Size { got: bytes.len(), expected: length.saturating_add(HEAD as u64) });
+    if head.body.len() as u64 != head.length {
+        return Err(FrameError::Size { got: bytes.len(), expected: head.length.saturating_add(HEAD as u64) });
     }
-    if sum == checksum(body) { Ok(body) } else { Err(FrameError::Damaged) }
+    if head.checksum == checksum(head.body) { Ok(head.body) } else { Err(FrameError::Damaged) }
 }
 
-/// Fingerprint and length, checksum and body.
-fn head(rest: &[u8]) -> Option<((u64, u64), (u64, &[u8]))> {
-    let (model, rest) = rest.split_first_chunk()?;
-    let (length, rest) = rest.split_first_chunk()?;
-    let (sum, body) = rest.split_first_chunk()?;
-    let number = |bytes: &[u8; 8]| u64::from_le_bytes(*bytes);
-    Some(((number(model), number(length)), (number(sum), body)))
+/// What follows kind and version.
+struct Head<'a> {
+    model: u64,
+    length: u64,
+    checksum: u64,
+    body: &'a [u8],
+}
+
+impl<'a> Head<'a> {
+    fn of(rest: &'a [u8]) -> Option<Self> {
+        let (model, rest) = rest.split_first_chunk()?;
+        let (length, rest) = rest.split_first_chunk()?;
+        let (checksum, body) = rest.split_first_chunk()?;
+        let [model, length, checksum] = [model, length, checksum].map(|bytes| u64::from_le_bytes(*bytes));
+        Some(Self { model, length, checksum, body })
+    }
 }

@@ -20,12 +20,13 @@
 //! Caches that an optimisation rebuilds from its numbers alone (those of Clarabel) are left out: a clone of a run drops
 //! them too and goes on to the same bits.
 
+mod bytes;
 mod frame;
 mod moving;
 
+pub use bytes::{Reader, Writer};
 pub use frame::{Fingerprint, FrameError, close, open};
 pub(crate) use moving::{Moving, load_all, load_grown, loaded, moving, moving_code, save_all};
-pub use moving::{Reader, Writer};
 
 /// Why a state cannot be written or taken over.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

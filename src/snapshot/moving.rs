@@ -1,6 +1,6 @@
 //! Writing and reading of moving parts.
 
-use super::SnapshotError;
+use super::{Reader, SnapshotError, Writer};
 use bekker_modeldescription::Parameters;
 use nalgebra::SMatrix;
 use rand_chacha::ChaCha8Rng;
@@ -8,94 +8,6 @@ use rand_chacha::rand_core::SeedableRng;
 
 /// Most entries of a list that the model does not size.
 const MOST: u64 = 1024;
-
-/// Where a state is written.
-#[derive(Debug, Default)]
-pub struct Writer(Vec<u8>);
-
-impl Writer {
-    /// Writes one number.
-    pub fn number(&mut self, value: u64) {
-        self.0.extend(value.to_le_bytes());
-    }
-
-    /// Writes a floating point number, bit for bit.
-    pub fn real(&mut self, value: f64) {
-        self.number(value.to_bits());
-    }
-
-    /// Writes bytes with their number.
-    pub fn bytes(&mut self, bytes: &[u8]) {
-        self.number(bytes.len() as u64);
-        self.0.extend(bytes);
-    }
-
-    /// Everything that was written.
-    #[must_use]
-    pub fn finish(self) -> Vec<u8> {
-        self.0
-    }
-}
-
-/// Where a state is read from.
-#[derive(Debug)]
-pub struct Reader<'a>(&'a [u8]);
-
-impl<'a> Reader<'a> {
-    /// Reads `bytes` from their start.
-    #[must_use]
-    pub fn new(bytes: &'a [u8]) -> Self {
-        Self(bytes)
-    }
-
-    /// Reads one number.
-    ///
-    /// # Errors
-    /// [`SnapshotError::Ends`].
-    pub fn number(&mut self) -> Result<u64, SnapshotError> {
-        let (number, rest) =
-            self.0.split_first_chunk().ok_or_else(|| SnapshotError::Ends { missing: 8 - self.0.len() })?;
-        self.0 = rest;
-        Ok(u64::from_le_bytes(*number))
-    }
-
-    /// Reads a floating point number.
-    ///
-    /// # Errors
-    /// [`SnapshotError::Ends`].
-    pub fn real(&mut self) -> Result<f64, SnapshotError> {
-        self.number().map(f64::from_bits)
-    }
-
-    /// Reads bytes that were written with their number.
-    ///
-    /// # Errors
-    /// [`SnapshotError::Ends`].
-    pub fn bytes(&mut self) -> Result<&'a [u8], SnapshotError> {
-        let length = usize::try_from(self.number()?).unwrap_or(usize::MAX);
-        let (bytes, rest) =
-            self.0.split_at_checked(length).ok_or_else(|| SnapshotError::Ends { missing: length - self.0.len() })?;
-        self.0 = rest;
-        Ok(bytes)
-    }
-
-    /// Reads the length of a list, which has to be `expected`.
-    ///
-    /// # Errors
-    /// [`SnapshotError::Length`].
-    pub fn length(&mut self, what: &'static str, expected: usize) -> Result<(), SnapshotError> {
-        let got = self.number()?;
-        if got == expected as u64 { Ok(()) } else { Err(SnapshotError::Length { what, got, expected }) }
-    }
-
-    /// Makes sure that nothing is left.
-    ///
-    /// # Errors
-    /// [`SnapshotError::Longer`].
-    pub fn end(&self) -> Result<(), SnapshotError> {
-        if self.0.is_empty() { Ok(()) } else { Err(SnapshotError::Longer { rest: self.0.len() }) }
-    }
-}
 
 /// A part of a run with something that moves.
 pub(crate) trait Moving {
@@ -106,16 +18,19 @@ pub(crate) trait Moving {
     fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError>;
 }
 
-/// Lists the moving fields of a struct, in the order in which they are written.
+/// Lists the moving fields of a struct, in the order in which they are written, and then those that follow from the model
+/// or from the moving ones. Every field has to be in one of both lists, or it does not compile.
 macro_rules! moving {
-    ($part:ty { $($field:ident),* $(,)? }) => {
+    ($part:ty { $($field:ident),* $(,)? } $({ $($constant:ident),* $(,)? })?) => {
         impl $crate::snapshot::Moving for $part {
             fn save(&self, to: &mut $crate::snapshot::Writer) {
-                $(self.$field.save(to);)*
+                let Self { $($field,)* $($($constant: _,)*)? } = self;
+                $($crate::snapshot::Moving::save($field, to);)*
             }
 
             fn load(&mut self, from: &mut $crate::snapshot::Reader) -> Result<(), $crate::snapshot::SnapshotError> {
-                $(self.$field.load(from)?;)*
+                let Self { $($field,)* $($($constant: _,)*)? } = self;
+                $($crate::snapshot::Moving::load($field, from)?;)*
                 Ok(())
             }
         }
@@ -207,7 +122,11 @@ impl<T: Moving + Default> Moving for Option<T> {
     fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {
         let mut there = false;
         there.load(from)?;
-        if there { self.get_or_insert_default().load(from) } else { Ok(*self = None) }
+        if there {
+            return self.get_or_insert_default().load(from);
+        }
+        *self = None;
+        Ok(())
     }
 }
 

@@ -1,16 +1,17 @@
 //! A rover's controller by itself, as a [`Model`]: measurements in, torques out.
 
+use super::modes::{MODES, in_mode, kind_of, list, mode_entry, usual_mode};
 use super::outputs::{measurements, readings};
 use super::place::Place;
 use super::state::{read_list, write_list};
+use super::tuning::wanted;
 use super::{Kind, description};
 use crate::model::{Failure, Model, Outcome};
-use bekker::control::Criterion;
 use bekker::model::{ControlKind, ControllerRun, Model as RoverModel};
 use bekker::snapshot::{Fingerprint, Reader, SnapshotError, Writer, close, open};
 use bekker_modeldescription::xml::Variability::{Fixed, Tunable};
-use bekker_modeldescription::xml::{Description, Entry, Item, Kind as Type};
-use bekker_modeldescription::{Lookup, Parameters, Role, Unit, Variable};
+use bekker_modeldescription::xml::{Description, Entry};
+use bekker_modeldescription::{Lookup, Parameters};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -19,31 +20,8 @@ use std::sync::Arc;
 const KIND: [u8; 4] = *b"BKFC";
 const VERSION: u32 = 1;
 
-/// Values of the parameter `mode`.
-const MODES: &[Item] = &[
-    Item { name: "velocity", value: 0, doc: "Every wheel holds its own speed." },
-    Item { name: "traction", value: 1, doc: "Rough-terrain control for the most traction (4.5)." },
-    Item { name: "power", value: 2, doc: "Rough-terrain control for the least power (4.10)." },
-    Item { name: "dual", value: 3, doc: "Rough-terrain control for whichever the ground asks for (4.11)." },
-];
-
 /// Reference of the mode.
 const MODE: usize = 1;
-
-/// First parts of names that a controller reads.
-const READ: [&str; 9] = [
-    "gravity",
-    "motor",
-    "soil",
-    "nominal",
-    "velocity_control",
-    "velocity_tuned",
-    "rtc",
-    "contact_angle_estimation",
-    "soil_identification",
-];
-/// What it reads of a vehicle's numbers: those of a data sheet at rest.
-const READ_OF_VEHICLE: [&str; 7] = ["x", "z", "mass", "centre_of_mass_x", "centre_of_mass_z", "radius", "width"];
 
 /// A controller, at its start or on its way.
 #[derive(Clone)]
@@ -127,11 +105,7 @@ impl Controller {
             return Ok(());
         }
         let entries = &self.description.entries[self.parameters.clone()];
-        let wanted = entries.iter().zip(values).zip(&self.applied);
-        let wanted =
-            wanted.map(|((entry, value), applied)| if entry.variability == Tunable { *value } else { *applied });
-        let wanted: Vec<f64> = wanted.collect();
-        self.tune_to(wanted)
+        self.tune_to(wanted(entries, values, &self.applied))
     }
 
     fn tune_to(&mut self, wanted: Vec<f64>) -> Result<(), Failure> {
@@ -160,75 +134,6 @@ impl Controller {
 
     fn fingerprint(&self) -> Fingerprint {
         Fingerprint::of(&self.description.content)
-    }
-}
-
-/// The mode that a model has of itself.
-fn usual_mode(model: &RoverModel) -> f64 {
-    match (model.control.kind, model.control.criterion) {
-        (ControlKind::Velocity | ControlKind::VelocityTuned | ControlKind::SpeedLoop, _) => 0.0,
-        (_, Some(Criterion::Traction)) => 1.0,
-        (_, Some(Criterion::Power)) => 2.0,
-        (_, None) => 3.0,
-    }
-}
-
-/// The kind of control of a mode, for a model that has `usual` of itself.
-fn kind_of(usual: ControlKind, mode: f64) -> ControlKind {
-    match usual {
-        _ if mode > 0.0 => ControlKind::Rtc,
-        ControlKind::VelocityTuned => ControlKind::VelocityTuned,
-        _ => ControlKind::Velocity,
-    }
-}
-
-fn in_mode(model: &RoverModel, mode: f64) -> RoverModel {
-    let mut model = model.clone();
-    model.control.kind = kind_of(model.control.kind, mode);
-    model.control.criterion = match mode {
-        1.0 => Some(Criterion::Traction),
-        2.0 => Some(Criterion::Power),
-        _ => None,
-    };
-    model
-}
-
-fn mode_entry(mode: f64) -> Entry {
-    let variable = Variable {
-        name: "mode".into(),
-        doc: "What the controller goes by.".into(),
-        unit: Unit::ONE,
-        default: 3.0,
-        min: 0.0,
-        max: 3.0,
-        role: Role::Fixed,
-        source: "Iagnemma 2001, chapter 4".into(),
-    };
-    Entry { kind: Type::Enumeration { name: "Mode", items: MODES }, ..Entry::parameter(variable, mode) }
-}
-
-/// Everything that the controller reads in any mode, once.
-fn list(model: &RoverModel) -> Vec<(Variable, f64)> {
-    let mut all: Vec<(Variable, f64)> = Vec::new();
-    for mode in 0..MODES.len() {
-        for (variable, value) in in_mode(model, mode as f64).list() {
-            let known = all.iter().any(|(other, _)| other.name == variable.name);
-            if !known && reads(model, &variable.name) {
-                all.push((variable, value));
-            }
-        }
-    }
-    all
-}
-
-fn reads(model: &RoverModel, name: &str) -> bool {
-    let group = name.split(['.', '[']).next().unwrap_or(name);
-    let last = name.rsplit('.').next().unwrap_or(name);
-    match group {
-        "rover" | "link" | "wheel" => READ_OF_VEHICLE.contains(&last),
-        // Its own belief of the soil takes the place of the rover's.
-        "soil" => model.control.nominal_soil.is_none(),
-        _ => READ.contains(&group),
     }
 }
 

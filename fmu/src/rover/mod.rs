@@ -27,10 +27,12 @@ mod continuous;
 mod controller;
 mod derivatives;
 mod kind;
+mod modes;
 mod outputs;
 mod place;
 mod plant;
 mod state;
+mod tuning;
 
 pub use kind::Kind;
 

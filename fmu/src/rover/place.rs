@@ -26,7 +26,7 @@ impl Place {
     /// A [`Failure`] for a time that is not finite, negative or too far away.
     pub fn of(time: f64, step: f64) -> Result<Self, Failure> {
         let steps = time / step;
-        if !(steps >= -FAR && steps <= MOST) {
+        if !(-FAR..=MOST).contains(&steps) {
             return Err(Failure(format!(
                 "the communication point {time} s is not within 0 s and {} s after the start, {MOST:e} inner steps",
                 MOST * step

@@ -37,7 +37,7 @@ pub(super) struct Rover {
     pub(super) applied: Vec<f64>,
     pub(super) run: Run,
     /// Seconds between readings of the sensors, where this is a plant whose sensors are read.
-    sensing: Option<f64>,
+    pub(super) sensing: Option<f64>,
     /// Values by reference; that of time is not used.
     pub(super) values: Vec<f64>,
     pub(super) references: References,
@@ -137,36 +137,6 @@ impl Rover {
         Ok(())
     }
 
-    /// Lets tunable parameters that have been set act from now on; others wait for the next start.
-    pub(super) fn tune(&mut self) -> Result<(), Failure> {
-        let values = &self.values[self.references.parameters.clone()];
-        if *values == *self.applied {
-            return Ok(());
-        }
-        let entries = &self.description.entries[self.references.parameters.clone()];
-        let wanted = entries.iter().zip(values).zip(&self.applied);
-        let wanted =
-            wanted.map(|((entry, value), applied)| if entry.variability == Tunable { *value } else { *applied });
-        let wanted: Vec<f64> = wanted.collect();
-        self.tune_to(wanted)
-    }
-
-    pub(super) fn tune_to(&mut self, wanted: Vec<f64>) -> Result<(), Failure> {
-        if wanted == self.applied {
-            return Ok(());
-        }
-        let mut model = self.tuned.clone();
-        let mut values = wanted.iter();
-        visit(&mut model, self.sensing, &mut |_, place| values.next().into_iter().for_each(|value| *place = *value));
-        self.run.retune(&self.tuned, &model).map_err(|error| Failure(error.to_string()))?;
-        if let Some(ordinary) = &mut self.ordinary {
-            ordinary.equations.retune(model.rover.clone());
-            ordinary.stale();
-        }
-        (self.tuned, self.applied) = (model, wanted);
-        Ok(())
-    }
-
     /// The values of the parameters that the run was started with.
     pub(super) fn started_with(&self) -> Vec<f64> {
         let mut values = Vec::with_capacity(self.references.parameters.len());
@@ -209,7 +179,7 @@ impl Rover {
 }
 
 /// The parameters of such an FMU: those of the model, and the sensors where they are read without a controller.
-fn visit(model: &mut RoverModel, sensing: Option<f64>, f: &mut dyn FnMut(Variable, &mut f64)) {
+pub(super) fn visit(model: &mut RoverModel, sensing: Option<f64>, f: &mut dyn FnMut(Variable, &mut f64)) {
     model.visit("", f);
     if sensing.is_some() {
         model.sensors.visit("sensor", f);

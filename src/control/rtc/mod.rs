@@ -137,15 +137,28 @@ pub struct Outcome {
 
 impl Moving for Outcome {
     fn save(&self, to: &mut Writer) {
-        self.criterion.save(to);
-        (self.feasible, self.optimal).save(to);
-        self.objective.save(to);
-        self.forces.save(to);
-        (self.body_force, self.shortfall).save(to);
-        self.joint_shortfall.save(to);
-        self.footing.save(to);
-        self.trim.save(to);
-        self.steps.save(to);
+        let Self {
+            criterion,
+            feasible,
+            optimal,
+            objective,
+            forces,
+            body_force,
+            shortfall,
+            joint_shortfall,
+            footing,
+            trim,
+            steps,
+        } = self;
+        criterion.save(to);
+        (*feasible, *optimal).save(to);
+        objective.save(to);
+        forces.save(to);
+        (*body_force, *shortfall).save(to);
+        joint_shortfall.save(to);
+        footing.save(to);
+        trim.save(to);
+        steps.save(to);
     }
 
     fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {
@@ -183,11 +196,22 @@ pub struct Rtc {
 /// The soil may have been set; the optimisation is posed and solved anew from each measurement.
 impl Moving for Rtc {
     fn save(&self, to: &mut Writer) {
-        let Soil { cohesion, friction_angle, shear_modulus, .. } = self.nominal.soil;
+        let Self {
+            nominal,
+            integral,
+            speed_loops,
+            outcome,
+            parameters: _,
+            options: _,
+            problem: _,
+            optimiser: _,
+            forces: _,
+        } = self;
+        let Soil { cohesion, friction_angle, shear_modulus, .. } = nominal.soil;
         [cohesion, friction_angle, shear_modulus].save(to);
-        self.integral.save(to);
-        self.speed_loops.save(to);
-        self.outcome.save(to);
+        integral.save(to);
+        speed_loops.save(to);
+        outcome.save(to);
     }
 
     fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {

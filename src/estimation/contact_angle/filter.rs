@@ -100,7 +100,7 @@ pub struct PairFilter {
     restarts: u32,
 }
 
-moving!(PairFilter { state, covariance, bias, restarts });
+moving!(PairFilter { state, covariance, bias, restarts } { model });
 
 impl PairFilter {
     /// A filter that starts at a reading, its angles along the ground's mean.

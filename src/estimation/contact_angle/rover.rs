@@ -31,14 +31,16 @@ pub struct ContactAngles {
 
 impl Moving for ContactAngles {
     fn save(&self, to: &mut Writer) {
-        for filter in &self.filters {
+        let Self { filters, time, angles, deviations, innovation, parameters: _, radius: _, parents: _, pairs: _ } =
+            self;
+        for filter in filters {
             filter.is_some().save(to);
             filter.iter().for_each(|filter| filter.save(to));
         }
-        self.time.save(to);
-        self.angles.save(to);
-        self.deviations.save(to);
-        self.innovation.save(to);
+        time.save(to);
+        angles.save(to);
+        deviations.save(to);
+        innovation.save(to);
     }
 
     fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {

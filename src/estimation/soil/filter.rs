@@ -78,7 +78,7 @@ pub struct StrengthFilter {
     estimate: Gaussian,
 }
 
-moving!(StrengthFilter { absorbed, held, count, estimate });
+moving!(StrengthFilter { absorbed, held, count, estimate } { wheel, soil, parameters, deviations, prior });
 
 impl StrengthFilter {
     /// A filter whose prior has the strength of `soil` as its mean; of `soil` also the exponent and c1, c2 are used.

@@ -129,7 +129,7 @@ pub struct KinematicSinkage {
     heights: [f64; MAX_WHEELS],
 }
 
-moving!(KinematicSinkage { heights });
+moving!(KinematicSinkage { heights } { nominal });
 
 impl KinematicSinkage {
     /// The configuration Q_1 at the start.

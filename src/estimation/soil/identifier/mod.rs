@@ -139,15 +139,16 @@ pub struct SoilIdentifier {
 
 impl Moving for SoilIdentifier {
     fn save(&self, to: &mut Writer) {
-        self.filter.save(to);
-        self.start.is_some().save(to);
-        self.start.iter().for_each(|start| start.save(to));
-        self.time.save(to);
-        self.travelled.save(to);
-        self.read_at.save(to);
-        self.sums.save(to);
-        self.uses.save(to);
-        self.readings.save(to);
+        let Self { filter, start, time, travelled, read_at, sums, uses, readings, nominal: _, balance: _ } = self;
+        filter.save(to);
+        start.is_some().save(to);
+        start.iter().for_each(|start| start.save(to));
+        time.save(to);
+        travelled.save(to);
+        read_at.save(to);
+        sums.save(to);
+        uses.save(to);
+        readings.save(to);
     }
 
     fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {
