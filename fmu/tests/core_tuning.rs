@@ -21,7 +21,7 @@ fn property_a_parameter_that_stays_changes_nothing() {
         let mut run = model.start().unwrap();
         run.advance(100).unwrap();
         let mut same = run.clone();
-        same.retune(&model, &model).unwrap();
+        same.retune(&model).unwrap();
         [&mut run, &mut same].into_iter().for_each(|run| assert!(run.advance(200).is_ok()));
         let values = |run: &bekker::model::Run| {
             let mut all = Vec::new();
@@ -86,11 +86,11 @@ fn property_what_makes_the_vehicle_waits_for_a_start() {
     }
     let mut other = model.clone();
     other.set("wheel.radius", 0.11).unwrap();
-    let refused = model.start().unwrap().retune(&model, &other);
+    let refused = model.start().unwrap().retune(&other);
     assert_eq!(refused, Err(RunError::NotTunable { name: "wheel.radius".to_owned() }));
     let mut outside = model.clone();
     outside.rover.soil.cohesion = -1.0;
-    assert!(model.start().unwrap().retune(&model, &outside).is_err());
+    assert!(model.start().unwrap().retune(&outside).is_err());
     let mut rigid = model.clone();
     rigid.stepping.plant = Plant::RigidBodies;
     if rigid.start().is_ok() {

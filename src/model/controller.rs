@@ -1,11 +1,12 @@
 //! A model's controller by itself: its measurements come from outside, its torques go there.
 
 use super::closed_loop::AtWork;
+use super::origin::Origin;
 use super::run::{VelocityCommand, whole_multiple};
 use super::{ControlKind, Model, RunError};
 use crate::control::Rtc;
 use crate::signals::{Command, LinkMeasurement, Measurement, Reference, Signals, WheelMeasurement};
-use crate::snapshot::{Fingerprint, Moving, Reader, SnapshotError, Writer, close, open};
+use crate::snapshot::{Moving, Reader, SnapshotError, Writer, close, open};
 
 /// What the bytes of a state are, and the version of their format.
 const KIND: [u8; 4] = *b"BKCT";
@@ -25,7 +26,7 @@ pub struct ControllerRun {
     command: Command,
     /// For the one kind that is allowed to know it; here nobody tells.
     truth: Signals,
-    pub(super) fingerprint: Fingerprint,
+    pub(super) origin: Origin,
 }
 
 impl Model {
@@ -60,7 +61,7 @@ impl Model {
             goal: VelocityCommand::default(),
             command: Command::torque(vec![0.0; wheels]),
             truth: Signals::of(wheels, links),
-            fingerprint: Fingerprint::of(self),
+            origin: Origin::new(self),
         })
     }
 }
@@ -130,7 +131,7 @@ impl ControllerRun {
         self.measurement.save(&mut body);
         self.goal.velocity_command.save(&mut body);
         self.command.save(&mut body);
-        close(KIND, VERSION, self.fingerprint, &body.finish())
+        close(KIND, VERSION, self.origin.fingerprint(), &body.finish())
     }
 
     /// Goes on from the bytes that the controller of the same model wrote.
@@ -138,7 +139,7 @@ impl ControllerRun {
     /// # Errors
     /// [`SnapshotError`]; nothing is changed then.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), SnapshotError> {
-        let mut from = Reader::new(open(KIND, VERSION, self.fingerprint, bytes)?);
+        let mut from = Reader::new(open(KIND, VERSION, self.origin.fingerprint(), bytes)?);
         let mut there = self.clone();
         there.controller.load(&mut from)?;
         there.decisions.load(&mut from)?;

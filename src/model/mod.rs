@@ -7,6 +7,7 @@ mod estimating;
 mod file;
 mod obstacles;
 mod ordinary;
+mod origin;
 mod plant;
 mod presets;
 mod run;

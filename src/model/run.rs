@@ -1,12 +1,12 @@
 //! A model in motion: simulation, sensors and controller on one clock.
 
 use super::closed_loop::AtWork;
+use super::origin::Origin;
 use super::{AnyPlant, ControlKind, Model};
 use crate::control::{ControlError, Rtc};
 use crate::sensors::SensorSuite;
 use crate::signals::{Command, Measurement, Reference, Signals};
 use crate::simulation::{Status, StepError};
-use crate::snapshot::Fingerprint;
 use bekker_modeldescription::{Lookup, ParameterError, Parameters, Unit, Variable, join, parameters};
 
 /// A control period must be a whole number of inner steps, to this relative tolerance (a decimal
@@ -209,8 +209,7 @@ pub struct Run {
     pub(super) inputs: Inputs,
     pub(super) command: Command,
     pub(super) measurement: Measurement,
-    /// Of the model.
-    pub(super) fingerprint: Fingerprint,
+    pub(super) origin: Origin,
 }
 
 impl Run {
@@ -233,7 +232,7 @@ impl Run {
             inputs: Inputs::new(model),
             command,
             measurement: Measurement::default(),
-            fingerprint: Fingerprint::of(model),
+            origin: Origin::new(model),
         };
         if run.controller.is_some() {
             run.sensors.read(0.0, run.simulation.signals(), &mut run.measurement);

@@ -28,7 +28,7 @@ impl Run {
         save_all(inputs, &mut body);
         command.save(&mut body);
         measurement.save(&mut body);
-        Ok(close(KIND, VERSION, self.fingerprint, &body.finish()))
+        Ok(close(KIND, VERSION, self.origin.fingerprint(), &body.finish()))
     }
 
     /// Goes on from the bytes that a run of the same model wrote.
@@ -37,7 +37,7 @@ impl Run {
     /// [`SnapshotError`] for bytes of something else, of another model or version, damaged or incomplete ones; the run is
     /// then as it was.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), SnapshotError> {
-        let mut from = Reader::new(open(KIND, VERSION, self.fingerprint, bytes)?);
+        let mut from = Reader::new(open(KIND, VERSION, self.origin.fingerprint(), bytes)?);
         let mut there = self.clone();
         match &mut there.simulation {
             AnyPlant::JointCoordinates(simulation) => simulation.load(&mut from)?,

@@ -1,9 +1,9 @@
 //! Parameters that may change while a run is under way.
 
 use super::closed_loop::AtWork;
+use super::origin::Origin;
 use super::{AnyPlant, ControllerRun, Model, Run, RunError};
 use crate::effects::EFFECTS;
-use crate::snapshot::Fingerprint;
 use bekker_modeldescription::{Lookup, Parameters};
 
 impl Model {
@@ -26,14 +26,14 @@ impl Model {
     }
 
     /// Refuses a change from `before` that is not one of tunable parameters.
-    fn check_tuning(&self, before: &[(String, f64)]) -> Result<(), RunError> {
+    fn check_tuning(&self, before: &Self) -> Result<(), RunError> {
         self.clone().check()?;
-        let now = names_and_values(&mut self.clone());
+        let (now, before) = (names_and_values(&mut self.clone()), names_and_values(&mut before.clone()));
         let refused = |name: &str| RunError::NotTunable { name: name.to_owned() };
         if now.len() != before.len() {
             return Err(refused("the model's structure"));
         }
-        for ((name, value), (known, old)) in now.iter().zip(before) {
+        for ((name, value), (known, old)) in now.iter().zip(&before) {
             if name != known || (value.to_bits() != old.to_bits() && !self.is_tunable(name)) {
                 return Err(refused(name));
             }
@@ -49,17 +49,17 @@ fn names_and_values(model: &mut Model) -> Vec<(String, f64)> {
 }
 
 impl Run {
-    /// Goes on under the parameters of `model`, which may differ from `before`, those of the run so far, in tunable ones
+    /// Goes on under the parameters of `model`, which may differ from those of the run so far in tunable ones
     /// ([`Model::is_tunable`]). What moves stays as it is, histories of controllers and streams of noise too; forces, and
     /// with them accelerations, are those of the new parameters at once.
     ///
     /// # Errors
     /// [`RunError::NotTunable`] where something else differs, [`RunError`] where a controller or the equations of motion
     /// refuse the parameters; the run is then as it was.
-    pub fn retune(&mut self, before: &Model, model: &Model) -> Result<(), RunError> {
+    pub fn retune(&mut self, model: &Model) -> Result<(), RunError> {
         let purpose = "a change of parameters on the way";
-        before.in_joint_coordinates(purpose)?;
-        model.check_tuning(&names_and_values(&mut before.clone()))?;
+        self.origin.model().in_joint_coordinates(purpose)?;
+        model.check_tuning(self.origin.model())?;
         let mut there = self.clone();
         match &mut there.simulation {
             AnyPlant::JointCoordinates(simulation) => simulation.retune(model.rover.clone())?,
@@ -70,7 +70,7 @@ impl Run {
         if let Some(controller) = &mut there.controller {
             *controller = resumed(controller, model, self.time())?;
         }
-        there.fingerprint = Fingerprint::of(model);
+        there.origin = Origin::new(model);
         *self = there;
         Ok(())
     }
@@ -81,10 +81,10 @@ impl ControllerRun {
     ///
     /// # Errors
     /// As [`Run::retune`].
-    pub fn retune(&mut self, before: &Model, model: &Model) -> Result<(), RunError> {
-        model.check_tuning(&names_and_values(&mut before.clone()))?;
+    pub fn retune(&mut self, model: &Model) -> Result<(), RunError> {
+        model.check_tuning(self.origin.model())?;
         self.controller = resumed(&self.controller, model, self.time())?;
-        self.fingerprint = Fingerprint::of(model);
+        self.origin = Origin::new(model);
         Ok(())
     }
 }

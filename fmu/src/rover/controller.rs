@@ -113,8 +113,7 @@ impl Controller {
             return Ok(());
         }
         let model = self.with(&wanted);
-        let (before, after) = (in_mode(&self.tuned, self.mode), in_mode(&model, self.mode));
-        self.run.retune(&before, &after).map_err(|error| Failure(error.to_string()))?;
+        self.run.retune(&in_mode(&model, self.mode)).map_err(|error| Failure(error.to_string()))?;
         (self.tuned, self.applied) = (model, wanted);
         Ok(())
     }

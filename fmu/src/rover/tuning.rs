@@ -29,7 +29,7 @@ impl Rover {
         let mut model = self.tuned.clone();
         let mut values = wanted.iter();
         visit(&mut model, self.sensing, &mut |_, place| values.next().into_iter().for_each(|value| *place = *value));
-        self.run.retune(&self.tuned, &model).map_err(|error| Failure(error.to_string()))?;
+        self.run.retune(&model).map_err(|error| Failure(error.to_string()))?;
         if let Some(ordinary) = &mut self.ordinary {
             ordinary.equations.retune(model.rover.clone());
             ordinary.stale();
