@@ -12,4 +12,4 @@ pub mod model;
 mod resources;
 pub mod rover;
 
-pub use rover::{MODEL_FILE, describe, load};
+pub use rover::{Kind, MODEL_FILE, describe, describe_as, load, parse};

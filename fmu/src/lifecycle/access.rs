@@ -41,7 +41,7 @@ impl Lifecycle {
         let mut computed = false;
         for &reference in references {
             let entry = self.entry(reference, asked)?;
-            computed |= entry.causality == Causality::Output;
+            computed |= matches!(entry.causality, Causality::Output | Causality::Local);
             if computed && self.phase == Phase::Instantiated {
                 return Err(Refusal::NotComputed(entry.variable.name.clone()));
             }
@@ -113,12 +113,12 @@ impl Lifecycle {
         let legal = match (entry.causality, entry.variability) {
             (Causality::Input, _) | (Causality::Parameter, Variability::Tunable) => during,
             (Causality::Parameter, _) => before,
-            (Causality::Output | Causality::Independent, _) => false,
+            (Causality::Output | Causality::Local | Causality::Independent, _) => false,
         };
         if legal {
             return Ok(());
         }
-        let never = matches!(entry.causality, Causality::Output | Causality::Independent);
+        let never = matches!(entry.causality, Causality::Output | Causality::Local | Causality::Independent);
         Err(Refusal::ReadOnly {
             name: entry.variable.name.clone(),
             what: format!("`{} {}`", entry.variability.word(), entry.causality.word()),

@@ -1,0 +1,71 @@
+//! What of a model an FMU offers.
+
+use bekker::model::{ControlKind, Model};
+use serde::Deserialize;
+
+/// What of a model an FMU offers: `kind` in the section `[fmu]` of the packed model file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// The plant: wheel torques or speeds in (whichever the model has, torques where it has a controller), true and
+    /// measured signals out.
+    Rover,
+    /// The controller: measurements in, torques out.
+    Controller,
+    /// The model as it is.
+    RoverWithController,
+}
+
+impl Kind {
+    /// The word in model files.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Rover => "rover",
+            Self::Controller => "controller",
+            Self::RoverWithController => "rover_with_controller",
+        }
+    }
+
+    /// What the FMU is, for people.
+    pub(super) fn about(self) -> &'static str {
+        match self {
+            Self::Rover => "a rover on deformable soil",
+            Self::Controller => "control of a rover on rough terrain",
+            Self::RoverWithController => "a rover on deformable soil",
+        }
+    }
+
+    /// The usual kind: a model without a controller is a plant.
+    #[must_use]
+    pub fn usual(model: &Model) -> Self {
+        match model.control.kind {
+            ControlKind::Torque | ControlKind::Speed => Self::Rover,
+            _ => Self::RoverWithController,
+        }
+    }
+
+    /// The kind that a model file asks for, if it does.
+    ///
+    /// # Errors
+    /// A sentence where the file is not TOML or the kind unknown.
+    pub fn of(text: &str) -> Result<Option<Self>, String> {
+        #[derive(Default, Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct Section {
+            kind: Option<Kind>,
+        }
+        #[derive(Deserialize)]
+        struct File {
+            #[serde(default)]
+            fmu: Section,
+        }
+        let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
+        Ok(file.fmu.kind)
+    }
+
+    /// `text`, the model file of `model`, with this kind in it. The usual kind is not written.
+    pub(super) fn written(self, model: &Model, text: String) -> String {
+        if self == Self::usual(model) { text } else { format!("{text}\n[fmu]\nkind = \"{}\"\n", self.word()) }
+    }
+}
