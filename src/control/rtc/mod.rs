@@ -209,6 +209,7 @@ impl Moving for Rtc {
             problem: _,
             optimiser: _,
             forces: _,
+            strength_bounds: _,
         } = self;
         let Soil { cohesion, friction_angle, shear_modulus, .. } = nominal.soil;
         [cohesion, friction_angle, shear_modulus].save(to);

@@ -61,6 +61,7 @@ impl Moving for WheelUse {
             Self::Sunk => (6, 0.0),
             Self::Refused(nis) => (7, nis),
             Self::Used(nis) => (8, nis),
+            Self::Accelerating => (9, 0.0),
         };
         to.number(code);
         nis.save(to);
@@ -78,6 +79,7 @@ impl Moving for WheelUse {
             6 => Self::Sunk,
             7 => Self::Refused(nis),
             8 => Self::Used(nis),
+            9 => Self::Accelerating,
             _ => return Err(SnapshotError::Code { what: "the use of a wheel", code }),
         };
         Ok(())
@@ -119,7 +121,7 @@ struct Sums {
     rim_speed: f64,
 }
 
-moving!(Sums { count, since, load, torque, velocity, rim_speed });
+moving!(Sums { count, since, first_velocity, load, torque, velocity, rim_speed });
 
 /// The soil's strength from a rover's sensors.
 ///
