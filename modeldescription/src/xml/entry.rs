@@ -15,6 +15,8 @@ pub enum Causality {
     Input,
     /// The model.
     Output,
+    /// The model, for itself: continuous states and their derivatives.
+    Local,
 }
 
 impl Causality {
@@ -26,6 +28,7 @@ impl Causality {
             Self::Parameter => "parameter",
             Self::Input => "input",
             Self::Output => "output",
+            Self::Local => "local",
         }
     }
 }
@@ -94,6 +97,11 @@ pub struct Entry {
     pub causality: Causality,
     /// When it may change.
     pub variability: Variability,
+    /// For the derivative of a continuous state: the reference of that state. A variable is a continuous state where
+    /// another one is its derivative.
+    pub derivative_of: Option<usize>,
+    /// Typical size, where one is known.
+    pub nominal: Option<f64>,
 }
 
 impl Entry {
@@ -111,28 +119,48 @@ impl Entry {
             source: Cow::Borrowed(""),
         };
         let (causality, variability) = (Causality::Independent, Variability::Continuous);
-        Self { variable, kind: Kind::Real, start: 0.0, causality, variability }
+        Self { variable, kind: Kind::Real, start: 0.0, causality, variability, derivative_of: None, nominal: None }
     }
 
     /// A parameter with the value `start`, which may not change after initialization.
     #[must_use]
     pub fn parameter(variable: Variable, start: f64) -> Self {
         let (causality, variability) = (Causality::Parameter, Variability::Fixed);
-        Self { variable, kind: Kind::Real, start, causality, variability }
+        Self { variable, kind: Kind::Real, start, causality, variability, derivative_of: None, nominal: None }
     }
 
     /// An input with the value `start` until another is set.
     #[must_use]
     pub fn input(variable: Variable, start: f64) -> Self {
         let (causality, variability) = (Causality::Input, Variability::Continuous);
-        Self { variable, kind: Kind::Real, start, causality, variability }
+        Self { variable, kind: Kind::Real, start, causality, variability, derivative_of: None, nominal: None }
     }
 
     /// An output.
     #[must_use]
     pub fn output(variable: Variable) -> Self {
         let (causality, variability) = (Causality::Output, Variability::Continuous);
-        Self { start: variable.default, variable, kind: Kind::Real, causality, variability }
+        Self {
+            start: variable.default,
+            variable,
+            kind: Kind::Real,
+            causality,
+            variability,
+            derivative_of: None,
+            nominal: None,
+        }
+    }
+
+    /// A continuous state of typical size `nominal`, computed at the start.
+    #[must_use]
+    pub fn state(variable: Variable, nominal: f64) -> Self {
+        Self { causality: Causality::Local, nominal: Some(nominal), ..Self::output(variable) }
+    }
+
+    /// The time derivative of the continuous state with the reference `state`.
+    #[must_use]
+    pub fn derivative(variable: Variable, state: usize) -> Self {
+        Self { causality: Causality::Local, derivative_of: Some(state), ..Self::output(variable) }
     }
 
     /// An output that is one of a few named integers.
