@@ -47,6 +47,14 @@ pub fn load(folder: &Path) -> Result<Box<dyn Model>, String> {
     Ok(Box::new(rover))
 }
 
+/// The model that a model file holds.
+///
+/// # Errors
+/// A sentence where it is no valid model.
+pub fn parse(text: &str) -> Result<Box<dyn Model>, String> {
+    Ok(Box::new(Rover::parse(text)?))
+}
+
 /// Model file and description of a model's FMU, found in the way in which the library will find them again.
 ///
 /// # Errors
@@ -118,6 +126,7 @@ fn description(model: &RoverModel, inner_step: f64, text: &str, entries: Vec<Ent
         version: env!("CARGO_PKG_VERSION").into(),
         license: env!("CARGO_PKG_LICENSE").into(),
         generation_tool: concat!("Bekker ", env!("CARGO_PKG_VERSION")).into(),
+        date: None,
         experiment: Experiment { start: 0.0, stop: model.stepping.duration, step },
         inner_step,
         log_categories: crate::LOG_CATEGORIES,

@@ -7,13 +7,11 @@ use std::ffi::{CStr, CString};
 pub const LOG_CATEGORIES: &[(&str, &str)] = &[
     (ERROR, "Calls that were refused or failed, and why; always logged."),
     (DISCARD, "Values that do not exist for what the importer tries; always logged."),
-    (WARNING, "Calls that were carried out with a reservation; always logged."),
     (EVENTS, "Why a simulation ended, and other events; with debug logging."),
 ];
 
 const ERROR: &str = "logStatusError";
 const DISCARD: &str = "logStatusDiscard";
-const WARNING: &str = "logStatusWarning";
 const EVENTS: &str = "logEvents";
 
 /// FMI 2.0's name for all categories.
@@ -56,10 +54,6 @@ impl Logger {
     pub(crate) fn refused(&self, status: Status, message: &str) {
         let category = if status == Status::Discard { DISCARD } else { ERROR };
         self.send(status, category, message);
-    }
-
-    pub(crate) fn warning(&self, message: &str) {
-        self.send(Status::Warning, WARNING, message);
     }
 
     pub(crate) fn event(&self, message: &str) {

@@ -4,7 +4,7 @@
 //! them is served from both. So a communication step changes which values are seen, never the simulation.
 
 use super::{Interface, Lifecycle, Phase, Refusal};
-use crate::model::Outcome;
+use crate::model::{Failure, Outcome};
 use bekker_modeldescription::xml::Causality;
 
 /// Largest relative distance at which a communication point counts as one on the grid of inner steps: a
@@ -108,7 +108,7 @@ impl Lifecycle {
     /// As [`step`](Self::step).
     pub fn go_to(&mut self, target: f64) -> Result<Progress, Refusal> {
         self.require(&[Phase::Step])?;
-        match self.model.advance_to(target) {
+        match self.advance(target) {
             Ok(Outcome::Running) => {}
             Ok(Outcome::Ended { reason }) => self.ended = Some(reason),
             Err(failure) => {
@@ -117,6 +117,20 @@ impl Lifecycle {
             }
         }
         Ok(Progress { time: self.time(), ended: self.ended.clone() })
+    }
+
+    /// Whole inner steps where there are some, else to a point between two.
+    fn advance(&mut self, target: f64) -> Result<Outcome, Failure> {
+        let inner = self.model.inner_step();
+        let count = |time: f64| {
+            let whole = (time / inner).round();
+            ((whole * inner - time).abs() <= GRID_TOLERANCE * inner.max(time)).then_some(whole)
+        };
+        match (count(self.model.elapsed()), count(target)) {
+            (Some(from), Some(to)) if to > from => self.model.advance((to - from) as u64),
+            (Some(from), Some(to)) if to == from => Ok(Outcome::Running),
+            _ => self.model.advance_to(target),
+        }
     }
 
     /// Enters or leaves the importer's callback inside a step.
@@ -245,13 +259,13 @@ impl Lifecycle {
         if let Some(reason) = &self.ended {
             return Err(Refusal::Ended(reason.clone()));
         }
-        let mut ahead = self.model.clone();
-        let inner = ahead.inner_step();
-        ahead.advance_to(self.on_grid(ahead.elapsed() + inner))?;
-        let length = ahead.elapsed() - self.model.elapsed();
+        let mut ahead = self.clone();
+        let inner = ahead.model.inner_step();
+        ahead.advance(self.on_grid(self.model.elapsed() + inner))?;
+        let length = ahead.model.elapsed() - self.model.elapsed();
         for (place, &reference) in references.iter().enumerate() {
             let reference = reference as usize;
-            put(place, (ahead.get(reference) - self.model.get(reference)) / length);
+            put(place, (ahead.model.get(reference) - self.model.get(reference)) / length);
         }
         Ok(())
     }
