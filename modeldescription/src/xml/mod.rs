@@ -9,10 +9,12 @@ mod fmi2;
 mod fmi3;
 mod names;
 mod quantity;
+mod system;
 mod terminals;
 mod writer;
 
 pub use entry::{Causality, Entry, Item, Kind, Variability};
+pub use system::{Component, system};
 
 use std::collections::HashSet;
 use uuid::Uuid;

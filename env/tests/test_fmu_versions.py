@@ -1,0 +1,306 @@
+"""FMI 2.0 and 3.0 of one model through FMPy: valid, the same bits, any communication step, states across processes,
+derivatives, model exchange, cross-check files.
+
+With BEKKER_CLI, the path of the command line, the FMUs are made by it and the Python package is not needed
+(``pytest --noconftest``).
+"""
+
+import importlib.util
+import json
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.fmi2 import FMU2Slave
+from fmpy.validation import validate_fmu
+
+VERSIONS = (2, 3)
+TORQUE = ["two_wheeled", "rocker_bogie"]
+MODELS = [*TORQUE, "gentle_velocity", "gentle_rtc"]
+SIGNALS = ["x", "z", "pitch", "velocity", "wheel[1].slip", "wheel[2].sinkage", "dissipated_energy"]
+# Torque that drives the preset `two_wheeled` forward, N m.
+DRIVING = 1.8
+ROOT = Path(__file__).resolve().parents[2]
+
+Make = Callable[[str, int], str]
+
+
+def load_cross_check() -> Any:
+    spec = importlib.util.spec_from_file_location("cross_check", ROOT / "fmu" / "scripts" / "cross_check.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def write_fmu(model: str, path: Path, fmi: int) -> None:
+    program = os.environ.get("BEKKER_CLI")
+    if program is not None:
+        subprocess.run([program, "fmu", model, "--output", str(path), "--fmi", str(fmi)], check=True)
+    else:
+        import bekker
+
+        bekker.export_fmu(model, path, fmi=fmi)
+
+
+@pytest.fixture(scope="module")
+def make(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Make]:
+    folder = tmp_path_factory.mktemp("fmus")
+
+    def fmu(model: str, fmi: int) -> str:
+        path = folder / f"{model}_{fmi}.fmu"
+        if not path.exists():
+            write_fmu(model, path, fmi)
+        return str(path)
+
+    yield fmu
+
+
+def torques(level: float, stop: float) -> np.ndarray:
+    names = ["time", "wheel[1].torque_command", "wheel[2].torque_command"]
+    rows = [(0.0, level, level), (stop, level, level)]
+    return np.array(rows, dtype=[(name, float) for name in names])
+
+
+def bits(result: np.ndarray) -> list[bytes]:
+    return [result[name].tobytes() for name in result.dtype.names]
+
+
+@pytest.mark.parametrize("fmi", VERSIONS)
+@pytest.mark.parametrize("model", MODELS)
+def test_property_fmpy_has_no_remark(make: Make, model: str, fmi: int) -> None:
+    assert validate_fmu(make(model, fmi)) == []
+    description = fmpy.read_model_description(make(model, fmi))
+    assert description.fmiVersion == f"{fmi}.0"
+    assert {v.declaredType.name for v in description.modelVariables if v.declaredType} >= {"Length", "Angle", "Torque"}
+    assert all(v.unit for v in description.modelVariables if v.type in ("Real", "Float64") and "indicator" not in v.name)
+
+
+@pytest.mark.parametrize("fmi", VERSIONS)
+def test_property_fmutool_has_no_remark(make: Make, fmi: int) -> None:
+    program = Path(sys.executable).with_name("fmutool")
+    if not program.exists():
+        pytest.skip("needs fmu-manipulation-toolbox")
+    run = subprocess.run([program, "-input", make("two_wheeled", fmi), "-check"], capture_output=True, text=True)
+    said = run.stdout + run.stderr
+    assert run.returncode == 0 and not any(word in said for word in ("ERROR", "CRITICAL", "WARNING")), said
+
+
+def test_agreement_of_the_versions_with_each_other_and_the_core(make: Make, tmp_path: Path) -> None:
+    results = [
+        fmpy.simulate_fmu(
+            make("two_wheeled", fmi),
+            stop_time=2.0,
+            output_interval=0.02,
+            input=torques(DRIVING, 2.0),
+            output=SIGNALS,
+            fmi_type="CoSimulation",
+        )
+        for fmi in VERSIONS
+    ]
+    assert bits(results[0]) == bits(results[1])
+    assert results[0]["x"][-1] > 0.05, "the rover has moved"
+    program = os.environ.get("BEKKER_CLI")
+    if program is None:
+        import bekker
+
+        names = ["wheel[1].torque_command", "wheel[2].torque_command"]
+        drive = bekker.simulate("two_wheeled", duration=2.0, inputs=dict.fromkeys(names, DRIVING))
+        core = {name: np.asarray(drive[name]) for name in SIGNALS}
+    else:
+        path = tmp_path / "core.csv"
+        inputs = [f"--input=wheel[{k}].torque_command={DRIVING}" for k in (1, 2)]
+        command = [program, "simulate", "two_wheeled", "--duration", "2", "--every", "0.02", "--csv", str(path)]
+        subprocess.run([*command, *inputs], check=True)
+        table = np.genfromtxt(path, delimiter=",", names=None, dtype=str)
+        header = [name.split(" ")[0].strip('"') for name in table[0]]
+        core = {name: table[1:, header.index(name)].astype(float) for name in SIGNALS}
+    for name in SIGNALS:
+        ours = results[0][name]
+        theirs = core[name]
+        assert ours[-len(theirs) + 1 :].tobytes() == theirs[1:].tobytes(), name
+
+
+@pytest.mark.parametrize("fmi", VERSIONS)
+def test_property_any_communication_step_gives_the_same_simulation(make: Make, fmi: int) -> None:
+    def at_the_end(step: float) -> list[bytes]:
+        result = fmpy.simulate_fmu(
+            make("two_wheeled", fmi),
+            stop_time=0.6,
+            output_interval=step,
+            input=torques(DRIVING, 0.6),
+            output=SIGNALS,
+            fmi_type="CoSimulation",
+        )
+        assert abs(result["time"][-1] - 0.6) < 1e-9
+        return [result[name][-1].tobytes() for name in SIGNALS]
+
+    # 0.6 s is on the grid of inner steps; 0.03 too, 0.0125 and 0.6 / 7 are not.
+    assert at_the_end(0.03) == at_the_end(0.0125) == at_the_end(0.6 / 7)
+
+
+def test_property_interpolated_inputs_follow_a_ramp_better(make: Make) -> None:
+    ramp = torques(0.0, 1.0)
+    for name in ramp.dtype.names[1:]:
+        ramp[name][-1] = 2.5
+
+    def x(step: float, interpolated: bool) -> float:
+        result = fmpy.simulate_fmu(
+            make("two_wheeled", 2),
+            stop_time=1.0,
+            output_interval=step,
+            input=ramp,
+            output=["x"],
+            fmi_type="CoSimulation",
+            set_input_derivatives=interpolated,
+        )
+        return float(result["x"][-1])
+
+    truth = x(0.002, True)
+    held, followed = abs(x(0.1, False) - truth), abs(x(0.1, True) - truth)
+    assert followed < 0.05 * held, (followed, held)
+
+
+class Slave:
+    """An FMI 2.0 instance, driven call by call."""
+
+    def __init__(self, fmu: str, folder: Path) -> None:
+        self.folder = fmpy.extract(fmu, unzipdir=str(folder))
+        self.description = fmpy.read_model_description(self.folder)
+        self.references = {v.name: v.valueReference for v in self.description.modelVariables}
+        identifier = self.description.coSimulation.modelIdentifier
+        guid = self.description.guid
+        self.fmu = FMU2Slave(guid=guid, unzipDirectory=self.folder, modelIdentifier=identifier, instanceName="rover")
+        self.fmu.instantiate()
+        self.fmu.setupExperiment()
+        self.fmu.enterInitializationMode()
+        self.fmu.exitInitializationMode()
+
+    def drive(self, begin: int, count: int, level: float) -> list[float]:
+        inputs = [self.references[f"wheel[{k}].torque_command"] for k in (1, 2)]
+        for k in range(begin, begin + count):
+            self.fmu.setReal(inputs, [level, level])
+            self.fmu.doStep(k * 0.01, 0.01)
+        return self.get()
+
+    def get(self) -> list[float]:
+        return self.fmu.getReal([self.references[name] for name in SIGNALS])  # type: ignore[no-any-return]
+
+
+CONTINUE = """
+import json, pathlib, sys
+sys.path.insert(0, sys.argv[4])
+from test_fmu_versions import Slave
+slave = Slave(sys.argv[1], pathlib.Path(sys.argv[2]))
+state = slave.fmu.deSerializeFMUstate(pathlib.Path(sys.argv[3]).read_bytes())
+slave.fmu.setFMUstate(state)
+print("VALUES", json.dumps([value.hex() for value in slave.drive(50, 50, 2.0)]))
+"""
+
+
+def test_property_a_state_goes_on_in_a_new_process(make: Make, tmp_path: Path) -> None:
+    fmu = make("two_wheeled", 2)
+    if not fmpy.read_model_description(fmu).coSimulation.canSerializeFMUstate:
+        pytest.skip("this model cannot serialise its state")
+    slave = Slave(fmu, tmp_path / "here")
+    slave.drive(0, 50, DRIVING)
+    state = slave.fmu.getFMUstate()
+    file = tmp_path / "state"
+    file.write_bytes(slave.fmu.serializeFMUstate(state))
+    here = slave.drive(50, 50, 2.0)
+    arguments = [fmu, str(tmp_path / "there"), str(file), str(Path(__file__).parent)]
+    run = subprocess.run([sys.executable, "-c", CONTINUE, *arguments], capture_output=True, text=True)
+    line = next((line for line in run.stdout.splitlines() if line.startswith("VALUES ")), None)
+    assert line is not None, run.stderr
+    assert json.loads(line.removeprefix("VALUES ")) == [value.hex() for value in here]
+
+
+def test_property_directional_derivatives_are_those_of_differences(make: Make, tmp_path: Path) -> None:
+    """Of the accelerations by a torque: one inner step of an output is not asked for, only the present values."""
+    fmu = make("two_wheeled", 2)
+    description = fmpy.read_model_description(fmu)
+    if not description.coSimulation.providesDirectionalDerivative:
+        pytest.skip("this model has no directional derivatives")
+    slave = Slave(fmu, tmp_path)
+    slave.drive(0, 50, DRIVING)
+    knowns = [slave.references["wheel[1].torque_command"]]
+    unknowns = [v.valueReference for v in description.modelVariables if v.derivative is not None]
+    exact = slave.fmu.getDirectionalDerivative(unknowns, knowns, [1.0])
+    assert any(abs(value) > 1e-3 for value in exact) and np.isfinite(exact).all()
+
+
+@pytest.mark.parametrize("fmi", VERSIONS)
+def test_agreement_of_model_exchange_with_cosimulation(make: Make, fmi: int) -> None:
+    fmu = make("two_wheeled", fmi)
+    if fmpy.read_model_description(fmu).modelExchange is None:
+        pytest.skip("this model is no system of differential equations")
+
+    def simulate(kind: str, **options: Any) -> np.ndarray:
+        return fmpy.simulate_fmu(
+            fmu,
+            stop_time=1.0,
+            output_interval=0.02,
+            input=torques(DRIVING, 1.0),
+            output=["x", "velocity", "pitch", "wheel[1].slip"],
+            fmi_type=kind,
+            **options,
+        )
+
+    steps = simulate("CoSimulation")
+    solver = simulate("ModelExchange", solver="CVode", relative_tolerance=1e-7)
+    at = np.interp(steps["time"], solver["time"], solver["x"])
+    # The integrator inside has a fixed step of 2 ms and is of first order in the stiff parts.
+    assert np.abs(at - steps["x"]).max() < 0.01 * steps["x"][-1]
+
+
+def test_agreement_of_cross_check_files_with_the_other_version(make: Make, tmp_path: Path) -> None:
+    cross_check = load_cross_check()
+    for model in ("two_wheeled", "gentle_rtc"):
+        base = cross_check.write(make(model, 3), tmp_path)
+        reference = fmpy.util.read_csv(f"{base}_ref.csv")
+        assert Path(f"{base}_ref.csv").stat().st_size < 1_000_000
+        assert '"wheel[1].slip"' in Path(f"{base}_ref.csv").read_text().splitlines()[0]
+        again = cross_check.rerun(base, make(model, 2))
+        for name in reference.dtype.names:
+            # The file has the digits that FMPy writes, fifteen or more.
+            np.testing.assert_allclose(again[name], reference[name], rtol=1e-12, atol=1e-14)
+        assert reference["x"][-1] > 0.05
+
+
+def test_property_what_is_packed(make: Make) -> None:
+    for fmi, icon in ((2, "model.png"), (3, "terminalsAndIcons/icon.png")):
+        with zipfile.ZipFile(make("two_wheeled", fmi)) as archive:
+            names = set(archive.namelist())
+            assert {"modelDescription.xml", "resources/model.toml", "documentation/index.html", icon} <= names
+            assert archive.read(icon).startswith(b"\x89PNG")
+    text = zipfile.ZipFile(make("two_wheeled", 3)).read("terminalsAndIcons/terminalsAndIcons.xml")
+    schema = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd"
+    from lxml import etree
+
+    etree.XMLSchema(etree.parse(str(schema))).assertValid(etree.fromstring(text))
+
+
+def test_property_the_libraries_of_both_versions_are_the_same(make: Make) -> None:
+    def library(fmi: int) -> bytes:
+        with zipfile.ZipFile(make("two_wheeled", fmi)) as archive:
+            (name,) = [name for name in archive.namelist() if name.startswith("binaries/")]
+            return archive.read(name)
+
+    assert library(2) == library(3)
+
+
+def test_property_needs_no_other_libraries(make: Make, tmp_path: Path) -> None:
+    if shutil.which("ldd") is None:
+        pytest.skip("needs ldd")
+    folder = fmpy.extract(make("two_wheeled", 2), unzipdir=str(tmp_path))
+    (library,) = Path(folder).glob("binaries/*/*")
+    said = subprocess.run(["ldd", str(library)], capture_output=True, text=True, check=True).stdout
+    assert "libgcc_s" not in said and "not found" not in said, said
