@@ -56,6 +56,10 @@ fn build(job: &Build) {
     cargo.args(["--no-default-features", "--features", job.features]);
     cargo.arg("--manifest-path").arg(job.manifest).arg("--target-dir").arg(job.directory);
     cargo.env("CARGO_PROFILE_RELEASE_LTO", "fat").env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "1");
+    if job.features.is_empty() {
+        // Small: what is not ours reads the model file and writes messages. Rapier, in the other library, must be fast.
+        cargo.args(["--config", "profile.release.package.\"*\".opt-level=\"s\""]);
+    }
     // A panic must be caught at the C border, so it has to unwind.
     cargo.env("CARGO_PROFILE_RELEASE_PANIC", "unwind").env("CARGO_PROFILE_RELEASE_STRIP", "symbols");
     // `cargo clippy` and the like put themselves between cargo and the compiler; this build is not theirs.

@@ -20,7 +20,7 @@ STOP = 5.0
 # Outputs that every rover has.
 OUTPUTS = ["x", "z", "pitch", "velocity", "wheel[1].slip", "wheel[1].sinkage", "wheel[2].slip"]
 # Share of its upper bound, where it is small, at which an input is held; commands of other sizes are given by unit.
-LEVELS = {"N.m": 1.2, "rad/s": 1.5, "m/s": 0.2, "rad": 0.0, "1": 0.0}
+LEVELS = {"N.m": 2.0, "rad/s": 1.5, "m/s": 0.2, "rad": 0.0, "1": 0.0}
 
 
 def inputs(fmu: str) -> NDArray[np.void]:

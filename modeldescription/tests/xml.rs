@@ -2,7 +2,9 @@
 //! That the file is valid by the standard's schema is checked with FMPy (`env/tests/test_fmu.py`).
 #![allow(clippy::unwrap_used)]
 
-use bekker_modeldescription::xml::{Abilities, Description, DescriptionError, Entry, Experiment, Item, identifier};
+use bekker_modeldescription::xml::{
+    Abilities, Component, Description, DescriptionError, Entry, Experiment, Item, identifier, system,
+};
 use bekker_modeldescription::{Lookup, Unit, parameters};
 use quick_xml::events::{BytesStart, Event};
 
@@ -239,4 +241,34 @@ fn property_identifiers_are_identifiers() {
     assert_eq!(identifier("thesis-4.4.1"), "thesis_4_4_1");
     assert_eq!(identifier("2 wheels"), "model_2_wheels");
     assert_eq!(identifier(""), "model_");
+}
+
+/// Two springs in a row: the second feels the force that is the length of the first, by name.
+#[test]
+fn property_a_system_is_wired_by_name() {
+    let mut second = description();
+    second.entries[2].variable.name = "length".into();
+    second.entries[3].variable.name = "deflection".into();
+    let first = description();
+    let components = [
+        Component { name: "a", source: "resources/a.fmu", description: &first },
+        Component { name: "b", source: "resources/b.fmu", description: &second },
+    ];
+    let text = system("springs", first.experiment, &components).unwrap();
+    let wires: Vec<_> = elements(&text, "ssd:Connection")
+        .iter()
+        .map(|wire| ["startElement", "startConnector", "endElement", "endConnector"].map(|key| get(wire, key).map(str::to_owned)))
+        .collect();
+    let named = |texts: [Option<&str>; 4]| texts.map(|text| text.map(str::to_owned));
+    assert_eq!(
+        wires,
+        [
+            named([None, Some("force"), Some("a"), Some("force")]),
+            named([Some("a"), Some("length"), Some("b"), Some("length")]),
+        ],
+        "what nobody feeds becomes an input of the system"
+    );
+    assert_eq!(elements(&text, "ssd:Component").len(), 2);
+    let wrong = [Component { name: "a\0", ..components[0] }];
+    assert!(system("springs", first.experiment, &wrong).is_err());
 }
