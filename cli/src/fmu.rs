@@ -44,5 +44,6 @@ impl Fmu {
 /// The date that reproducible builds agree on (<https://reproducible-builds.org/specs/source-date-epoch/>).
 fn source_date() -> Result<Option<u64>> {
     let text = std::env::var("SOURCE_DATE_EPOCH").ok();
-    text.map(|text| text.parse().with_context(|| format!("SOURCE_DATE_EPOCH is `{text}`, expected seconds"))).transpose()
+    text.map(|text| text.parse().with_context(|| format!("SOURCE_DATE_EPOCH is `{text}`, expected seconds")))
+        .transpose()
 }

@@ -49,7 +49,16 @@ unsafe extern "C" fn log2(e: *mut c_void, _: *const c_char, s: Status, c: *const
     unsafe { log(e, s, c, message) }
 }
 
-unsafe extern "C" fn update(_: *mut c_void, time: f64, _: bool, _: bool, _: bool, _: bool, early: *mut u8, until: *mut f64) {
+unsafe extern "C" fn update(
+    _: *mut c_void,
+    time: f64,
+    _: bool,
+    _: bool,
+    _: bool,
+    _: bool,
+    early: *mut u8,
+    until: *mut f64,
+) {
     // SAFETY: two places of the library's.
     unsafe {
         early.write(u8::from((time * 1e4) as u64 % 7 == 0));
@@ -173,7 +182,15 @@ impl Fuzz {
                 0 if self.two.len() < 6 => {
                     let token = if self.below(4) == 0 { null() } else { self.token.as_ptr() };
                     let kind = self.integers[0];
-                    self.two.push(fmi2Instantiate(c"a".as_ptr(), kind, token, self.uri.as_ptr(), &self.callbacks, 0, yes));
+                    self.two.push(fmi2Instantiate(
+                        c"a".as_ptr(),
+                        kind,
+                        token,
+                        self.uri.as_ptr(),
+                        &self.callbacks,
+                        0,
+                        yes,
+                    ));
                 }
                 1 if self.below(4) == 0 => fmi2FreeInstance(c),
                 2 => drop(fmi2SetDebugLogging(c, yes, 1, &c"logEvents".as_ptr())),
@@ -210,7 +227,15 @@ impl Fuzz {
                     let memory = self.memory();
                     fmi2DeSerializeFMUstate(c, self.bytes.as_ptr(), memory, &mut self.states[s]);
                 }
-                24 => drop(fmi2GetDirectionalDerivative(c, r, count, self.references.as_ptr(), count, v, self.values.as_mut_ptr())),
+                24 => drop(fmi2GetDirectionalDerivative(
+                    c,
+                    r,
+                    count,
+                    self.references.as_ptr(),
+                    count,
+                    v,
+                    self.values.as_mut_ptr(),
+                )),
                 25 => drop(fmi2EnterEventMode(c)),
                 26 => drop(fmi2NewDiscreteStates(c, &mut info)),
                 27 => drop(fmi2EnterContinuousTimeMode(c)),
@@ -291,7 +316,15 @@ impl Fuzz {
                 16 => drop(fmi3SetInt64(c, r, count, self.longs.as_ptr(), other)),
                 17 => drop(fmi3GetClock(c, r, count, null_mut())),
                 18 => drop(fmi3GetNumberOfVariableDependencies(c, self.references[0], &mut size)),
-                19 => drop(fmi3GetVariableDependencies(c, self.references[0], null_mut(), null_mut(), null_mut(), null_mut(), 0)),
+                19 => drop(fmi3GetVariableDependencies(
+                    c,
+                    self.references[0],
+                    null_mut(),
+                    null_mut(),
+                    null_mut(),
+                    null_mut(),
+                    0,
+                )),
                 20 => drop(fmi3GetFMUState(c, &mut self.states[s])),
                 21 if self.states.len() < 6 => {
                     self.states.push(null_mut());
@@ -312,7 +345,9 @@ impl Fuzz {
                     let memory = self.memory();
                     fmi3DeserializeFMUState(c, self.bytes.as_ptr(), memory, &mut self.states[s]);
                 }
-                26 => drop(fmi3GetDirectionalDerivative(c, r, count, r, count, v, other, self.values.as_mut_ptr(), count)),
+                26 => {
+                    drop(fmi3GetDirectionalDerivative(c, r, count, r, count, v, other, self.values.as_mut_ptr(), count))
+                }
                 27 => drop(fmi3GetAdjointDerivative(c, r, count, r, count, v, count, self.values.as_mut_ptr(), other)),
                 28 => drop(fmi3EnterConfigurationMode(c)),
                 29 => drop(fmi3EvaluateDiscreteStates(c)),
@@ -373,13 +408,13 @@ fn main() {
         // SAFETY: the calls' own arguments are in order; what is wrong is what the library promises to find out.
         unsafe { if call % 2 == 0 { fuzz.call2() } else { fuzz.call3() } }
         if call % 500 == 499 {
-            fuzz.two.drain(2..).for_each(fmi2FreeInstance);
-            fuzz.three.drain(2..).for_each(fmi3FreeInstance);
+            fuzz.two.drain(2..).for_each(|c| fmi2FreeInstance(c));
+            fuzz.three.drain(2..).for_each(|c| fmi3FreeInstance(c));
             fuzz.states.truncate(2);
         }
     }
-    fuzz.two.drain(..).for_each(fmi2FreeInstance);
-    fuzz.three.drain(..).for_each(fmi3FreeInstance);
+    fuzz.two.drain(..).for_each(|c| fmi2FreeInstance(c));
+    fuzz.three.drain(..).for_each(|c| fmi3FreeInstance(c));
     assert_eq!(before, fuzz.drive(), "a new instance simulates as before");
     std::fs::remove_dir_all(&folder).unwrap();
     println!("{calls} calls, {} messages, seed {seed}", REFUSALS.load(Ordering::Relaxed));

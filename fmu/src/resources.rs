@@ -80,7 +80,11 @@ pub fn path_of_uri(uri: &CStr) -> Result<String, String> {
     let text = uri.to_str().map_err(|_| "the resource location is not UTF-8 text".to_owned())?;
     let Some(rest) = text.strip_prefix("file:") else {
         let elsewhere = text.contains("://");
-        return if elsewhere { Err(format!("the resource location `{text}` is not on this machine")) } else { Ok(text.into()) };
+        return if elsewhere {
+            Err(format!("the resource location `{text}` is not on this machine"))
+        } else {
+            Ok(text.into())
+        };
     };
     // `file:///path`, `file://localhost/path` and, from some importers, `file:/path` or `file://C:/path`.
     let rest = rest.strip_prefix("//localhost").or_else(|| rest.strip_prefix("//")).unwrap_or(rest);

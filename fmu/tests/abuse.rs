@@ -20,7 +20,8 @@ fn lives(name: &str) {
     let run = Command::new(program).args(["--ignored", "--exact", name, "--nocapture"]).output().unwrap();
     let said = String::from_utf8_lossy(&run.stdout);
     assert!(run.status.success(), "{:?}\n{said}\n{}", run.status, String::from_utf8_lossy(&run.stderr));
-    let count = said.lines().find_map(|line| line.split_once("refused calls: ")).and_then(|(_, n)| n.trim().parse().ok());
+    let count =
+        said.lines().find_map(|line| line.split_once("refused calls: ")).and_then(|(_, n)| n.trim().parse().ok());
     let count: u32 = count.expect("the child has counted");
     assert!(count >= CALLS, "{count}");
 }
@@ -67,7 +68,8 @@ macro_rules! none {
 fn abuse_of_fmi3() {
     let fmu = Fmu::preset("two_wheeled");
     let (token, resources) = (fmu.token(), fmu.resources());
-    let [torque, x, radius, event] = ["wheel[1].torque_command", "x", "wheel.radius", "event"].map(|n| fmu.reference(n));
+    let [torque, x, radius, event] =
+        ["wheel[1].torque_command", "x", "wheel.radius", "event"].map(|n| fmu.reference(n));
     let mut n = 0;
     let (mut value, mut integer, mut small, mut size) = (0.0_f64, 0_i64, [0_u8; 3], 0_usize);
     let (mut flag, mut time, mut state) = (false, 0.0, null_mut());
@@ -226,7 +228,8 @@ fn abuse_of_fmi2() {
     let fmu = Fmu::preset("two_wheeled");
     let token = fmu.token();
     let place = std::ffi::CString::new(format!("file://{}", fmu.folder().display())).unwrap();
-    let [torque, x, radius, event] = ["wheel[1].torque_command", "x", "wheel.radius", "event"].map(|n| fmu.reference(n));
+    let [torque, x, radius, event] =
+        ["wheel[1].torque_command", "x", "wheel.radius", "event"].map(|n| fmu.reference(n));
     let mut n = 0;
     let (mut value, mut integer, mut small, mut size) = (0.0_f64, 0_i32, [0_u8; 3], 0_usize);
     let (mut text, mut state, mut status) = (null(), null_mut(), Status::Ok);

@@ -35,8 +35,10 @@ fn agreement_of_fmi2_with_fmi3_and_the_core() {
         let mut run = model.start().unwrap();
         let signals: Vec<u32> = run.signals().clone().list().iter().map(|(v, _)| fmu.reference(&v.name)).collect();
         let (old, new) = (fmu.running2(), fmu.running());
+        let rover = &model.rover;
+        let load = rover.total_mass() * rover.environment.gravity / inputs.len() as f64;
         for k in 0..100 {
-            let torques = vec![1.0 + 0.005 * f64::from(k); inputs.len()];
+            let torques = vec![(0.15 + 0.001 * f64::from(k)) * load * rover.wheel.radius; inputs.len()];
             assert_eq!(set2(old, &inputs, &torques), Status::Ok, "{:?}", messages());
             assert_eq!(host::set(new, &inputs, &torques), Status::Ok);
             run.inputs_mut().set_all(&torques).unwrap();
@@ -98,8 +100,9 @@ fn property_inputs_follow_their_derivatives_to_the_same_end() {
             assert_eq!(set2(instance, &inputs, &[torque; 2]), Status::Ok, "{:?}", messages());
             if interpolated {
                 // SAFETY: two references, orders and values.
-                let status =
-                    unsafe { fmi2SetRealInputDerivatives(instance, inputs.as_ptr(), 2, [1, 1].as_ptr(), [20.0; 2].as_ptr()) };
+                let status = unsafe {
+                    fmi2SetRealInputDerivatives(instance, inputs.as_ptr(), 2, [1, 1].as_ptr(), [20.0; 2].as_ptr())
+                };
                 assert_eq!(status, Status::Ok, "{:?}", messages());
             }
             assert_eq!(fmi2DoStep(instance, time, size, 1), Status::Ok, "{:?}", messages());

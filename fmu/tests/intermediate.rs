@@ -127,7 +127,8 @@ fn agreement_of_inputs_set_in_callbacks_with_small_steps() {
 #[test]
 fn property_the_importer_may_return_early() {
     let fmu = Fmu::preset("two_wheeled");
-    for (allowed, end, expected) in [(true, 0.005, 0.005), (true, 0.0, 0.003), (true, 9.0, 0.01), (false, 0.005, 0.01)] {
+    for (allowed, end, expected) in [(true, 0.005, 0.005), (true, 0.0, 0.003), (true, 9.0, 0.01), (false, 0.005, 0.01)]
+    {
         let mut seen = watcher(&fmu);
         seen.stop = Some((0.003 - 1e-9, end));
         let instance = watched(&fmu, &mut seen, allowed);
@@ -182,7 +183,8 @@ fn property_an_output_depends_on_every_input() {
     // SAFETY: one place; then four lists of as many places as were counted.
     unsafe {
         assert_eq!(fmi3GetNumberOfVariableDependencies(instance, fmu.reference("x"), &mut count), Status::Ok);
-        let (mut own, mut theirs, mut elements, mut kinds) = (vec![9; count], vec![0; count], vec![9; count], vec![9; count]);
+        let (mut own, mut theirs, mut elements, mut kinds) =
+            (vec![9; count], vec![0; count], vec![9; count], vec![9; count]);
         let status = fmi3GetVariableDependencies(
             instance,
             fmu.reference("x"),

@@ -148,7 +148,8 @@ impl Model for Rail {
     }
 
     fn deserialise(&mut self, bytes: &[u8]) -> Result<(), Failure> {
-        let (values, steps) = bytes.split_last_chunk::<8>().filter(|(rest, _)| rest.len() == 48).ok_or(Failure("?".into()))?;
+        let (values, steps) =
+            bytes.split_last_chunk::<8>().filter(|(rest, _)| rest.len() == 48).ok_or(Failure("?".into()))?;
         let values: Vec<f64> = values.chunks(8).map(|chunk| f64::from_le_bytes(chunk.try_into().unwrap())).collect();
         (self.cart.x0, self.cart.u, self.cart.x) = (values[0], values[1], values[2]);
         (self.places, self.shown, self.steps) = ([values[3], values[4]], values[5], u64::from_le_bytes(*steps));
@@ -499,7 +500,8 @@ fn analytic_model_exchange_from_start_to_event() {
 fn property_the_order_of_model_exchange_is_kept() {
     let mut life = exchange(0.0);
     let order = |result: Result<(), Refusal>| assert!(matches!(result, Err(Refusal::Order { .. })), "{result:?}");
-    let unsupported = |result: Result<(), Refusal>| assert!(matches!(result, Err(Refusal::Unsupported(_))), "{result:?}");
+    let unsupported =
+        |result: Result<(), Refusal>| assert!(matches!(result, Err(Refusal::Unsupported(_))), "{result:?}");
     order(life.step(5.0, 0.1).map(|_| ()));
     order(life.completed_step().map(|_| ()));
     order(life.enter_event_mode());

@@ -111,7 +111,8 @@ fn property_bounds_units_and_starts_read_back() {
 #[test]
 fn property_fmi2_says_the_same_as_fmi3() {
     let description = description();
-    let (old, new) = (description.fmi2(&Abilities::default()).unwrap(), description.fmi3(&Abilities::default()).unwrap());
+    let (old, new) =
+        (description.fmi2(&Abilities::default()).unwrap(), description.fmi3(&Abilities::default()).unwrap());
     let token = description.token().unwrap();
     assert_eq!(get(&elements(&old, "fmiModelDescription")[0], "guid"), Some(&*token));
     let (scalars, reals) = (elements(&old, "ScalarVariable"), elements(&old, "Real"));
@@ -135,8 +136,12 @@ fn property_states_derivatives_and_indicators_are_structured() {
     let mut description = description();
     let length = description.entries[3].variable.clone();
     let state = description.entries.len();
-    description.entries.push(Entry::state(bekker_modeldescription::Variable { name: "state".into(), ..length.clone() }, 0.1));
-    description.entries.push(Entry::derivative(bekker_modeldescription::Variable { name: "rate".into(), ..length }, state));
+    description
+        .entries
+        .push(Entry::state(bekker_modeldescription::Variable { name: "state".into(), ..length.clone() }, 0.1));
+    description
+        .entries
+        .push(Entry::derivative(bekker_modeldescription::Variable { name: "rate".into(), ..length }, state));
     let abilities = Abilities { exchange: Some(2), states_as_bytes: true, directional: true, adjoint: true };
     let (old, new) = (description.fmi2(&abilities).unwrap(), description.fmi3(&abilities).unwrap());
     let places = |text: &str, element: &str, key: &str| -> Vec<String> {
@@ -165,7 +170,8 @@ fn property_terminals_group_inputs_and_outputs() {
     let names: Vec<_> = elements(&text, "Terminal").iter().map(|t| get(t, "name").unwrap().to_owned()).collect();
     assert_eq!(names, ["wheel[2]", "rover"]);
     let members = elements(&text, "TerminalMemberVariable");
-    let pairs: Vec<_> = members.iter().map(|m| (get(m, "variableName").unwrap(), get(m, "memberName").unwrap())).collect();
+    let pairs: Vec<_> =
+        members.iter().map(|m| (get(m, "variableName").unwrap(), get(m, "memberName").unwrap())).collect();
     assert_eq!(pairs, [("wheel[2].force", "force"), ("length", "length"), ("phase", "phase")]);
 }
 
@@ -195,7 +201,10 @@ fn property_structure_lists_every_output_twice() {
 fn property_the_token_follows_the_content() {
     let first = description();
     let token = first.token().unwrap();
-    assert_eq!(get(&elements(&first.fmi3(&Abilities::default()).unwrap(), "fmiModelDescription")[0], "instantiationToken"), Some(&*token));
+    assert_eq!(
+        get(&elements(&first.fmi3(&Abilities::default()).unwrap(), "fmiModelDescription")[0], "instantiationToken"),
+        Some(&*token)
+    );
     assert_eq!(description().token().unwrap(), token);
     let mut start = description();
     start.entries[1].start = 100.0_f64.next_up();
@@ -257,7 +266,10 @@ fn property_a_system_is_wired_by_name() {
     let text = system("springs", first.experiment, &components).unwrap();
     let wires: Vec<_> = elements(&text, "ssd:Connection")
         .iter()
-        .map(|wire| ["startElement", "startConnector", "endElement", "endConnector"].map(|key| get(wire, key).map(str::to_owned)))
+        .map(|wire| {
+            ["startElement", "startConnector", "endElement", "endConnector"]
+                .map(|key| get(wire, key).map(str::to_owned))
+        })
         .collect();
     let named = |texts: [Option<&str>; 4]| texts.map(|text| text.map(str::to_owned));
     assert_eq!(

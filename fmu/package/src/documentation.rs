@@ -19,9 +19,12 @@ pub fn html(description: &Description) -> String {
         escape(&description.generation_tool),
         description.inner_step,
     );
-    for (title, causality) in
-        [("Inputs", Causality::Input), ("Outputs", Causality::Output), ("States and their derivatives", Causality::Local), ("Parameters", Causality::Parameter)]
-    {
+    for (title, causality) in [
+        ("Inputs", Causality::Input),
+        ("Outputs", Causality::Output),
+        ("States and their derivatives", Causality::Local),
+        ("Parameters", Causality::Parameter),
+    ] {
         section(&mut page, title, description.entries.iter().filter(|entry| entry.causality == causality));
     }
     page.push_str("</body>\n</html>\n");

@@ -84,9 +84,10 @@ pub fn export(model: &Model, options: &Options, path: &Path) -> Result<(), Expor
 /// # Errors
 /// As [`export`], but for writing.
 pub fn pack(model: &Model, options: &Options) -> Result<Vec<u8>, ExportError> {
-    let windows = options.windows.as_ref().map(|path| {
-        std::fs::read(path).map_err(|error| ExportError::Read { path: path.clone(), error })
-    });
+    let windows = options
+        .windows
+        .as_ref()
+        .map(|path| std::fs::read(path).map_err(|error| ExportError::Read { path: path.clone(), error }));
     let (file, mut description) = bekker_fmu::describe(model).map_err(ExportError::Model)?;
     description.date = options.date.map(layout::utc);
     let mut ready = bekker_fmu::parse(&file).map_err(ExportError::Model)?;

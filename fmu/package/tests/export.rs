@@ -284,9 +284,9 @@ mod linux {
         let entries: Vec<(usize, usize)> =
             (0..dynamic.1 / 16).map(|k| (number(dynamic.0 + 16 * k), number(dynamic.0 + 16 * k + 8))).collect();
         let address = entries.iter().find(|(tag, _)| *tag == 5).unwrap().1;
-        let segment = headers.iter().find(|at| {
-            kind(**at) == 1 && (number(*at + 16)..number(*at + 16) + number(*at + 32)).contains(&address)
-        });
+        let segment = headers
+            .iter()
+            .find(|at| kind(**at) == 1 && (number(*at + 16)..number(*at + 16) + number(*at + 32)).contains(&address));
         let texts = segment.map(|at| address - number(at + 16) + number(at + 8)).unwrap();
         let text = |at: usize| CStr::from_bytes_until_nul(&library[texts + at..]).unwrap().to_str().unwrap().to_owned();
         entries.iter().filter(|(tag, _)| *tag == 1).map(|(_, at)| text(*at)).collect()

@@ -52,7 +52,10 @@ pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
     call(c, "fmi2CompletedIntegratorStep", |component| {
         // SAFETY: NULL or valid, by the promise of the border.
         let (event, end) = unsafe {
-            (Places::new("enterEventMode", enterEventMode, 1)?, Places::new("terminateSimulation", terminateSimulation, 1)?)
+            (
+                Places::new("enterEventMode", enterEventMode, 1)?,
+                Places::new("terminateSimulation", terminateSimulation, 1)?,
+            )
         };
         let outcome = component.lifecycle.completed_step()?;
         event.put(0, outcome.states_changed.into());

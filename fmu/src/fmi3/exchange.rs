@@ -23,7 +23,10 @@ pub unsafe extern "C" fn fmi3CompletedIntegratorStep(
     call(instance, "fmi3CompletedIntegratorStep", |component| {
         // SAFETY: NULL or valid, by the promise of the border.
         let (event, end) = unsafe {
-            (Places::new("enterEventMode", enterEventMode, 1)?, Places::new("terminateSimulation", terminateSimulation, 1)?)
+            (
+                Places::new("enterEventMode", enterEventMode, 1)?,
+                Places::new("terminateSimulation", terminateSimulation, 1)?,
+            )
         };
         let outcome = component.lifecycle.completed_step()?;
         event.put(0, outcome.states_changed);

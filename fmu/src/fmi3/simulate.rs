@@ -62,7 +62,8 @@ pub unsafe extern "C" fn fmi3DoStep(
                 None => begun.insert(Step::begin(component, currentCommunicationPoint, communicationStepSize)?),
             };
             let progress = step.advance(component)?;
-            (reached, finished) = (progress.time, component.lifecycle.elapsed() >= step.end || progress.ended.is_some());
+            (reached, finished) =
+                (progress.time, component.lifecycle.has_reached(step.end) || progress.ended.is_some());
             time.put(0, progress.time);
             early.put(0, finished && progress.ended.is_none() && step.end < step.target);
             if let Some(reason) = progress.ended {

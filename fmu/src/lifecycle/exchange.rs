@@ -7,7 +7,9 @@ impl Lifecycle {
     /// The differential equations of the model.
     pub(super) fn equations(&mut self) -> Result<&mut dyn Continuous, Refusal> {
         if self.interface != Interface::ModelExchange {
-            return Err(Refusal::Unsupported("the function is for model exchange, the instance for co-simulation".into()));
+            return Err(Refusal::Unsupported(
+                "the function is for model exchange, the instance for co-simulation".into(),
+            ));
         }
         self.model.continuous().ok_or_else(|| Refusal::Unsupported("the FMU offers co-simulation only".into()))
     }

@@ -102,6 +102,12 @@ impl Lifecycle {
         (count * inner).min(target)
     }
 
+    /// Whether nothing but rounding keeps the present time from `target`, seconds since the start.
+    #[must_use]
+    pub fn has_reached(&self, target: f64) -> bool {
+        target - self.model.elapsed() <= GRID_TOLERANCE * self.model.inner_step().max(target)
+    }
+
     /// Goes on to `target`, seconds since the start, with the present inputs.
     ///
     /// # Errors
@@ -178,7 +184,10 @@ impl Lifecycle {
                 return Err(Refusal::Derivative(format!("`{}` is no input and has no derivative to set", name())));
             }
             let order = u32::try_from(order).ok().filter(|order| *order > 0).ok_or_else(|| {
-                Refusal::Derivative(format!("the order of the derivative of `{}` is {order}, expected 1 or more", name()))
+                Refusal::Derivative(format!(
+                    "the order of the derivative of `{}` is {order}, expected 1 or more",
+                    name()
+                ))
             })?;
             if !value.is_finite() {
                 let text = format!("the derivative of `{}` is {value}, expected a finite number", name());

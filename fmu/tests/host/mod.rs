@@ -2,7 +2,9 @@
 #![allow(dead_code, clippy::unwrap_used)]
 
 use bekker::model::Model;
-use bekker_fmu::fmi2::{self, fmi2EnterInitializationMode, fmi2ExitInitializationMode, fmi2Instantiate, fmi2SetupExperiment};
+use bekker_fmu::fmi2::{
+    self, fmi2EnterInitializationMode, fmi2ExitInitializationMode, fmi2Instantiate, fmi2SetupExperiment,
+};
 use bekker_fmu::fmi3::*;
 use bekker_modeldescription::xml::Description;
 use std::cell::RefCell;

@@ -76,7 +76,8 @@ fn cosimulation<'a>(description: &Description, abilities: &Abilities) -> Attribu
 }
 
 fn types(xml: &mut Xml, description: &Description) {
-    let measured: Vec<_> = all_units(description).into_iter().filter_map(|unit| Some((quantity(&unit)?, unit))).collect();
+    let measured: Vec<_> =
+        all_units(description).into_iter().filter_map(|unit| Some((quantity(&unit)?, unit))).collect();
     let enumerations = enumerations(description);
     if measured.is_empty() && enumerations.is_empty() {
         return;

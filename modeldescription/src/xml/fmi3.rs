@@ -130,7 +130,8 @@ pub(super) fn enumerations(description: &Description) -> Vec<(&'static str, &'st
 }
 
 fn types(xml: &mut Xml, description: &Description) {
-    let measured: Vec<_> = all_units(description).into_iter().filter_map(|unit| Some((quantity(&unit)?, unit))).collect();
+    let measured: Vec<_> =
+        all_units(description).into_iter().filter_map(|unit| Some((quantity(&unit)?, unit))).collect();
     let enumerations = enumerations(description);
     if measured.is_empty() && enumerations.is_empty() {
         return;
@@ -271,6 +272,5 @@ pub(super) fn is_initial_unknown(
     entry: &Entry,
 ) -> bool {
     let state = || description.entries.iter().any(|other| other.derivative_of == Some(reference));
-    entry.causality == Causality::Output
-        || (abilities.exchange.is_some() && (entry.derivative_of.is_some() || state()))
+    entry.causality == Causality::Output || (abilities.exchange.is_some() && (entry.derivative_of.is_some() || state()))
 }

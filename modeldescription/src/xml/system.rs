@@ -53,7 +53,8 @@ fn wired(description: &Description, causality: Causality) -> impl Iterator<Item 
 /// The component other than `own` that feeds the input called `name`.
 fn source<'a>(components: &[Component<'a>], own: &str, name: &str) -> Option<Component<'a>> {
     let feeds = |component: &&Component| {
-        component.name != own && wired(component.description, Causality::Output).any(|entry| entry.variable.name == name)
+        component.name != own
+            && wired(component.description, Causality::Output).any(|entry| entry.variable.name == name)
     };
     components.iter().find(feeds).copied()
 }
@@ -64,7 +65,8 @@ fn open_inputs<'a>(components: &[Component<'a>]) -> Vec<(Component<'a>, &'a Entr
     for component in components {
         for entry in wired(component.description, Causality::Input) {
             let name = &entry.variable.name;
-            if source(components, component.name, name).is_none() && open.iter().all(|(_, e)| e.variable.name != *name) {
+            if source(components, component.name, name).is_none() && open.iter().all(|(_, e)| e.variable.name != *name)
+            {
                 open.push((*component, entry));
             }
         }
