@@ -16,6 +16,7 @@ use crate::rover::linear::{Factors, Matrix, Vector, add_outer, add_scaled, dot, 
 use crate::rover::{Rover, State};
 use crate::scalar::Scalar;
 use crate::signals::{Command, Drive};
+use crate::snapshot::moving;
 
 /// gamma = 1 - 1/sqrt 2.
 pub(crate) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
@@ -68,6 +69,8 @@ pub(crate) struct Integrator<S = f64> {
     pub second: Increment<S>,
     condensed: Vec<Condensed<S>>,
 }
+
+moving!(Integrator { now });
 
 impl<S: Scalar> Integrator<S> {
     pub fn new(rover: &Rover<S>, state: &State<S>) -> Self {

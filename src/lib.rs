@@ -17,11 +17,13 @@
 //! | [`motor`], [`effects`] | drives, and missing physics to be switched on | contact |
 //! | [`rover`] | bodies, joints, equations of motion, rest | effects, terrain, motor |
 //! | [`simulation`] | a rover in motion, with a fixed step | rover |
+//! | [`equations`] | the same as explicit differential equations, for other integrators, and their derivatives | rover, simulation |
 //! | [`obstacle`], `rigid` | rocks and ledges; the plant of rigid bodies that feels them | rover, simulation |
 //! | [`signals`], [`sensors`] | commands, true signals, what sensors make of them | |
 //! | [`control`] | controllers: they see measurements, never the true state | signals |
 //! | [`estimation`] | what a rover finds out from measurements: contact angles, soil | signals, control, contact |
 //! | [`model`] | all of it in one value; TOML in and out; a run | all above |
+//! | [`snapshot`] | the moving state of a run as bytes | |
 //! | [`reproduction`] | the thesis's results beside ours | model |
 //! | [`measurement`], [`diagnosis`], [`report`] | experiments, comparison, calibration, pages | model |
 //!
@@ -42,6 +44,7 @@ pub mod contact;
 pub mod control;
 pub mod diagnosis;
 pub mod effects;
+pub mod equations;
 pub mod estimation;
 mod integrator;
 pub mod linear_stress;
@@ -61,6 +64,7 @@ pub mod scalar;
 pub mod sensors;
 pub mod signals;
 pub mod simulation;
+pub mod snapshot;
 pub mod soil;
 pub mod terrain;
 pub mod wheel;

@@ -2,6 +2,7 @@
 
 use crate::effects::{Effects, ExpressionFailure};
 use crate::scalar::Scalar;
+use crate::snapshot::moving;
 use bekker_modeldescription::{Unit, parameters};
 
 parameters! {
@@ -19,6 +20,8 @@ parameters! {
         inverse_current_limit: [Unit::PER_AMPERE] = 0.0, 0.0..=100.0, Fixed, "amplifier data";
     }
 }
+
+moving!(Motor { gear_ratio, torque_constant, resistance, inverse_torque_limit, inverse_current_limit });
 
 /// What one drive gives at one instant; torques on the wheel's side of the gear, N m.
 #[derive(Clone, Copy, Debug)]
@@ -80,6 +83,17 @@ fn limited_torque<S: Scalar>(motor: &Motor<S>, actual: &Motor<S>, effects: &Effe
     }
     let slope = effects.motor_torque(actual, speed, &mut given);
     (given, slope)
+}
+
+/// Share of its limits that a drive of the data sheet `motor` has left where `torque` is asked of it: 1 without limits,
+/// negative where one binds.
+pub(crate) fn reserve<S: Scalar>(motor: &Motor<S>, actual: &Motor<S>, effects: &Effects<S>, speed: S, torque: S) -> S {
+    let asked = torque.abs();
+    let by_torque = asked * motor.inverse_torque_limit;
+    let by_current = asked * motor.inverse_current_limit / (motor.gear_ratio * motor.torque_constant);
+    let given = effects.torque_gain().map_or(torque, |gain| torque * gain);
+    let by_voltage = effects.voltage_limit.share(actual, speed, given);
+    S::from(1.0) - by_torque.larger(by_current).larger(by_voltage)
 }
 
 /// Motor current for a torque on the wheel's side of the gear: I = T / (N K_t) (4.7, 4.9), A.

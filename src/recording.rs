@@ -7,6 +7,7 @@
 use crate::effects::SensorLag;
 use crate::scalar::Scalar;
 use crate::signals::{BodySignals, LinkSignals, Signals, WheelSignals};
+use crate::snapshot::{Moving, Reader, SnapshotError, Writer};
 
 /// Signals of the body, of a wheel and of a link that are lagged.
 const BODY: usize = 7;
@@ -38,6 +39,28 @@ struct Lag<S> {
     newest: usize,
     /// Whether there is a past at all.
     started: bool,
+}
+
+impl Moving for Recorder {
+    fn save(&self, to: &mut Writer) {
+        if let Some(Lag { input, ring, newest, started, .. }) = &self.lag {
+            input.save(to);
+            ring.save(to);
+            newest.save(to);
+            started.save(to);
+        }
+    }
+
+    fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {
+        let Some(Lag { input, ring, newest, started, .. }) = &mut self.lag else { return Ok(()) };
+        input.load(from)?;
+        ring.load(from)?;
+        newest.load(from)?;
+        if *newest * input.len() >= ring.len() {
+            return Err(SnapshotError::Code { what: "a row of the recorder", code: *newest as u64 });
+        }
+        started.load(from)
+    }
 }
 
 impl<S: Scalar> Recorder<S> {

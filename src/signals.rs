@@ -1,5 +1,6 @@
 //! What goes in and out of the rover: commands, true signals, measurements, references.
 
+use crate::snapshot::{Moving, Reader, SnapshotError, Writer, load_all, load_grown, moving, moving_code, save_all};
 use bekker_modeldescription::{Parameters, Unit, Variable, parameters};
 
 const ANY: std::ops::RangeInclusive<f64> = f64::NEG_INFINITY..=f64::INFINITY;
@@ -80,6 +81,16 @@ pub struct Signals<S = f64> {
     pub links: Vec<LinkSignals<S>>,
 }
 
+impl Moving for Signals {
+    fn save(&self, to: &mut Writer) {
+        save_all(self, to);
+    }
+
+    fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {
+        load_all(self, from)
+    }
+}
+
 impl<S: Clone + From<f64>> Signals<S> {
     /// Signals, all at their defaults, of a rover with so many wheels and links.
     #[must_use]
@@ -127,14 +138,18 @@ pub enum Drive {
     Speed,
 }
 
+moving_code!(Drive, "what is commanded" { Drive::Torque => 0 => Drive::Torque, Drive::Speed => 1 => Drive::Speed });
+
 /// What the drives are told: one value a wheel, held until the next command.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Command {
+pub struct Command<S = f64> {
     /// Meaning of the values.
     pub drive: Drive,
     /// One value a wheel, rear to front: N m or rad/s.
-    pub values: Vec<f64>,
+    pub values: Vec<S>,
 }
+
+moving!(Command { drive, values });
 
 impl Command {
     /// Torque commands, N m, wheel side of the gear.
@@ -161,6 +176,8 @@ pub struct WheelMeasurement {
     pub contact_angle: f64,
 }
 
+moving!(WheelMeasurement { speed, torque, contact_angle });
+
 /// What sensors report of one link.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct LinkMeasurement {
@@ -169,6 +186,8 @@ pub struct LinkMeasurement {
     /// Rate of that angle, rad/s.
     pub rate: f64,
 }
+
+moving!(LinkMeasurement { angle, rate });
 
 /// What a controller or estimator may see: sensor readings, never the true state.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -185,6 +204,23 @@ pub struct Measurement {
     pub wheels: Vec<WheelMeasurement>,
     /// One entry a link; none for a rigid vehicle.
     pub links: Vec<LinkMeasurement>,
+}
+
+impl Moving for Measurement {
+    fn save(&self, to: &mut Writer) {
+        [self.time, self.pitch, self.pitch_rate, self.velocity].save(to);
+        self.wheels.save(to);
+        self.links.save(to);
+    }
+
+    fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {
+        let mut body = [0.0; 4];
+        body.load(from)?;
+        [self.time, self.pitch, self.pitch_rate, self.velocity] = body;
+        // Empty before the first reading.
+        load_grown(&mut self.wheels, from)?;
+        load_grown(&mut self.links, from)
+    }
 }
 
 impl Measurement {

@@ -6,6 +6,7 @@ use crate::rover::dynamics::{DynamicsError, Evaluation, Powers};
 use crate::rover::{Rover, SettleError, State};
 use crate::scalar::Scalar;
 use crate::signals::{Command, Drive, Signals};
+use crate::snapshot::{Moving, Reader, SnapshotError, Writer, moving, moving_code};
 use crate::terrain::TerrainError;
 use std::fmt;
 
@@ -31,6 +32,14 @@ pub enum Event {
     SunkToAxle,
 }
 
+moving_code!(Event, "an event" {
+    Event::Stuck => 1 => Event::Stuck,
+    Event::TippedOver => 2 => Event::TippedOver,
+    Event::BellyContact => 3 => Event::BellyContact,
+    Event::LeftTerrain => 4 => Event::LeftTerrain,
+    Event::SunkToAxle => 5 => Event::SunkToAxle,
+});
+
 impl fmt::Display for Event {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -50,6 +59,31 @@ pub enum Status {
     Running,
     /// It has ended; further steps change nothing.
     Ended(Event),
+}
+
+impl Moving for Status {
+    fn save(&self, to: &mut Writer) {
+        match self {
+            Status::Running => to.number(0),
+            Status::Ended(event) => {
+                to.number(1);
+                event.save(to);
+            }
+        }
+    }
+
+    fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {
+        *self = match from.number()? {
+            0 => Status::Running,
+            1 => {
+                let mut event = Event::Stuck;
+                event.load(from)?;
+                Status::Ended(event)
+            }
+            code => return Err(SnapshotError::Code { what: "a status", code }),
+        };
+        Ok(())
+    }
 }
 
 /// Why a simulation cannot start or go on.
@@ -107,6 +141,8 @@ pub(crate) struct Energies<S> {
     pub other_loss: S,
 }
 
+moving!(Energies<f64> { dissipated, electrical, drive, soil_loss, other_loss });
+
 /// Progress since the present window of rim travel began.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Window {
@@ -115,6 +151,8 @@ pub(crate) struct Window {
     rim_travel: f64,
     rim_progress: f64,
 }
+
+moving!(Window { start_x, rim_travel, rim_progress });
 
 impl Window {
     /// A window that begins at `x`.
@@ -169,6 +207,9 @@ pub struct Simulation<S = f64> {
     recorder: Recorder<S>,
     signals: Signals<S>,
 }
+
+// Of the integrator's memory only the evaluation at the present state outlives a step.
+moving!(Simulation { state, integrator, command, ticks, energies, window, status, recorder, signals });
 
 impl<S: Scalar> Simulation<S> {
     /// A rover at rest above `x0` (m), settled on its soil, stepped by `step_size` (s).
@@ -279,28 +320,13 @@ impl<S: Scalar> Simulation<S> {
             self.status = Status::Ended(Event::TippedOver);
         } else if wheels.iter().any(|wheel| wheel.sinkage.value() >= radius) {
             self.status = Status::Ended(Event::SunkToAxle);
-        } else if self.belly_touches() {
+        } else if belly_clearance(&self.rover, &self.state) < 0.0 {
             self.status = Status::Ended(Event::BellyContact);
         }
         let speeds = wheels.iter().map(|wheel| wheel.speed.value());
         if self.window.stuck(x, speeds, radius, self.step_size) && self.status == Status::Running {
             self.status = Status::Ended(Event::Stuck);
         }
-    }
-
-    /// Whether the belly, a straight line between the outer wheels of the chassis, touches the ground.
-    fn belly_touches(&self) -> bool {
-        const POINTS: usize = 7;
-        let mounts = &self.rover.wheels;
-        let (rear, front) = (mounts[0].mount.x.value(), mounts[mounts.len() - 1].mount.x.value());
-        let (sin, cos) = self.state.position[2].value().sin_cos();
-        let belly = self.rover.body.belly_z.value();
-        (1..=POINTS).any(|i| {
-            let along = rear + (front - rear) * i as f64 / (POINTS + 1) as f64;
-            let x = self.state.position[0].value() + cos * along - sin * belly;
-            let z = self.state.position[1].value() + sin * along + cos * belly;
-            z < self.rover.terrain.at(S::from(x)).height.value()
-        })
     }
 
     /// Lets a recorder that lags take in the present signals.
@@ -365,11 +391,35 @@ impl<S: Scalar> Simulation<S> {
         &self.state
     }
 
+    pub(crate) fn command(&self) -> &Command {
+        &self.command
+    }
+
+    pub(crate) fn energies(&self) -> Energies<S> {
+        self.energies
+    }
+
     /// Whether the last command was torques or speeds.
     #[must_use]
     pub fn drive(&self) -> Drive {
         self.command.drive
     }
+}
+
+/// Least height of the belly, a straight line between the outer wheels of the chassis, above the ground, m.
+pub(crate) fn belly_clearance<S: Scalar>(rover: &Rover<S>, state: &State<S>) -> f64 {
+    const POINTS: usize = 7;
+    let mounts = &rover.wheels;
+    let (rear, front) = (mounts[0].mount.x.value(), mounts[mounts.len() - 1].mount.x.value());
+    let (sin, cos) = state.position[2].value().sin_cos();
+    let belly = rover.body.belly_z.value();
+    let height = |i: usize| {
+        let along = rear + (front - rear) * i as f64 / (POINTS + 1) as f64;
+        let x = state.position[0].value() + cos * along - sin * belly;
+        let z = state.position[1].value() + sin * along + cos * belly;
+        z - rover.terrain.at(S::from(x)).height.value()
+    };
+    (1..=POINTS).map(height).fold(f64::INFINITY, f64::min)
 }
 
 /// Refuses a command that does not fit a rover with this number of wheels.
@@ -433,6 +483,16 @@ impl<S: Scalar> Evaluation<S> {
             link.angle = state.position[3 + j];
             link.rate = state.rate[3 + j];
         }
+    }
+}
+
+impl<S: Copy> Energies<S> {
+    /// The same over another scalar.
+    pub fn map<T>(&self, f: &dyn Fn(S) -> T) -> Energies<T> {
+        let Self { dissipated, electrical, drive, soil_loss, other_loss } = *self;
+        let [dissipated, electrical, drive] = [dissipated, electrical, drive].map(f);
+        let [soil_loss, other_loss] = [soil_loss, other_loss].map(f);
+        Energies { dissipated, electrical, drive, soil_loss, other_loss }
     }
 }
 

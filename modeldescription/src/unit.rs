@@ -57,6 +57,8 @@ impl Unit {
     pub const SECOND: Unit = unit("s", Exponents { s: 1, ..NONE });
     /// Kelvin.
     pub const KELVIN: Unit = unit("K", Exponents { k: 1, ..NONE });
+    /// Kelvin a second.
+    pub const KELVIN_PER_SECOND: Unit = unit("K/s", Exponents { k: 1, s: -1, ..NONE });
     /// Kelvin a watt: thermal resistance.
     pub const KELVIN_PER_WATT: Unit = unit("K/W", Exponents { kg: -1, m: -2, s: 3, k: 1, ..NONE });
     /// Metre, shown in millimetres.
@@ -76,6 +78,8 @@ impl Unit {
         display: display("rpm", 30.0 / std::f64::consts::PI),
         ..unit("rad/s", Exponents { rad: 1, s: -1, ..NONE })
     };
+    /// Radian a second squared.
+    pub const RADIAN_PER_SECOND2: Unit = unit("rad/s2", Exponents { rad: 1, s: -2, ..NONE });
     /// Kilogram.
     pub const KILOGRAM: Unit = unit("kg", Exponents { kg: 1, ..NONE });
     /// Kilogram metre squared.

@@ -6,6 +6,7 @@ use super::pieces::sums;
 use super::rim::{Rim, Shear};
 use super::surface::Surface;
 use crate::scalar::{Scalar, smooth_step, smooth_step_slope};
+use crate::snapshot::moving;
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 
@@ -29,6 +30,8 @@ pub struct Forces<S = f64> {
     /// Moment that the drive must balance, N m (2.9).
     pub torque: S,
 }
+
+moving!(Forces { normal, drawbar, torque });
 
 impl<S: Scalar> Forces<S> {
     /// No force.

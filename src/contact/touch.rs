@@ -14,6 +14,7 @@
 use super::rolling::{Forces, Rolling, norm, rolling_share, slip};
 use super::surface::Surface;
 use crate::scalar::{Scalar, smooth_step};
+use crate::snapshot::moving;
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 
@@ -32,6 +33,8 @@ pub struct Hold<S = f64> {
     /// Component of the rim's motion, turning forward positive.
     pub turn: S,
 }
+
+moving!(Hold { travel, turn });
 
 impl<S: From<f64>> Default for Hold<S> {
     fn default() -> Self {
@@ -104,6 +107,8 @@ pub struct Slopes<S = f64> {
     pub rate_own: S,
 }
 
+moving!(Slopes { velocity, spin, travel, turn, damping, stiffness, rate_by_velocity, rate_by_spin, rate_own });
+
 /// Forces of a contact, the rates of its memory, and the slopes of both.
 #[derive(Clone, Copy, Debug)]
 pub struct Touch<S = f64> {
@@ -114,6 +119,8 @@ pub struct Touch<S = f64> {
     /// Partial derivatives.
     pub slopes: Slopes<S>,
 }
+
+moving!(Touch { forces, rate, slopes });
 
 /// Forces on a wheel in `motion` with this `surface` of its rim.
 pub fn touch<S: Scalar>(wheel: &Wheel<S>, soil: &Soil<S>, surface: &Surface<S>, motion: &Motion<S>) -> Touch<S> {

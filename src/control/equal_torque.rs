@@ -3,6 +3,7 @@
 use super::error::{ControlError, finite, same_count, within_bounds};
 use super::{Controller, Nominal};
 use crate::signals::{Command, Drive, Measurement, Reference};
+use crate::snapshot::moving;
 use bekker_modeldescription::{Unit, parameters};
 
 parameters! {
@@ -32,6 +33,8 @@ pub struct EqualTorqueController {
     /// Integral part of the acceleration, m/s^2.
     integral: f64,
 }
+
+moving!(EqualTorqueController { integral });
 
 impl EqualTorqueController {
     /// A controller at rest for the nominal rover, of which it uses mass, gravity, wheel radius, torque limit and

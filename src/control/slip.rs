@@ -3,6 +3,7 @@
 use super::error::{ControlError, finite, same_count, same_links, within_bounds};
 use super::{Controller, Nominal, VelocityControl, VelocityController};
 use crate::signals::{Command, Measurement, Reference};
+use crate::snapshot::moving;
 use bekker_modeldescription::{Unit, parameters};
 
 parameters! {
@@ -42,6 +43,9 @@ pub struct SlipController {
     /// Goals of the wheels' loops, relative to the carrying bodies, rad/s.
     goals: Vec<f64>,
 }
+
+// What is revealed is used up by each command.
+moving!(SlipController { inner, integral });
 
 impl SlipController {
     /// A controller at rest for the nominal rover, with the gains `wheels` for the loops of the wheels' speeds.

@@ -3,6 +3,7 @@
 use super::error::{ControlError, finite, same_count, within_bounds};
 use super::{Controller, Nominal};
 use crate::signals::{Command, Drive, Measurement, Reference};
+use crate::snapshot::moving;
 use bekker_modeldescription::{Unit, parameters};
 
 parameters! {
@@ -33,6 +34,8 @@ struct Loop {
     speed: Option<f64>,
 }
 
+moving!(Loop { integral, derivative, speed });
+
 impl Loop {
     /// Torque for the next period, N m; `goal` and `speed` in rad/s, `limit` in N m.
     ///
@@ -62,6 +65,8 @@ pub struct VelocityController {
     limit: f64,
     loops: Vec<Loop>,
 }
+
+moving!(VelocityController { loops });
 
 impl VelocityController {
     /// A controller at rest for the nominal rover, of which it uses wheel radius, torque limit and number of wheels.

@@ -16,6 +16,14 @@ parameters! {
     }
 }
 
+impl<S: Scalar> VoltageLimit<S> {
+    /// Share of the supply voltage that `torque` (wheel side) takes at this wheel speed.
+    pub(crate) fn share(&self, motor: &Motor<S>, speed: S, torque: S) -> S {
+        let constant = motor.gear_ratio * motor.torque_constant;
+        (torque / constant * motor.resistance + constant * speed).abs() * self.inverse_voltage
+    }
+}
+
 impl<S: Scalar> Effect<S> for VoltageLimit<S> {
     fn motor_torque(&self, motor: &Motor<S>, speed: S, torque: &mut S) -> Option<S> {
         if self.inverse_voltage.is_exactly(0.0) {

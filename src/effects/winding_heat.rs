@@ -39,6 +39,11 @@ impl<S: Scalar> WindingHeat<S> {
         !self.thermal_resistance.is_exactly(0.0)
     }
 
+    /// Rate of a winding's rise at the power `dissipated`, W: K/s.
+    pub(crate) fn rate(&self, rise: S, dissipated: S) -> S {
+        (self.thermal_resistance * dissipated - rise) / self.time_constant
+    }
+
     /// The rise of a winding after `h` seconds at the power `dissipated`, W: exact where that is constant.
     pub(crate) fn warmed(&self, rise: S, dissipated: S, h: f64) -> S {
         let last = self.thermal_resistance * dissipated;

@@ -3,13 +3,14 @@
 use super::Model;
 use super::estimating::{ContactAngleSource, EstimatingRtc, SoilSource};
 use crate::control::{
-    ControlError, Controller, EqualTorque, EqualTorqueController, Nominal, NominalLink, RoughTerrainControl, Rtc,
-    SlipControl, SlipController, Solver, Strength, TunedVelocity, VelocityControl, VelocityController,
+    ControlError, Controller, Criterion, EqualTorque, EqualTorqueController, Nominal, NominalLink, RoughTerrainControl,
+    Rtc, SlipControl, SlipController, Solver, Strength, TunedVelocity, VelocityControl, VelocityController,
 };
 use crate::estimation::ContactAngleEstimation;
 use crate::estimation::soil::SoilIdentification;
 use crate::rover::{Link, LinkParameters, Rover};
 use crate::signals::{Command, Measurement, Reference, Signals};
+use crate::snapshot::{Moving, Reader, SnapshotError, Writer};
 use crate::soil::Soil;
 use bekker_modeldescription::{Unit, parameters};
 use std::fmt;
@@ -61,6 +62,8 @@ pub struct Control {
     pub strength: Strength,
     /// Who solves rough-terrain control's optimisation.
     pub solver: Solver,
+    /// What it optimises; `None` goes by the ground (4.11, 4.12).
+    pub criterion: Option<Criterion>,
     /// Individual-wheel velocity control with gains from the plant.
     pub velocity_tuned: TunedVelocity,
     /// Slip control by the true slip.
@@ -85,8 +88,9 @@ impl Control {
         (self.velocity.kp, self.velocity.ki) = (0.1, 5.0);
     }
 
-    /// Control period where a controller decides, s.
-    pub(super) fn period(&self) -> Option<f64> {
+    /// Control period where a controller decides, s; `None` where commands come from outside.
+    #[must_use]
+    pub fn period(&self) -> Option<f64> {
         match self.kind {
             ControlKind::Torque | ControlKind::Speed => None,
             ControlKind::SpeedLoop | ControlKind::Velocity | ControlKind::Slip => Some(self.velocity.period),
@@ -104,6 +108,26 @@ pub(super) enum AtWork {
     Rtc(Box<EstimatingRtc>),
     Slip(Box<SlipController>),
     EqualTorque(EqualTorqueController),
+}
+
+impl Moving for AtWork {
+    fn save(&self, to: &mut Writer) {
+        match self {
+            Self::Velocity(controller) => controller.save(to),
+            Self::Rtc(controller) => controller.save(to),
+            Self::Slip(controller) => controller.save(to),
+            Self::EqualTorque(controller) => controller.save(to),
+        }
+    }
+
+    fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {
+        match self {
+            Self::Velocity(controller) => controller.load(from),
+            Self::Rtc(controller) => controller.load(from),
+            Self::Slip(controller) => controller.load(from),
+            Self::EqualTorque(controller) => controller.load(from),
+        }
+    }
 }
 
 impl fmt::Debug for AtWork {

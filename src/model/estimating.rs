@@ -5,6 +5,7 @@ use crate::control::{ControlError, Controller, Nominal, Rtc, RtcOptions};
 use crate::estimation::ContactAngles;
 use crate::estimation::soil::{SoilIdentifier, Strength};
 use crate::signals::{Command, Measurement, Reference};
+use crate::snapshot::{Moving, Reader, SnapshotError, Writer};
 
 /// Where rough-terrain control has its contact angles from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -39,6 +40,20 @@ pub(super) struct EstimatingRtc {
     seen: Measurement,
 }
 
+impl Moving for EstimatingRtc {
+    fn save(&self, to: &mut Writer) {
+        self.rtc.save(to);
+        self.contact_angles.iter().for_each(|estimator| estimator.save(to));
+        self.soil.iter().for_each(|identifier| identifier.save(to));
+    }
+
+    fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {
+        self.rtc.load(from)?;
+        self.contact_angles.iter_mut().try_for_each(|estimator| estimator.load(from))?;
+        self.soil.iter_mut().try_for_each(|identifier| identifier.load(from))
+    }
+}
+
 impl EstimatingRtc {
     pub fn new(nominal: Nominal, control: &Control) -> Result<Self, ControlError> {
         let contact_angles = match control.contact_angles {
@@ -49,8 +64,8 @@ impl EstimatingRtc {
             SoilSource::Nominal => None,
             SoilSource::Estimator => Some(SoilIdentifier::new(&nominal, control.soil_identification)?),
         };
-        let (strength, solver, period) = (control.strength, control.solver, control.rtc_timing.period);
-        let options = RtcOptions { strength, solver, period };
+        let Control { strength, solver, criterion, rtc_timing, .. } = *control;
+        let options = RtcOptions { strength, solver, criterion, period: rtc_timing.period };
         let rtc = Rtc::with_options(nominal, control.rtc, options)?;
         Ok(Self { rtc, contact_angles, soil, seen: Measurement::default() })
     }

@@ -15,6 +15,7 @@
 //! kind = "rtc"                     # torque, speed, speed_loop, velocity, velocity_tuned, rtc, slip, equal_torque
 //! strength = "mohr_coulomb"        # shear limit of rtc; or "thesis", (4.15) as printed; or "mobilised"
 //! solver = "clarabel"              # of rtc's optimisation; or "active_set", for batches of rovers
+//! criterion = "power"            # of rtc: power or traction; without it, whichever the ground asks for (4.11)
 //! contact_angles = "sensor"        # of rtc; or "estimator", the filter of 2.5
 //! soil = "nominal"                 # strength that rtc believes in; or "estimator", identified on the way
 //! [control.nominal_soil]           # the soil that controllers believe in; without it, the true one
@@ -24,6 +25,8 @@
 //! duration = 20.0
 //! seed = 0
 //! plant = "rigid_bodies"           # joint_coordinates (default) or rigid_bodies, which feels obstacles
+//! [fmu]                            # what an FMU of this model offers; nothing else reads it
+//! kind = "rover"                   # rover, controller or rover_with_controller
 //! [[obstacle]]                     # any number; m
 //! kind = "rock"                    # rock, block, ledge
 //! x = 2.0
@@ -39,7 +42,7 @@
 
 use super::obstacles::ObstacleSpec;
 use super::{ContactAngleSource, Control, ControlKind, Model, PRESETS, SoilSource, Stepping};
-use crate::control::{Solver, Strength};
+use crate::control::{Criterion, Solver, Strength};
 use crate::effects::{DefinitionError, EffectDefinition};
 use crate::rover::{Link, LinkParameters, MAX_COORDINATES, MAX_WHEELS, Mount, Rover, WheelMount};
 use crate::terrain::{TerrainSpec, TerrainSpecError};
@@ -128,6 +131,10 @@ struct File {
     control: Option<ControlSpec>,
     #[serde(skip_serializing_if = "Option::is_none")]
     simulation: Option<Stepping>,
+    /// What an FMU of this model offers: read where one is made.
+    #[serde(default, skip_serializing)]
+    #[allow(dead_code, reason = "a key that a model file may have and nothing here reads")]
+    fmu: Option<toml::Table>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     obstacle: Vec<ObstacleSpec>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -152,6 +159,8 @@ struct ControlSpec {
     #[serde(skip_serializing_if = "Option::is_none")]
     solver: Option<Solver>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    criterion: Option<Criterion>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     contact_angles: Option<ContactAngleSource>,
     #[serde(skip_serializing_if = "Option::is_none")]
     soil: Option<SoilSource>,
@@ -168,6 +177,7 @@ impl ControlSpec {
         control.kind = self.kind.unwrap_or(control.kind);
         control.strength = self.strength.unwrap_or(control.strength);
         control.solver = self.solver.unwrap_or(control.solver);
+        control.criterion = self.criterion.or(control.criterion);
         control.contact_angles = self.contact_angles.unwrap_or(control.contact_angles);
         control.soil = self.soil.unwrap_or(control.soil);
     }
@@ -178,6 +188,7 @@ impl ControlSpec {
             kind: Some(control.kind),
             strength: Some(control.strength).filter(|strength| *strength != Strength::default()),
             solver: Some(control.solver).filter(|solver| *solver != Solver::default()),
+            criterion: control.criterion,
             contact_angles: Some(control.contact_angles).filter(|source| *source != ContactAngleSource::default()),
             soil: Some(control.soil).filter(|source| *source != SoilSource::default()),
             nominal_soil: control.nominal_soil.map(|_| nominal_soil),
@@ -281,6 +292,7 @@ impl Model {
             terrain: Some(self.rover.terrain.to_spec()),
             control: Some(ControlSpec::of(&self.control, nominal_soil)),
             simulation: Some(self.stepping),
+            fmu: None,
             obstacle: self.obstacles.iter().map(ObstacleSpec::from).collect(),
             effect: self.rover.effects.custom.iter().map(|effect| effect.definition().clone()).collect(),
         };

@@ -1,17 +1,21 @@
 //! A model: everything that a run needs, in one value that TOML, FMU, Python and command line share.
 
 mod closed_loop;
+mod controller;
 mod effects;
 mod estimating;
 mod file;
 mod obstacles;
+mod ordinary;
 mod plant;
 mod presets;
 mod run;
+mod saving;
 mod summary;
 mod variation;
 
 pub use closed_loop::{Control, ControlKind, RtcTiming, nominal};
+pub use controller::ControllerRun;
 pub use estimating::{ContactAngleSource, SoilSource};
 pub use file::ModelError;
 pub use plant::{AnyPlant, Plant};

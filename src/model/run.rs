@@ -6,6 +6,7 @@ use crate::control::{ControlError, Rtc};
 use crate::sensors::SensorSuite;
 use crate::signals::{Command, Measurement, Reference, Signals};
 use crate::simulation::{Status, StepError};
+use crate::snapshot::Fingerprint;
 use bekker_modeldescription::{Lookup, ParameterError, Parameters, Unit, Variable, join, parameters};
 
 /// A control period must be a whole number of inner steps, to this relative tolerance (a decimal
@@ -159,6 +160,15 @@ pub enum RunError {
         /// Obstacles of the model.
         obstacles: usize,
     },
+    /// A controller by itself, of a model that has none which lives on measurements.
+    #[error(
+        "control.kind = {kind:?} is no controller that lives on measurements alone; \
+         expected velocity, velocity_tuned, rtc or equal_torque"
+    )]
+    NoController {
+        /// The kind of control.
+        kind: ControlKind,
+    },
     /// Something that needs the plant in joint coordinates.
     #[error("{purpose} needs the plant in joint coordinates; expected simulation.plant = \"joint_coordinates\"")]
     NeedsJointCoordinates {
@@ -183,14 +193,18 @@ pub enum RunError {
 /// A model in motion. Cloning it is a snapshot: the clone goes on to the same bits.
 #[derive(Clone, Debug)]
 pub struct Run {
-    simulation: AnyPlant,
-    sensors: SensorSuite,
-    controller: Option<AtWork>,
+    pub(super) simulation: AnyPlant,
+    pub(super) sensors: SensorSuite,
+    pub(super) controller: Option<AtWork>,
     /// Inner steps a control period.
     period: u64,
-    inputs: Inputs,
-    command: Command,
-    measurement: Measurement,
+    /// Inner steps between readings of the sensors, where they are read without a controller.
+    sensing: Option<u64>,
+    pub(super) inputs: Inputs,
+    pub(super) command: Command,
+    pub(super) measurement: Measurement,
+    /// Of the model.
+    pub(super) fingerprint: Fingerprint,
 }
 
 impl Run {
@@ -209,9 +223,11 @@ impl Run {
             sensors: SensorSuite::new(model.sensors, u64::from(model.stepping.seed)),
             controller: AtWork::new(model).map_err(|source| RunError::Control { time: 0.0, source })?,
             period: whole_multiple(seconds, step_size)?,
+            sensing: None,
             inputs: Inputs::new(model),
             command,
             measurement: Measurement::default(),
+            fingerprint: Fingerprint::of(model),
         };
         if run.controller.is_some() {
             run.sensors.read(0.0, run.simulation.signals(), &mut run.measurement);
@@ -232,10 +248,34 @@ impl Run {
                 self.decide()?;
             }
             let some = if self.controller.is_some() { left.min(self.period - since) } else { left };
+            let some = self.sensing.map_or(some, |every| some.min(every - self.simulation.ticks() % every));
             status = self.simulation.advance(&self.command, some)?;
             left -= some;
+            self.sense();
         }
         Ok(status)
+    }
+
+    /// Reads the sensors every `period` seconds, from now on, where no controller does: [`Run::measurement`] then shows what
+    /// a controller with this period would see. A run with a controller is left as it is.
+    ///
+    /// # Errors
+    /// [`RunError::Period`] where `period` is no whole number of inner steps.
+    pub fn sense_every(&mut self, period: f64) -> Result<(), RunError> {
+        let every = whole_multiple(period, self.step_size())?;
+        if self.controller.is_none() {
+            self.sensing = Some(every);
+            // As a run with a controller: one reading at its start, which wakes the sensors, and one before the first step.
+            self.sense();
+            self.sense();
+        }
+        Ok(())
+    }
+
+    fn sense(&mut self) {
+        if self.sensing.is_some_and(|every| self.simulation.ticks().is_multiple_of(every)) {
+            self.sensors.read(self.simulation.time(), self.simulation.signals(), &mut self.measurement);
+        }
     }
 
     /// The command for the next control period.
@@ -342,7 +382,7 @@ fn check_vehicle(model: &Model) -> Result<(), RunError> {
 }
 
 /// How many inner steps make `period`.
-fn whole_multiple(period: f64, step_size: f64) -> Result<u64, RunError> {
+pub(super) fn whole_multiple(period: f64, step_size: f64) -> Result<u64, RunError> {
     let ratio = period / step_size;
     let whole = ratio.round();
     if whole >= 1.0 && (ratio - whole).abs() <= WHOLE * whole {

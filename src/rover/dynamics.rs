@@ -9,6 +9,7 @@ use crate::effects::{BodyMotion, ExpressionFailure, Local, Place};
 use crate::motor::{self, Motor};
 use crate::scalar::Scalar;
 use crate::signals::{Command, Drive};
+use crate::snapshot::moving;
 use crate::terrain::TerrainError;
 
 /// Why the right-hand side could not be evaluated.
@@ -60,6 +61,26 @@ pub(crate) struct WheelEvaluation<S> {
     pub drive_slope: S,
 }
 
+moving!(WheelEvaluation<f64> {
+    touch,
+    normal,
+    tangent,
+    turn,
+    velocity,
+    normal_velocity,
+    spin,
+    speed,
+    slip,
+    sinkage,
+    contact_angle,
+    motor,
+    foot_x,
+    motor_torque,
+    rim_torque,
+    current,
+    drive_slope,
+});
+
 /// Powers at one instant, W, whose integrals are the energies among the signals.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Powers<S> {
@@ -102,6 +123,19 @@ pub(crate) struct Evaluation<S> {
     pub outside: Option<Box<Outside<S>>>,
 }
 
+// Without forces from outside, which the plant of rigid bodies alone has.
+moving!(Evaluation<f64> {
+    frames,
+    mass,
+    system,
+    wheels,
+    acceleration,
+    joint_friction,
+    potential,
+    other_loss,
+    resistance,
+});
+
 impl<S: Scalar> Evaluation<S> {
     pub fn new(rover: &Rover<S>) -> Self {
         let wheels =
@@ -120,15 +154,20 @@ impl<S: Scalar> Evaluation<S> {
         }
     }
 
-    /// Evaluates the right-hand side at `state` under `command`.
-    pub fn update(&mut self, rover: &Rover<S>, state: &State<S>, command: &Command) -> Result<(), DynamicsError> {
+    /// Evaluates the right-hand side at `state` under `command`, plain or with derivatives.
+    pub fn update<C: Copy + Into<S>>(
+        &mut self,
+        rover: &Rover<S>,
+        state: &State<S>,
+        command: &Command<C>,
+    ) -> Result<(), DynamicsError> {
         let n = rover.coordinates();
         self.frames.update(rover, &state.position, &state.rate);
         let mut force = zeros();
         self.add_bodies(rover, state, &mut force)?;
         self.system = self.mass;
         for k in 0..rover.wheels.len() {
-            self.touch_ground(rover, state, command, k)?;
+            self.touch_ground(rover, state, (command.drive, command.values[k].into()), k)?;
             let wheel = &mut self.wheels[k];
             let (forces, body_torque) = (wheel.touch.forces, &mut wheel.rim_torque);
             match command.drive {
@@ -155,7 +194,7 @@ impl<S: Scalar> Evaluation<S> {
         if !self.acceleration[..n].iter().all(|a| a.value().is_finite()) {
             return Err(DynamicsError::NotFinite);
         }
-        self.finish_drives(rover, command)
+        self.finish_drives(rover, command.drive)
     }
 
     /// Weight, inertia and joint friction of chassis and links, and forces on the chassis.
@@ -208,7 +247,7 @@ impl<S: Scalar> Evaluation<S> {
         &mut self,
         rover: &Rover<S>,
         state: &State<S>,
-        command: &Command,
+        (drive, asked): (Drive, S),
         k: usize,
     ) -> Result<(), DynamicsError> {
         let mount = &rover.wheels[k];
@@ -226,9 +265,9 @@ impl<S: Scalar> Evaluation<S> {
         // An encoder sees the wheel relative to its body, the soil sees the absolute rate: nose-up
         // turning of the body takes from the forward turning of the wheel.
         let body_rate = self.frames.rate(mount.body);
-        (wheel.spin, wheel.speed) = match command.drive {
+        (wheel.spin, wheel.speed) = match drive {
             Drive::Torque => (state.wheels[k].spin, state.wheels[k].spin + body_rate),
-            Drive::Speed => (S::from(command.values[k]) - body_rate, S::from(command.values[k])),
+            Drive::Speed => (asked - body_rate, asked),
         };
         let true_wheel = rover.true_wheel();
         let x = foot.position[0];
@@ -260,8 +299,7 @@ impl<S: Scalar> Evaluation<S> {
         rover.effects.forces(&place, &local, &mut wheel.touch.forces)?;
         wheel.motor = rover.motor;
         rover.effects.motor(state.wheels[k].winding_rise, &mut wheel.motor);
-        if command.drive == Drive::Torque {
-            let asked = S::from(command.values[k]);
+        if drive == Drive::Torque {
             let driven = motor::drive(&rover.motor, &wheel.motor, &rover.effects, wheel.speed, asked)?;
             wheel.motor_torque = driven.motor_torque;
             wheel.rim_torque = driven.rim_torque;
@@ -271,10 +309,10 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Torques and currents that follow from the accelerations.
-    fn finish_drives(&mut self, rover: &Rover<S>, command: &Command) -> Result<(), DynamicsError> {
+    fn finish_drives(&mut self, rover: &Rover<S>, drive: Drive) -> Result<(), DynamicsError> {
         let n = rover.coordinates();
         for wheel in &mut self.wheels {
-            if command.drive == Drive::Speed {
+            if drive == Drive::Speed {
                 wheel.rim_torque -= rover.wheel.inertia * dot(&wheel.turn, &self.acceleration, n);
                 wheel.motor_torque = motor::torque_behind(&rover.effects, wheel.speed, wheel.rim_torque)?;
                 wheel.drive_slope = S::from(0.0);
@@ -360,7 +398,7 @@ impl<S: Scalar> WheelEvaluation<S> {
         }
     }
     /// Power dissipated in the winding, W (4.6).
-    fn winding_power(&self) -> S {
+    pub fn winding_power(&self) -> S {
         self.motor.resistance * self.current * self.current
     }
 }

@@ -7,6 +7,7 @@
 use super::Rover;
 use super::linear::{Vector, zeros};
 use crate::scalar::Scalar;
+use crate::snapshot::moving;
 
 /// A body's place at one instant.
 #[derive(Clone, Copy, Debug)]
@@ -23,6 +24,8 @@ pub(crate) struct Frame<S> {
     bias: [S; 2],
 }
 
+moving!(Frame<f64> { origin, reference, cos, sin, rate, bias });
+
 /// A point fixed on a body: place, bias acceleration, and its Jacobian in the generalised coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Point<S> {
@@ -37,6 +40,8 @@ pub(crate) struct Point<S> {
 pub(crate) struct Frames<S> {
     frames: Vec<Frame<S>>,
 }
+
+moving!(Frames<f64> { frames });
 
 impl<S: Scalar> Frames<S> {
     pub fn new(rover: &Rover<S>) -> Self {

@@ -12,6 +12,7 @@ use crate::contact::Hold;
 use crate::effects::Effects;
 use crate::motor::Motor;
 use crate::scalar::Scalar;
+use crate::snapshot::moving;
 use crate::soil::Soil;
 use crate::terrain::Terrain;
 use crate::wheel::Wheel;
@@ -210,6 +211,8 @@ pub struct WheelState<S = f64> {
     pub track: Track<S>,
 }
 
+moving!(WheelState { spin, hold, winding_rise, track });
+
 /// Moving data of a rover: everything that a step changes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State<S = f64> {
@@ -222,6 +225,8 @@ pub struct State<S = f64> {
     /// x at the start, from which a travelled distance counts, m.
     pub start_x: S,
 }
+
+moving!(State { position, rate, wheels, start_x });
 
 impl<S: Scalar> State<S> {
     /// Takes the values of a state of the same rover over, without allocating.

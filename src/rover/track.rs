@@ -2,6 +2,7 @@
 
 use super::WheelState;
 use crate::scalar::{Scalar, smooth_step};
+use crate::snapshot::moving;
 
 /// Distance inside the end of a track over which its ground turns from fresh to passed, m: about the length of a
 /// small wheel's contact, so that the ground under a wheel is not yet ground that it has passed.
@@ -15,6 +16,8 @@ pub struct Track<S = f64> {
     /// Its end towards the front, m.
     pub high: S,
 }
+
+moving!(Track { low, high });
 
 impl<S: From<f64>> Default for Track<S> {
     fn default() -> Self {

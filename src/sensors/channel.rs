@@ -1,5 +1,7 @@
 //! One channel: from the truth to a reading.
 
+use crate::snapshot::moving;
+
 /// Share of a sample period by which a reading may come early and still be the next sample's: rounding of its time.
 const EARLY: f64 = 1e-6;
 
@@ -54,6 +56,8 @@ pub(super) struct Clock {
     /// Number of the sample period that the last sample was taken in.
     last: Option<i64>,
 }
+
+moving!(Clock { last });
 
 impl Clock {
     /// Whether a reading at `time`, s, is a new sample of a channel with this period, s.

@@ -3,6 +3,7 @@
 use super::Sensors;
 use super::channel::Clock;
 use crate::signals::{LinkMeasurement, Measurement, Signals, WheelMeasurement};
+use crate::snapshot::{Moving, Reader, SnapshotError, Writer, load_grown, moving};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -22,6 +23,24 @@ pub struct SensorSuite {
     rests: Vec<f64>,
 }
 
+impl Moving for SensorSuite {
+    fn save(&self, to: &mut Writer) {
+        self.noise.save(to);
+        self.further_noise.save(to);
+        self.clocks.save(to);
+        self.held.save(to);
+        self.rests.save(to);
+    }
+
+    fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {
+        self.noise.load(from)?;
+        self.further_noise.load(from)?;
+        self.clocks.load(from)?;
+        self.held.load(from)?;
+        load_grown(&mut self.rests, from)
+    }
+}
+
 #[derive(Clone, Debug, Default)]
 struct Clocks {
     pitch: Clock,
@@ -33,6 +52,8 @@ struct Clocks {
     link_angle: Clock,
     link_rate: Clock,
 }
+
+moving!(Clocks { pitch, velocity, wheel_speed, contact_angle, pitch_rate, torque, link_angle, link_rate });
 
 impl SensorSuite {
     /// Sensors before their first reading; `seed` decides all noise.

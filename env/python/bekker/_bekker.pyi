@@ -44,7 +44,11 @@ def diagnose(
 ) -> tuple[Finding | None, BaseException | None]: ...
 def fit_task(payload: bytes) -> bytes: ...
 def export_fmu(
-    model: Model, path: str | os.PathLike[str], fmi: int = 3, windows: str | os.PathLike[str] | None = None
+    model: Model,
+    path: str | os.PathLike[str],
+    fmi: int = 3,
+    kind: str | None = None,
+    windows: str | os.PathLike[str] | None = None,
 ) -> None: ...
 def record(
     model: Model, inputs: NDArray[np.float64], steps: int

@@ -9,11 +9,12 @@ mod documentation;
 mod icon;
 mod layout;
 
+pub use bekker_fmu::Kind;
 pub use layout::Version;
 
 use archive::Archive;
 use bekker::model::{Model, Plant};
-use bekker_modeldescription::xml::Description;
+use bekker_modeldescription::xml::{Component, Description, DescriptionError, system};
 use std::path::{Path, PathBuf};
 
 /// The library that FMUs carry, built for this crate's target, without the plant of rigid bodies.
@@ -36,6 +37,8 @@ const LICENSE: &str = concat!(
 pub struct Options {
     /// Version of the standard.
     pub version: Version,
+    /// What of the model it offers; where missing, what the model file says.
+    pub kind: Option<Kind>,
     /// A library for 64 bit Windows (`bekker_fmu.dll`), packed besides the one for this crate's target.
     pub windows: Option<PathBuf>,
     /// When the FMU was made, UTC in seconds since 1970, where it is to say so. Without it the same model gives the
@@ -79,27 +82,65 @@ pub fn export(model: &Model, options: &Options, path: &Path) -> Result<(), Expor
     std::fs::write(path, bytes).map_err(|error| ExportError::Write { path: path.to_owned(), error })
 }
 
+/// Writes `model` as a system of two FMUs of FMI 2.0, the rover and its controller, wired by the names of their
+/// variables (SSP 1.0), to `path`.
+///
+/// # Errors
+/// An [`ExportError`] where the model has no controller or does not start, or a file cannot be read or written.
+pub fn export_system(model: &Model, options: &Options, path: &Path) -> Result<(), ExportError> {
+    let bytes = pack_system(model, options)?;
+    std::fs::write(path, bytes).map_err(|error| ExportError::Write { path: path.to_owned(), error })
+}
+
+/// The system of `model`, as [`export_system`] writes it. The controller is the first: it decides on what was measured
+/// at the end of the rover's last step.
+///
+/// # Errors
+/// As [`export_system`], but for writing.
+pub fn pack_system(model: &Model, options: &Options) -> Result<Vec<u8>, ExportError> {
+    let part = |kind: Kind| pack_part(model, &Options { version: Version::Fmi2, kind: Some(kind), ..options.clone() });
+    let (controller, rover) = (part(Kind::Controller)?, part(Kind::Rover)?);
+    let components = [
+        Component { name: "controller", source: "resources/controller.fmu", description: &controller.1 },
+        Component { name: "rover", source: "resources/rover.fmu", description: &rover.1 },
+    ];
+    let structure = system(&model.name, rover.1.experiment, &components).map_err(undescribed)?;
+    let mut archive = Archive::default();
+    archive.file("SystemStructure.ssd", structure.as_bytes())?;
+    archive.file(components[0].source, &controller.0)?;
+    archive.file(components[1].source, &rover.0)?;
+    Ok(archive.finish()?)
+}
+
 /// The FMU of `model`, as [`export`] writes it.
 ///
 /// # Errors
 /// As [`export`], but for writing.
 pub fn pack(model: &Model, options: &Options) -> Result<Vec<u8>, ExportError> {
+    Ok(pack_part(model, options)?.0)
+}
+
+/// An FMU and its variables.
+fn pack_part(model: &Model, options: &Options) -> Result<(Vec<u8>, Description), ExportError> {
     let windows = options
         .windows
         .as_ref()
         .map(|path| std::fs::read(path).map_err(|error| ExportError::Read { path: path.clone(), error }));
-    let (file, mut description) = bekker_fmu::describe(model).map_err(ExportError::Model)?;
+    let described = match options.kind {
+        Some(kind) => bekker_fmu::describe_as(model, kind),
+        None => bekker_fmu::describe(model),
+    };
+    let (file, mut description) = described.map_err(ExportError::Model)?;
     description.date = options.date.map(layout::utc);
     let mut ready = bekker_fmu::parse(&file).map_err(ExportError::Model)?;
     let abilities = bekker_fmu::abilities(&mut *ready).map_err(ExportError::Model)?;
     let version = options.version;
-    let refused = |error: bekker_modeldescription::xml::DescriptionError| ExportError::Model(error.to_string());
     let xml = match version {
         Version::Fmi2 => description.fmi2(&abilities),
         Version::Fmi3 => description.fmi3(&abilities),
     };
     let mut archive = Archive::default();
-    archive.file("modelDescription.xml", xml.map_err(refused)?.as_bytes())?;
+    archive.file("modelDescription.xml", xml.map_err(undescribed)?.as_bytes())?;
     let library = if model.stepping.plant == Plant::RigidBodies { RIGID_LIBRARY } else { LIBRARY };
     archive.program(&version.library(&description.identifier), library)?;
     if let Some(library) = windows.transpose()? {
@@ -107,7 +148,11 @@ pub fn pack(model: &Model, options: &Options) -> Result<Vec<u8>, ExportError> {
     }
     papers(&mut archive, version, &description)?;
     archive.file(&format!("resources/{}", bekker_fmu::MODEL_FILE), file.as_bytes())?;
-    Ok(archive.finish()?)
+    Ok((archive.finish()?, description))
+}
+
+fn undescribed(error: DescriptionError) -> ExportError {
+    ExportError::Model(error.to_string())
 }
 
 /// Documentation, licence, icon and, in FMI 3.0, terminals.
@@ -118,7 +163,7 @@ fn papers(archive: &mut Archive, version: Version, description: &Description) ->
     match version {
         Version::Fmi2 => archive.file("model.png", &icon)?,
         Version::Fmi3 => {
-            let terminals = description.terminals().map_err(|error| ExportError::Model(error.to_string()))?;
+            let terminals = description.terminals().map_err(undescribed)?;
             archive.file("terminalsAndIcons/terminalsAndIcons.xml", terminals.as_bytes())?;
             archive.file("terminalsAndIcons/icon.png", &icon)?;
             archive.file("terminalsAndIcons/icon.svg", icon::svg().as_bytes())?;

@@ -15,8 +15,12 @@ pub struct Component<'a> {
     pub description: &'a Description,
 }
 
-/// The system of `components`: an input is wired to the output of the same name of another component; inputs that no
-/// component feeds become inputs of the system, once for each name.
+/// What a component's sensors make of a signal has this before the signal's name.
+const MEASURED: &str = "measured.";
+
+/// The system of `components`: an input is wired to the output of the same name of another component, as its sensors
+/// measure it where they do (`measured.` before the name); inputs that no component feeds become inputs of the system,
+/// once for each name.
 ///
 /// # Errors
 /// A [`DescriptionError`] where a name cannot be written.
@@ -50,13 +54,17 @@ fn wired(description: &Description, causality: Causality) -> impl Iterator<Item 
     description.entries.iter().filter(move |entry| entry.causality == causality && entry.kind == Kind::Real)
 }
 
-/// The component other than `own` that feeds the input called `name`.
-fn source<'a>(components: &[Component<'a>], own: &str, name: &str) -> Option<Component<'a>> {
-    let feeds = |component: &&Component| {
+/// The component other than `own` that feeds the input called `name`, and the output by which it does.
+fn source<'a>(components: &[Component<'a>], own: &str, name: &str) -> Option<(Component<'a>, String)> {
+    let has = |component: &Component, wanted: &str| {
         component.name != own
-            && wired(component.description, Causality::Output).any(|entry| entry.variable.name == name)
+            && wired(component.description, Causality::Output).any(|entry| entry.variable.name == wanted)
     };
-    components.iter().find(feeds).copied()
+    let names = [format!("{MEASURED}{name}"), name.to_owned()];
+    names.into_iter().find_map(|wanted| {
+        let found = components.iter().find(|component| has(component, &wanted)).copied()?;
+        Some((found, wanted))
+    })
 }
 
 /// Inputs that no component feeds, each name once, with a component that has it.
@@ -104,9 +112,14 @@ fn connections(xml: &mut Xml, components: &[Component]) {
     for component in components {
         for entry in wired(component.description, Causality::Input) {
             let name = entry.variable.name.clone();
-            let from = source(components, component.name, &name).map(|other| ("startElement", other.name.to_owned()));
-            let mut wire: Attributes = from.into_iter().collect();
-            wire.push(("startConnector", name.clone()));
+            let mut wire: Attributes = Vec::new();
+            match source(components, component.name, &name) {
+                Some((from, output)) => {
+                    wire.push(("startElement", from.name.to_owned()));
+                    wire.push(("startConnector", output));
+                }
+                None => wire.push(("startConnector", name.clone())),
+            }
             wire.push(("endElement", component.name.to_owned()));
             wire.push(("endConnector", name));
             wires.push(wire);

@@ -40,6 +40,7 @@ pub use traction::{MaximumTraction, Search};
 use super::error::{ControlError, finite, same_count, same_links, within_bounds};
 use super::{Controller, Nominal};
 use crate::signals::{Command, Drive, Measurement, Reference};
+use crate::snapshot::{Moving, Reader, SnapshotError, Writer, load_grown, loaded, moving_code};
 use crate::soil::Soil;
 use bekker_modeldescription::{Unit, parameters};
 
@@ -76,11 +77,13 @@ pub struct RtcOptions {
     pub solver: Solver,
     /// Control period at which commands are asked for, s; integral action and speed loops count with it.
     pub period: f64,
+    /// What is optimised; `None` goes by the ground (4.11, 4.12).
+    pub criterion: Option<Criterion>,
 }
 
 impl Default for RtcOptions {
     fn default() -> Self {
-        Self { strength: Strength::default(), solver: Solver::default(), period: 0.01 }
+        Self { strength: Strength::default(), solver: Solver::default(), period: 0.01, criterion: None }
     }
 }
 
@@ -95,6 +98,12 @@ pub enum Footing {
     /// It is off the ground: its speed ran away under next to no torque. Its loop holds its speed, the others carry.
     Lifted,
 }
+
+moving_code!(Footing, "a footing" {
+    Footing::Loaded => 0 => Footing::Loaded,
+    Footing::Light => 1 => Footing::Light,
+    Footing::Lifted => 2 => Footing::Lifted,
+});
 
 /// Load over the minimum, of the weight, up to which a wheel counts as about to lift off.
 const LIGHT: f64 = 1e-6;
@@ -126,6 +135,32 @@ pub struct Outcome {
     pub steps: usize,
 }
 
+impl Moving for Outcome {
+    fn save(&self, to: &mut Writer) {
+        self.criterion.save(to);
+        (self.feasible, self.optimal).save(to);
+        self.objective.save(to);
+        self.forces.save(to);
+        (self.body_force, self.shortfall).save(to);
+        self.joint_shortfall.save(to);
+        self.footing.save(to);
+        self.trim.save(to);
+        self.steps.save(to);
+    }
+
+    fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {
+        self.criterion.load(from)?;
+        (self.feasible, self.optimal) = loaded(from)?;
+        self.objective.load(from)?;
+        load_grown(&mut self.forces, from)?;
+        (self.body_force, self.shortfall) = loaded(from)?;
+        load_grown(&mut self.joint_shortfall, from)?;
+        load_grown(&mut self.footing, from)?;
+        load_grown(&mut self.trim, from)?;
+        self.steps.load(from)
+    }
+}
+
 /// Rough-terrain control of a rover with n >= 2 wheels on a chassis or on links with passive joints; commands torques.
 ///
 /// Without integral action and speed loops it keeps no history: the same readings give the same torques, bit for
@@ -143,6 +178,25 @@ pub struct Rtc {
     /// Acceleration that the integral action asks for, m/s^2.
     integral: f64,
     speed_loops: Vec<SpeedLoop>,
+}
+
+/// The soil may have been set; the optimisation is posed and solved anew from each measurement.
+impl Moving for Rtc {
+    fn save(&self, to: &mut Writer) {
+        let Soil { cohesion, friction_angle, shear_modulus, .. } = self.nominal.soil;
+        [cohesion, friction_angle, shear_modulus].save(to);
+        self.integral.save(to);
+        self.speed_loops.save(to);
+        self.outcome.save(to);
+    }
+
+    fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {
+        let soil = &mut self.nominal.soil;
+        [soil.cohesion, soil.friction_angle, soil.shear_modulus] = loaded(from)?;
+        self.integral.load(from)?;
+        self.speed_loops.load(from)?;
+        self.outcome.load(from)
+    }
 }
 
 impl Rtc {
@@ -329,7 +383,8 @@ impl Controller for Rtc {
         self.pose(measured, goal)?;
         let touching = measured.wheels.iter().zip(&self.problem.lifted).filter(|(_, lifted)| !**lifted);
         let angles = touching.map(|(wheel, _)| wheel.contact_angle);
-        let criterion = Criterion::for_terrain(angles, self.parameters.switch_angle);
+        let by_ground = || Criterion::for_terrain(angles, self.parameters.switch_angle);
+        let criterion = self.options.criterion.unwrap_or_else(by_ground);
         let found = self.optimiser.solve(&self.problem, criterion, &mut self.forces)?;
         for (index, &traction) in self.forces.iter().step_by(2).enumerate() {
             finite("tractive force", Some(index), traction)?;

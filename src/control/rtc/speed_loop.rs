@@ -2,6 +2,7 @@
 //! band around the wanted one.
 
 use super::RoughTerrainControl;
+use crate::snapshot::moving;
 
 /// A wheel that carries is told from one in the air by its torque; between once and this many times the least
 /// torque on the ground nothing changes.
@@ -34,6 +35,8 @@ pub struct SpeedLoop {
     integral: f64,
     lifted: bool,
 }
+
+moving!(SpeedLoop { integral, lifted });
 
 impl SpeedLoop {
     /// Whether the wheel is off the ground.

@@ -1,7 +1,10 @@
 //! Which criterion a terrain asks for (4.11, 4.12).
 
+use crate::snapshot::moving_code;
+
 /// What a force distribution optimises.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Criterion {
     /// Least power P dissipated in the windings (4.10), W: for benign ground.
     #[default]
@@ -9,6 +12,11 @@ pub enum Criterion {
     /// Least value of the largest ratio R of tractive force to load (4.5), dimensionless: for rough ground.
     Traction,
 }
+
+moving_code!(Criterion, "a criterion" {
+    Criterion::Power => 0 => Criterion::Power,
+    Criterion::Traction => 1 => Criterion::Traction,
+});
 
 impl Criterion {
     /// The dual criterion Q = R S + P (1 - S), with S = 1 where max |gamma_i| > C and 0 otherwise

@@ -14,6 +14,7 @@
 //! angles vanish or coincide, and the filter keeps what it knew.
 
 use super::equation::Equation;
+use crate::snapshot::moving;
 use nalgebra::{Matrix2, SMatrix, SVector};
 
 pub(super) const ALPHA: usize = 0;
@@ -86,6 +87,8 @@ pub struct Innovation {
     pub count: usize,
 }
 
+moving!(Innovation { nis, count });
+
 /// The filter of one pair; a value of fixed size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairFilter {
@@ -96,6 +99,8 @@ pub struct PairFilter {
     bias: f64,
     restarts: u32,
 }
+
+moving!(PairFilter { state, covariance, bias, restarts });
 
 impl PairFilter {
     /// A filter that starts at a reading, its angles along the ground's mean.

@@ -7,6 +7,7 @@ use crate::control::Nominal;
 use crate::estimation::EstimationError;
 use crate::estimation::error::{finite, within_bounds};
 use crate::signals::Measurement;
+use crate::snapshot::{Moving, Reader, SnapshotError, Writer, loaded};
 
 /// Estimates the contact angles of all wheels from pitch, pitch rate, wheel speeds and the links' angles and rates.
 ///
@@ -26,6 +27,38 @@ pub struct ContactAngles {
     angles: Vec<f64>,
     deviations: Vec<f64>,
     innovation: Innovation,
+}
+
+impl Moving for ContactAngles {
+    fn save(&self, to: &mut Writer) {
+        for filter in &self.filters {
+            filter.is_some().save(to);
+            filter.iter().for_each(|filter| filter.save(to));
+        }
+        self.time.save(to);
+        self.angles.save(to);
+        self.deviations.save(to);
+        self.innovation.save(to);
+    }
+
+    fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {
+        for k in 0..self.pairs.len() {
+            self.filters[k] = match loaded(from)? {
+                false => None,
+                true => {
+                    // Any reading will do: all that it leaves is overwritten.
+                    let reading = PairReading { inclination: [0.0; 2], rate: None, speeds: [[0.0; 2]; 2] };
+                    let mut filter = PairFilter::new(self.model(&self.pairs[k]), &reading);
+                    filter.load(from)?;
+                    Some(filter)
+                }
+            };
+        }
+        self.time.load(from)?;
+        self.angles.load(from)?;
+        self.deviations.load(from)?;
+        self.innovation.load(from)
+    }
 }
 
 impl ContactAngles {

@@ -25,6 +25,7 @@ use super::equation::{Linearised, predict_at};
 use super::held::{Gaussian, Held};
 use super::parameters::SoilIdentification;
 use super::reading::{Deviations, Reading, Strength};
+use crate::snapshot::moving;
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 use nalgebra::{Matrix3, Vector3};
@@ -76,6 +77,8 @@ pub struct StrengthFilter {
     count: usize,
     estimate: Gaussian,
 }
+
+moving!(StrengthFilter { absorbed, held, count, estimate });
 
 impl StrengthFilter {
     /// A filter whose prior has the strength of `soil` as its mean; of `soil` also the exponent and c1, c2 are used.

@@ -1,6 +1,7 @@
 //! What the filter keeps: a Gaussian, and readings whose equations stay open.
 
 use super::reading::{Deviations, Reading};
+use crate::snapshot::moving;
 use nalgebra::{Matrix3, Vector3};
 
 /// Units in which two readings are alike: of ln load and of slip.
@@ -29,6 +30,9 @@ pub(super) struct Held {
     /// Whether it has not been brought to its likely inputs yet.
     pub fresh: bool,
 }
+
+moving!(Gaussian { mean, covariance });
+moving!(Held { reading, errors, guess, at, slope, y, variance, weight, fresh });
 
 impl Gaussian {
     pub fn spread(&self, held: &Held) -> f64 {

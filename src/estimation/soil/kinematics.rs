@@ -6,6 +6,7 @@ use super::super::error::{finite, same_count};
 use crate::control::{ControlError, Nominal};
 use crate::rover::{MAX_COORDINATES, MAX_WHEELS};
 use crate::signals::Measurement;
+use crate::snapshot::moving;
 
 /// Most passive joints of a rover: what is left of the coordinates without x, z and pitch.
 pub(super) const MAX_LINKS: usize = MAX_COORDINATES - 3;
@@ -128,6 +129,8 @@ pub struct KinematicSinkage {
     heights: [f64; MAX_WHEELS],
 }
 
+moving!(KinematicSinkage { heights });
+
 impl KinematicSinkage {
     /// The configuration Q_1 at the start.
     ///
@@ -136,9 +139,14 @@ impl KinematicSinkage {
     pub fn from(nominal: &Nominal, start: &Measurement) -> Result<Self, EstimationError> {
         check_rover(nominal)?;
         check_measurement(nominal, start)?;
-        let mut sinkage = Self { nominal: nominal.clone(), heights: [0.0; MAX_WHEELS] };
+        let mut sinkage = Self::unstarted(nominal);
         sinkage.restart(start);
         Ok(sinkage)
+    }
+
+    /// Without a start yet.
+    pub(super) fn unstarted(nominal: &Nominal) -> Self {
+        Self { nominal: nominal.clone(), heights: [0.0; MAX_WHEELS] }
     }
 
     pub(super) fn restart(&mut self, start: &Measurement) {

@@ -20,6 +20,7 @@ use super::sinkage::sinkage_under_load;
 use crate::control::Nominal;
 use crate::rover::MAX_WHEELS;
 use crate::signals::Measurement;
+use crate::snapshot::{Moving, Reader, SnapshotError, Writer, loaded, moving};
 use crate::soil::Soil;
 
 /// What one wheel contributed to the last update.
@@ -46,6 +47,41 @@ pub enum WheelUse {
     Used(f64),
 }
 
+impl Moving for WheelUse {
+    fn save(&self, to: &mut Writer) {
+        let (code, nis) = match *self {
+            Self::Unread => (0, 0.0),
+            Self::Averaging => (1, 0.0),
+            Self::Standing => (2, 0.0),
+            Self::Reversing => (3, 0.0),
+            Self::OffGround => (4, 0.0),
+            Self::NoSlip => (5, 0.0),
+            Self::Sunk => (6, 0.0),
+            Self::Refused(nis) => (7, nis),
+            Self::Used(nis) => (8, nis),
+        };
+        to.number(code);
+        nis.save(to);
+    }
+
+    fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {
+        let (code, nis) = loaded(from)?;
+        *self = match code {
+            0 => Self::Unread,
+            1 => Self::Averaging,
+            2 => Self::Standing,
+            3 => Self::Reversing,
+            4 => Self::OffGround,
+            5 => Self::NoSlip,
+            6 => Self::Sunk,
+            7 => Self::Refused(nis),
+            8 => Self::Used(nis),
+            _ => return Err(SnapshotError::Code { what: "the use of a wheel", code }),
+        };
+        Ok(())
+    }
+}
+
 /// The configuration at the start of an identification experiment.
 #[derive(Clone, Debug, PartialEq)]
 struct Start {
@@ -55,6 +91,8 @@ struct Start {
     /// Distance travelled since, m.
     travelled: f64,
 }
+
+moving!(Start { kinematics, sinkage, travelled });
 
 /// What the update of one wheel needs of the rest.
 struct Scene<'a> {
@@ -77,6 +115,8 @@ struct Sums {
     rim_speed: f64,
 }
 
+moving!(Sums { count, since, load, torque, velocity, rim_speed });
+
 /// The soil's strength from a rover's sensors.
 ///
 /// Over six drives of 20 s with varied speeds and good inputs the squared error over its covariance (NEES) was 3.9 of an
@@ -95,6 +135,39 @@ pub struct SoilIdentifier {
     sums: [Sums; MAX_WHEELS],
     uses: [WheelUse; MAX_WHEELS],
     readings: [Option<(Reading, Deviations)>; MAX_WHEELS],
+}
+
+impl Moving for SoilIdentifier {
+    fn save(&self, to: &mut Writer) {
+        self.filter.save(to);
+        self.start.is_some().save(to);
+        self.start.iter().for_each(|start| start.save(to));
+        self.time.save(to);
+        self.travelled.save(to);
+        self.read_at.save(to);
+        self.sums.save(to);
+        self.uses.save(to);
+        self.readings.save(to);
+    }
+
+    fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {
+        self.filter.load(from)?;
+        self.start = match loaded(from)? {
+            false => None,
+            true => {
+                let kinematics = KinematicSinkage::unstarted(&self.nominal);
+                let mut start = Start { kinematics, sinkage: [0.0; MAX_WHEELS], travelled: 0.0 };
+                start.load(from)?;
+                Some(start)
+            }
+        };
+        self.time.load(from)?;
+        self.travelled.load(from)?;
+        self.read_at.load(from)?;
+        self.sums.load(from)?;
+        self.uses.load(from)?;
+        self.readings.load(from)
+    }
 }
 
 impl SoilIdentifier {

@@ -1,0 +1,242 @@
+//! The plant as differential equations (Model Exchange).
+
+use super::outputs::{number, write_true};
+use super::plant::Rover;
+use crate::model::{Continuous, EventOutcome, Failure};
+use bekker::equations::{Equations, NoEquations, derivative_of};
+use bekker::model::{AnyPlant, Model as RoverModel, Run};
+use bekker::sensors::Sensors;
+use bekker::simulation::{Event, Status};
+use bekker_modeldescription::xml::Entry;
+use bekker_modeldescription::{Lookup, Parameters};
+use std::ops::Range;
+
+/// Prefix of the states' names: many have those of signals, which sensors among the effects may distort.
+const PREFIX: &str = "state";
+
+/// The equations, where somebody else integrates.
+#[derive(Clone)]
+pub(super) struct Ordinary {
+    pub equations: Equations,
+    states: Vec<usize>,
+    derivatives: Vec<usize>,
+    /// Time, and that of the last accepted step, s.
+    pub time: f64,
+    pub accepted: f64,
+    pub stuck: bool,
+    /// Whether outputs and rates belong to the present states and inputs.
+    fresh: bool,
+    /// Whether an integrator has called: then this is the rover, and not the run.
+    pub at_work: bool,
+}
+
+impl Ordinary {
+    /// The equations of a plant that may have them: effects with a memory may be switched off.
+    pub fn of(model: &RoverModel, run: &Run) -> Option<Self> {
+        let refused = model.check_equations();
+        if matches!(refused, Err(NoEquations::Drive | NoEquations::RigidBodies)) {
+            return None;
+        }
+        Some(Self {
+            equations: equations(run)?,
+            states: Vec::new(),
+            derivatives: Vec::new(),
+            time: 0.0,
+            accepted: 0.0,
+            stuck: false,
+            fresh: false,
+            at_work: false,
+        })
+    }
+
+    /// Entries of the states, of which the first will have the reference `first`, and of their derivatives.
+    pub fn entries(&self, first: usize) -> (Vec<Entry>, Vec<Entry>) {
+        let mut sizes = Vec::new();
+        self.equations.nominals(|size| sizes.push(size));
+        let mut list = Vec::new();
+        self.equations.states().visit(PREFIX, &mut |variable, _| list.push(variable));
+        let derivative = |(k, variable)| Entry::derivative(derivative_of(variable), first + k);
+        let derivatives = list.iter().enumerate().map(derivative).collect();
+        let states = list.into_iter().zip(sizes).map(|(variable, size)| Entry::state(variable, size)).collect();
+        (states, derivatives)
+    }
+
+    /// Lets the next question evaluate anew.
+    pub fn stale(&mut self) {
+        self.fresh = false;
+    }
+
+    /// Takes the references of states and derivatives over.
+    pub fn refer(&mut self, states: Range<usize>, derivatives: Range<usize>) {
+        (self.states, self.derivatives) = (states.collect(), derivatives.collect());
+    }
+}
+
+fn equations(run: &Run) -> Option<Equations> {
+    match run.simulation() {
+        AnyPlant::JointCoordinates(simulation) => Some(Equations::at(simulation)),
+        #[allow(unreachable_patterns, reason = "without the feature `rigid` there is one plant")]
+        _ => None,
+    }
+}
+
+impl Rover {
+    /// Puts the equations at the run's state.
+    pub(super) fn begin(&mut self) -> Result<(), Failure> {
+        let Some(ordinary) = &mut self.ordinary else { return Ok(()) };
+        if let Some(equations) = equations(&self.run) {
+            ordinary.equations = equations;
+        }
+        (ordinary.time, ordinary.accepted, ordinary.stuck) = (0.0, 0.0, false);
+        (ordinary.fresh, ordinary.at_work) = (false, false);
+        self.bring_up()
+    }
+
+    /// The equations at the present point: those that an integrator moves, or where the run is.
+    pub(super) fn present(&self) -> Result<Equations, Failure> {
+        let none = || Failure::unsupported("derivatives: only a rover whose wheels' torques are its inputs has them");
+        let ordinary = self.ordinary.as_ref().ok_or_else(none)?;
+        let mut there =
+            if ordinary.at_work { ordinary.equations.clone() } else { equations(&self.run).ok_or_else(none)? };
+        there.torques_mut().copy_from_slice(&self.values[self.references.inputs.clone()]);
+        Ok(there)
+    }
+
+    /// Brings rates and outputs up to the present states and inputs.
+    fn bring_up(&mut self) -> Result<(), Failure> {
+        let Some(ordinary) = &mut self.ordinary else { return Ok(()) };
+        let torques = &self.values[self.references.inputs.clone()];
+        if ordinary.fresh && ordinary.equations.torques_mut() == torques {
+            return Ok(());
+        }
+        ordinary.equations.torques_mut().copy_from_slice(torques);
+        let time = ordinary.time;
+        ordinary.equations.evaluate().map_err(|error| Failure(format!("at t = {time} s: {error}")))?;
+        ordinary.fresh = true;
+        let equations = &mut ordinary.equations;
+        let mut states = self.values[self.references.states.clone()].iter_mut();
+        equations.visit_states(|state| states.next().into_iter().for_each(|place| *place = *state));
+        let mut rates = self.values[self.references.derivatives.clone()].iter_mut();
+        equations.rates(&mut |rate| rates.next().into_iter().for_each(|place| *place = rate));
+        if ordinary.at_work {
+            let mut signals = self.values[self.references.signals.clone()].iter_mut();
+            equations.signals().values(&mut |signal| signals.next().into_iter().for_each(|place| *place = signal));
+            write_true(equations.signals(), self.values[self.references.measured.clone()].iter_mut());
+            let ended = if ordinary.stuck { Some(Event::Stuck) } else { equations.ended() };
+            self.values[self.references.event] = number(ended.map_or(Status::Running, Status::Ended));
+        }
+        Ok(())
+    }
+
+    fn ended(&self) -> EventOutcome {
+        let ended = self
+            .ordinary
+            .as_ref()
+            .and_then(|ordinary| if ordinary.stuck { Some(Event::Stuck) } else { ordinary.equations.ended() });
+        EventOutcome { terminate: ended.map(|event| event.to_string()), ..EventOutcome::default() }
+    }
+}
+
+/// Beyond the errors of the states' own integration: whoever integrates may step anywhere, also where a wheel is beyond
+/// the known ground; that is a [`Failure`] of [`rates`](Continuous::rates) which a shorter step avoids.
+impl Continuous for Rover {
+    fn check(&self) -> Result<(), Failure> {
+        self.model.check_equations().map_err(|error| Failure(error.to_string()))?;
+        let mut sensors = self.model.sensors;
+        let neutral = Sensors::default().list();
+        match sensors.list().into_iter().zip(neutral).find(|((_, value), (_, neutral))| value != neutral) {
+            None => Ok(()),
+            Some(((variable, _), (_, neutral))) => Err(Failure(format!(
+                "`sensor.{}` makes measurements that are sampled or noisy, which is no differential equation; \
+                 expected {neutral}, or co-simulation",
+                variable.name
+            ))),
+        }
+    }
+
+    fn states(&self) -> &[usize] {
+        self.ordinary.as_ref().map_or(&[], |ordinary| &ordinary.states)
+    }
+
+    fn derivatives(&self) -> &[usize] {
+        self.ordinary.as_ref().map_or(&[], |ordinary| &ordinary.derivatives)
+    }
+
+    fn set_time(&mut self, time: f64) {
+        if let Some(ordinary) = &mut self.ordinary {
+            (ordinary.time, ordinary.at_work) = (time, true);
+        }
+        self.time = time;
+    }
+
+    fn set_states(&mut self, x: &[f64]) -> Result<(), Failure> {
+        let Some(ordinary) = &mut self.ordinary else { return Ok(()) };
+        let expected = ordinary.states.len();
+        if x.len() != expected {
+            return Err(Failure(format!("{} continuous states were given, expected {expected}", x.len())));
+        }
+        if let Some(k) = x.iter().position(|value| !value.is_finite()) {
+            let name = &self.description.entries[ordinary.states[k]].variable.name;
+            return Err(Failure(format!("`{name}` = {}, expected a finite number", x[k])));
+        }
+        let mut next = x.iter();
+        ordinary.equations.visit_states(|state| next.next().into_iter().for_each(|value| *state = *value));
+        (ordinary.fresh, ordinary.at_work) = (false, true);
+        Ok(())
+    }
+
+    fn get_states(&self, x: &mut [f64]) {
+        let mut places = x.iter_mut();
+        if let Some(ordinary) = &self.ordinary {
+            ordinary.equations.states().values(&mut |value| places.next().into_iter().for_each(|place| *place = value));
+        }
+    }
+
+    fn nominals(&self, x: &mut [f64]) {
+        for (place, reference) in x.iter_mut().zip(Continuous::states(self)) {
+            *place = self.description.entries[*reference].nominal.unwrap_or(1.0);
+        }
+    }
+
+    fn rates(&mut self, dx: &mut [f64]) -> Result<(), Failure> {
+        if let Some(ordinary) = &mut self.ordinary
+            && !ordinary.at_work
+        {
+            (ordinary.at_work, ordinary.fresh) = (true, false);
+        }
+        self.bring_up()?;
+        let mut places = dx.iter_mut();
+        if let Some(ordinary) = &self.ordinary {
+            ordinary.equations.rates(&mut |rate| places.next().into_iter().for_each(|place| *place = rate));
+        }
+        Ok(())
+    }
+
+    fn indicators(&self) -> usize {
+        self.ordinary.as_ref().map_or(0, |ordinary| ordinary.equations.indicators())
+    }
+
+    fn event_indicators(&mut self, z: &mut [f64]) -> Result<(), Failure> {
+        self.bring_up()?;
+        let mut places = z.iter_mut();
+        if let Some(ordinary) = &self.ordinary {
+            ordinary.equations.event_indicators(|value| places.next().into_iter().for_each(|place| *place = value));
+        }
+        Ok(())
+    }
+
+    fn handle_event(&mut self) -> Result<EventOutcome, Failure> {
+        self.bring_up()?;
+        Ok(self.ended())
+    }
+
+    fn completed_step(&mut self) -> Result<EventOutcome, Failure> {
+        self.bring_up()?;
+        if let Some(ordinary) = &mut self.ordinary {
+            let step = ordinary.time - ordinary.accepted;
+            ordinary.accepted = ordinary.time;
+            ordinary.stuck |= step > 0.0 && ordinary.equations.accept(step);
+        }
+        Ok(self.ended())
+    }
+}

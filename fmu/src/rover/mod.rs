@@ -1,0 +1,105 @@
+//! Rovers and their controllers as [`Model`]s: the kinds of FMU that a model file makes.
+//!
+//! | kind | inputs | outputs |
+//! |---|---|---|
+//! | [`Kind::Rover`] | torques or speeds of the wheels | signals; `measured.*`, what sensors make of them |
+//! | [`Kind::Controller`] | measurements, by the names of the signals, and `velocity_command` | `wheel[k].torque_command` |
+//! | [`Kind::RoverWithController`] | those of the model | signals |
+//!
+//! A rover and a controller of the same model file, wired name by name and stepped by the control period, the controller
+//! first, are the third to the last bit: the controller decides at the start of its step, on what is measured then, and
+//! its torques hold for the rover's step from there. Where sensors have errors, the rover's `measured.*` are to be wired.
+//!
+//! # Time
+//! Inner steps lie at whole multiples of the inner step. A communication point between two of them is served by linear
+//! interpolation of the signals between both; the event and what is measured (held by its sensors) are those of the one
+//! before. The run is then up to an inner step ahead of the communication point. That inner step has seen the inputs that
+//! were set when it was begun; inputs set at the point between act from the next whole inner step on. At whole multiples
+//! every value is the core's, bit for bit.
+
+mod continuous;
+mod controller;
+mod derivatives;
+mod kind;
+mod outputs;
+mod place;
+mod plant;
+mod state;
+
+pub use kind::Kind;
+
+use crate::model::Model;
+use bekker::model::Model as RoverModel;
+use bekker_modeldescription::Lookup;
+use bekker_modeldescription::xml::{Description, Entry, Experiment, identifier};
+use controller::Controller;
+use plant::Rover;
+use std::path::Path;
+
+/// Name of the model file in the resources.
+pub const MODEL_FILE: &str = "model.toml";
+
+/// Communication step that is offered, s, as near as whole inner steps come to it.
+const USUAL_STEP: f64 = 0.01;
+
+/// Reads the model from an FMU's resources.
+///
+/// # Errors
+/// A sentence where the file cannot be read, or is no valid model.
+pub fn load(folder: &Path) -> Result<Box<dyn Model>, String> {
+    let file = folder.join(MODEL_FILE);
+    let text = std::fs::read_to_string(&file).map_err(|error| format!("cannot read `{}`: {error}", file.display()))?;
+    parse(&text).map_err(|error| format!("`{}`: {error}", file.display()))
+}
+
+/// The model of a packed model file.
+///
+/// # Errors
+/// A sentence where the text is no valid model, or has not what its kind needs.
+pub fn parse(text: &str) -> Result<Box<dyn Model>, String> {
+    let model = RoverModel::from_toml(text, None).map_err(|error| error.to_string())?;
+    Ok(match Kind::of(text)? {
+        Kind::Controller => Box::new(Controller::new(model, text)?),
+        kind => Box::new(Rover::new(model, kind, text)?),
+    })
+}
+
+/// Model file and description of a model's FMU, found in the way in which the library will find them again.
+///
+/// # Errors
+/// A sentence where the model does not start.
+pub fn describe(model: &RoverModel) -> Result<(String, Description), String> {
+    describe_as(model, Kind::default())
+}
+
+/// As [`describe`], for an FMU of this kind.
+///
+/// # Errors
+/// A sentence where the model does not start, or has not what the kind needs.
+pub fn describe_as(model: &RoverModel, kind: Kind) -> Result<(String, Description), String> {
+    let text = kind.written(model.to_toml().map_err(|error| error.to_string())?);
+    let mut read = RoverModel::from_toml(&text, None).map_err(|error| error.to_string())?;
+    if read.list() != model.clone().list() || read.control.kind != model.control.kind {
+        return Err("its TOML does not read back as the same model".to_owned());
+    }
+    let description = parse(&text)?.description().clone();
+    Ok((text, description))
+}
+
+fn description(model: &RoverModel, kind: Kind, inner_step: f64, text: &str, entries: Vec<Entry>) -> Description {
+    let step = (USUAL_STEP / inner_step).round().max(1.0) * inner_step;
+    Description {
+        name: model.name.clone(),
+        identifier: identifier(&model.name),
+        description: format!("{}: {}", model.name, kind.about()),
+        version: env!("CARGO_PKG_VERSION").into(),
+        license: env!("CARGO_PKG_LICENSE").into(),
+        generation_tool: concat!("Bekker ", env!("CARGO_PKG_VERSION")).into(),
+        experiment: Experiment { start: 0.0, stop: model.stepping.duration, step },
+        inner_step,
+        date: None,
+        log_categories: crate::LOG_CATEGORIES,
+        content: text.to_owned(),
+        entries,
+    }
+}

@@ -1,0 +1,289 @@
+//! A rover, with its controller or without, as a [`Model`].
+
+use super::continuous::Ordinary;
+use super::outputs::{event, measurements, number, write_readings};
+use super::place::Place;
+use super::{Kind, USUAL_STEP, description};
+use crate::model::{Continuous, Failure, Model, Outcome};
+use bekker::model::{ControlKind, Model as RoverModel, Run};
+use bekker::simulation::Status;
+use bekker_modeldescription::xml::{Description, Entry};
+use bekker_modeldescription::{Lookup, Parameters, Variable};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Where the groups of variables are among the references.
+#[derive(Clone, Debug)]
+pub(super) struct References {
+    pub parameters: Range<usize>,
+    pub inputs: Range<usize>,
+    pub signals: Range<usize>,
+    pub measured: Range<usize>,
+    pub event: usize,
+    /// Continuous states and their derivatives.
+    pub states: Range<usize>,
+    pub derivatives: Range<usize>,
+}
+
+/// A rover, at its start or on its way.
+#[derive(Clone)]
+pub(super) struct Rover {
+    pub(super) description: Arc<Description>,
+    /// With the parameters that the run was started with.
+    pub(super) model: RoverModel,
+    pub(super) run: Run,
+    /// Seconds between readings of the sensors, where this is a plant whose sensors are read.
+    sensing: Option<f64>,
+    /// Values by reference; that of time is not used.
+    pub(super) values: Vec<f64>,
+    pub(super) references: References,
+    /// Signals at the inner step before the run's, where the communication point is between both; `time` is that point's.
+    pub(super) before: Vec<f64>,
+    pub(super) between: bool,
+    pub(super) time: f64,
+    pub(super) ordinary: Option<Ordinary>,
+}
+
+impl Rover {
+    /// The rover of a model file, at its start.
+    ///
+    /// # Errors
+    /// A sentence where the model does not start.
+    pub fn new(mut model: RoverModel, kind: Kind, text: &str) -> Result<Self, String> {
+        let mut sensing = None;
+        if kind == Kind::Rover && model.control.kind != ControlKind::SpeedLoop {
+            sensing = Some(reading_period(&model)?);
+            if model.control.kind != ControlKind::Speed {
+                model.control.kind = ControlKind::Torque;
+            }
+        }
+        let run = start(&model, sensing)?;
+        let ordinary = (kind == Kind::Rover).then(|| Ordinary::of(&model, &run)).flatten();
+        let mut entries = vec![Entry::time()];
+        let mut group = |some: Vec<Entry>| {
+            let first = entries.len();
+            entries.extend(some);
+            first..entries.len()
+        };
+        let mut parameters = Vec::new();
+        visit(&mut model, sensing, &mut |variable, value| parameters.push(Entry::parameter(variable, *value)));
+        let parameters = group(parameters);
+        let inputs = model.inputs().list().into_iter().map(|(variable, value)| Entry::input(variable, value));
+        let inputs = group(inputs.collect());
+        let signals = run.signals().clone().list().into_iter().map(|(variable, _)| Entry::output(variable));
+        let signals = group(signals.collect());
+        let (wheels, links) = (model.rover.wheels.len(), model.rover.links.len());
+        let sensed = if sensing.is_some() { measurements("measured", wheels, links) } else { Vec::new() };
+        let measured = group(sensed.into_iter().map(Entry::output).collect());
+        let event = group(vec![event()]).start;
+        let first = event + 1;
+        let (states, derivatives) = ordinary.as_ref().map(|ordinary| ordinary.entries(first)).unwrap_or_default();
+        let (states, derivatives) = (group(states), group(derivatives));
+        let references = References { parameters, inputs, signals, measured, event, states, derivatives };
+        let values = entries.iter().map(|entry| entry.start).collect();
+        let description = Arc::new(description(&model, kind, run.step_size(), text, entries));
+        let mut rover = Self {
+            description,
+            before: vec![0.0; references.signals.len()],
+            model,
+            run,
+            sensing,
+            values,
+            references,
+            between: false,
+            time: 0.0,
+            ordinary,
+        };
+        if let Some(ordinary) = &mut rover.ordinary {
+            ordinary.refer(rover.references.states.clone(), rover.references.derivatives.clone());
+        }
+        Ok(rover)
+    }
+
+    /// Takes signals, measurements and event from the run.
+    pub(super) fn read_outputs(&mut self) {
+        let References { signals, measured, event, .. } = &self.references;
+        let mut places = self.values[signals.clone()].iter_mut();
+        self.run.signals().values(&mut |value| places.next().into_iter().for_each(|place| *place = value));
+        write_readings(self.run.measurement(), self.values[measured.clone()].iter_mut());
+        self.values[*event] = number(self.run.status());
+        (self.between, self.time) = (false, self.run.time());
+    }
+
+    pub(super) fn write_inputs(&mut self) -> Result<(), Failure> {
+        let values = &self.values[self.references.inputs.clone()];
+        self.run.inputs_mut().set_all(values).map_err(|error| Failure(error.to_string()))
+    }
+
+    /// Takes the parameters' values over and makes the run that they start.
+    pub(super) fn restart(&mut self, parameters: &[f64]) -> Result<(), Failure> {
+        let mut model = self.model.clone();
+        let mut values = parameters.iter();
+        visit(&mut model, self.sensing, &mut |_, place| values.next().into_iter().for_each(|value| *place = *value));
+        self.run = start(&model, self.sensing).map_err(Failure)?;
+        self.model = model;
+        Ok(())
+    }
+
+    /// The values of the parameters that the run was started with.
+    pub(super) fn started_with(&self) -> Vec<f64> {
+        let mut values = Vec::with_capacity(self.references.parameters.len());
+        visit(&mut self.model.clone(), self.sensing, &mut |_, value| values.push(*value));
+        values
+    }
+
+    /// Makes inner steps up to the `target`-th.
+    fn run_to(&mut self, target: u64) -> Result<Status, Failure> {
+        let steps = target.saturating_sub(self.ticks());
+        self.run.advance(steps).map_err(|error| Failure(error.to_string()))
+    }
+
+    fn ticks(&self) -> u64 {
+        self.run.simulation().ticks()
+    }
+
+    /// Puts the signals between those of the inner step before and the run's.
+    fn interpolate(&mut self, share: f64) {
+        let mut places = self.values[self.references.signals.clone()].iter_mut().zip(&self.before);
+        self.run.signals().values(&mut |after| {
+            if let Some((place, before)) = places.next() {
+                *place = before + share * (after - before);
+            }
+        });
+    }
+
+    fn outcome(&self) -> Outcome {
+        match self.run.status() {
+            Status::Running => Outcome::Running,
+            Status::Ended(event) => Outcome::Ended { reason: event.to_string() },
+        }
+    }
+
+    /// Keeps the run's signals, before it goes a step beyond the communication point.
+    fn keep_before(&mut self) {
+        let mut places = self.before.iter_mut();
+        self.run.signals().values(&mut |value| places.next().into_iter().for_each(|place| *place = value));
+    }
+}
+
+/// The parameters of such an FMU: those of the model, and the sensors where they are read without a controller.
+fn visit(model: &mut RoverModel, sensing: Option<f64>, f: &mut dyn FnMut(Variable, &mut f64)) {
+    model.visit("", f);
+    if sensing.is_some() {
+        model.sensors.visit("sensor", f);
+    }
+}
+
+fn start(model: &RoverModel, sensing: Option<f64>) -> Result<Run, String> {
+    let mut run = model.start().map_err(|error| error.to_string())?;
+    if let Some(period) = sensing {
+        run.sense_every(period).map_err(|error| error.to_string())?;
+    }
+    Ok(run)
+}
+
+/// How often a plant's sensors are read: once a period of the model's controller, and about 100 times a second without one.
+fn reading_period(model: &RoverModel) -> Result<f64, String> {
+    let step = model.stepping.step_size;
+    Ok(match model.control.kind {
+        ControlKind::Torque | ControlKind::Speed => (USUAL_STEP / step).round().max(1.0) * step,
+        _ => model.control.period().ok_or("the model's controller has no period")?,
+    })
+}
+
+impl Model for Rover {
+    fn description(&self) -> &Description {
+        &self.description
+    }
+
+    fn get(&self, reference: usize) -> f64 {
+        self.values[reference]
+    }
+
+    fn set(&mut self, reference: usize, value: f64) {
+        self.values[reference] = value;
+    }
+
+    fn start(&mut self) -> Result<(), Failure> {
+        let parameters = self.values[self.references.parameters.clone()].to_vec();
+        self.restart(&parameters)?;
+        self.write_inputs()?;
+        self.read_outputs();
+        self.begin()
+    }
+
+    fn inner_step(&self) -> f64 {
+        self.run.step_size()
+    }
+
+    fn elapsed(&self) -> f64 {
+        self.time
+    }
+
+    fn advance(&mut self, steps: u64) -> Result<Outcome, Failure> {
+        self.write_inputs()?;
+        let target = self.ticks() + steps;
+        self.run_to(target)?;
+        self.read_outputs();
+        Ok(self.outcome())
+    }
+
+    fn advance_to(&mut self, time: f64) -> Result<Outcome, Failure> {
+        let place = Place::of(time, self.inner_step())?;
+        let (now, ahead) = (self.time, self.between);
+        if place.end() < self.ticks() || (ahead && time < now) {
+            return Err(Failure(format!("the communication point {time} s lies before the present time, {now} s")));
+        }
+        self.write_inputs()?;
+        if place.share > 0.0 && self.ticks() <= place.whole {
+            self.run_to(place.whole)?;
+            self.read_outputs();
+            self.keep_before();
+        }
+        let status = self.run_to(place.end())?;
+        if place.share == 0.0 || (self.ticks() < place.end() && status != Status::Running) {
+            self.read_outputs();
+            return Ok(self.outcome());
+        }
+        self.interpolate(place.share);
+        (self.between, self.time) = (true, time);
+        Ok(Outcome::Running)
+    }
+
+    fn reset(&mut self) {
+        for (place, entry) in self.values.iter_mut().zip(&self.description.entries) {
+            *place = entry.start;
+        }
+        (self.between, self.time) = (false, 0.0);
+    }
+
+    fn duplicate(&self) -> Box<dyn Model> {
+        Box::new(self.clone())
+    }
+
+    fn serialise(&self) -> Result<Vec<u8>, Failure> {
+        self.save()
+    }
+
+    fn deserialise(&mut self, bytes: &[u8]) -> Result<(), Failure> {
+        self.load(bytes)
+    }
+
+    fn directional(
+        &mut self,
+        unknowns: &[usize],
+        knowns: &[usize],
+        seed: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), Failure> {
+        self.push_forward(unknowns, knowns, seed, out)
+    }
+
+    fn adjoint(&mut self, unknowns: &[usize], knowns: &[usize], seed: &[f64], out: &mut [f64]) -> Result<(), Failure> {
+        self.pull_back(unknowns, knowns, seed, out)
+    }
+
+    fn continuous(&mut self) -> Option<&mut dyn Continuous> {
+        if self.ordinary.is_some() { Some(self) } else { None }
+    }
+}

@@ -1,0 +1,85 @@
+//! A rover's whole state as bytes.
+
+use super::plant::Rover;
+use crate::model::Failure;
+use bekker::snapshot::{Fingerprint, Reader, SnapshotError, Writer, close, open};
+
+/// What the bytes are, and the version of their format.
+const KIND: [u8; 4] = *b"BKFR";
+const VERSION: u32 = 1;
+
+impl From<SnapshotError> for Failure {
+    fn from(error: SnapshotError) -> Self {
+        Self(error.to_string())
+    }
+}
+
+/// Writes a list of numbers with its length.
+pub(super) fn write_list(list: &[f64], to: &mut Writer) {
+    to.number(list.len() as u64);
+    list.iter().for_each(|value| to.real(*value));
+}
+
+/// Reads a list of numbers of a known length.
+pub(super) fn read_list(list: &mut [f64], what: &'static str, from: &mut Reader) -> Result<(), SnapshotError> {
+    from.length(what, list.len())?;
+    list.iter_mut().try_for_each(|value| from.real().map(|read| *value = read))
+}
+
+pub(super) fn read_flag(from: &mut Reader) -> Result<bool, SnapshotError> {
+    match from.number()? {
+        0 => Ok(false),
+        1 => Ok(true),
+        code => Err(SnapshotError::Code { what: "yes or no", code }),
+    }
+}
+
+impl Rover {
+    pub(super) fn save(&self) -> Result<Vec<u8>, Failure> {
+        let mut body = Writer::default();
+        write_list(&self.values, &mut body);
+        write_list(&self.started_with(), &mut body);
+        body.bytes(&self.run.snapshot()?);
+        write_list(&self.before, &mut body);
+        body.number(u64::from(self.between));
+        body.real(self.time);
+        if let Some(ordinary) = &self.ordinary {
+            ordinary.equations.write(&mut body);
+            body.real(ordinary.time);
+            body.real(ordinary.accepted);
+            body.number(u64::from(ordinary.stuck));
+            body.number(u64::from(ordinary.at_work));
+        }
+        Ok(close(KIND, VERSION, Fingerprint::of(&self.description.content), &body.finish()))
+    }
+
+    /// The run is started anew with the parameters that it had, and then brought to its state.
+    pub(super) fn load(&mut self, bytes: &[u8]) -> Result<(), Failure> {
+        let body =
+            open(KIND, VERSION, Fingerprint::of(&self.description.content), bytes).map_err(SnapshotError::from)?;
+        let mut from = Reader::new(body);
+        let mut there = self.clone();
+        read_list(&mut there.values, "values", &mut from)?;
+        let mut parameters = vec![0.0; there.references.parameters.len()];
+        read_list(&mut parameters, "parameters", &mut from)?;
+        there.restart(&parameters)?;
+        there.run.restore(from.bytes()?)?;
+        read_list(&mut there.before, "signals", &mut from)?;
+        there.between = read_flag(&mut from)?;
+        let time = from.real()?;
+        let values = there.values.clone();
+        there.begin()?;
+        (there.values, there.time) = (values, time);
+        if let Some(ordinary) = &mut there.ordinary {
+            ordinary.equations.read(&mut from)?;
+            ordinary.time = from.real()?;
+            ordinary.accepted = from.real()?;
+            ordinary.stuck = read_flag(&mut from)?;
+            ordinary.at_work = read_flag(&mut from)?;
+            ordinary.stale();
+        }
+        from.end()?;
+        *self = there;
+        Ok(())
+    }
+}
