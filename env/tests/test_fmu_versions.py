@@ -21,6 +21,7 @@ import fmpy
 import numpy as np
 import pytest
 from fmpy.fmi2 import FMU2Model, FMU2Slave
+from fmpy.ssp.simulation import simulate_ssp
 from fmpy.validation import validate_fmu
 
 VERSIONS = (2, 3)
@@ -31,35 +32,40 @@ SIGNALS = ["x", "z", "pitch", "velocity", "wheel[1].slip", "wheel[2].sinkage", "
 DRIVING = 1.8
 ROOT = Path(__file__).resolve().parents[2]
 
-Make = Callable[[str, int], str]
+KINDS = ("rover", "controller", "closed-loop")
+
+Make = Callable[..., str]
 
 
-def load_cross_check() -> Any:
-    spec = importlib.util.spec_from_file_location("cross_check", ROOT / "fmu" / "scripts" / "cross_check.py")
+def load(script: str) -> Any:
+    """A script of the project as a module."""
+    spec = importlib.util.spec_from_file_location(Path(script).stem, ROOT / script)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
     spec.loader.exec_module(module)
     return module
 
 
-def write_fmu(model: str, path: Path, fmi: int) -> None:
+def write_fmu(model: str, path: Path, fmi: int, kind: str | None) -> None:
     program = os.environ.get("BEKKER_CLI")
     if program is not None:
-        subprocess.run([program, "fmu", model, "--output", str(path), "--fmi", str(fmi)], check=True)
+        command = [program, "fmu", model, "--output", str(path), "--fmi", str(fmi)]
+        subprocess.run(command if kind is None else [*command, "--kind", kind], check=True)
     else:
         import bekker
 
-        bekker.export_fmu(model, path, fmi=fmi)
+        bekker.export_fmu(model, path, fmi=fmi, kind=kind)
 
 
 @pytest.fixture(scope="module")
 def make(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Make]:
     folder = tmp_path_factory.mktemp("fmus")
 
-    def fmu(model: str, fmi: int) -> str:
-        path = folder / f"{model}_{fmi}.fmu"
+    def fmu(model: str, fmi: int, kind: str | None = None, ending: str = "fmu") -> str:
+        path = folder / f"{model}_{fmi}_{kind}.{ending}"
         if not path.exists():
-            write_fmu(model, path, fmi)
+            write_fmu(model, path, fmi, kind)
         return str(path)
 
     yield fmu
@@ -83,6 +89,18 @@ def test_property_fmpy_has_no_remark(make: Make, model: str, fmi: int) -> None:
     assert description.fmiVersion == f"{fmi}.0"
     assert {v.declaredType.name for v in description.modelVariables if v.declaredType} >= {"Length", "Angle", "Torque"}
     assert all(v.unit for v in description.modelVariables if v.type in ("Real", "Float64") and "indicator" not in v.name)
+
+
+@pytest.mark.parametrize("fmi", VERSIONS)
+@pytest.mark.parametrize("kind", KINDS)
+def test_property_fmpy_has_no_remark_on_any_kind(make: Make, kind: str, fmi: int) -> None:
+    fmu = make("gentle_rtc", fmi, kind)
+    assert validate_fmu(fmu) == []
+    description = fmpy.read_model_description(fmu)
+    assert (description.modelExchange is not None) == (kind == "rover")
+    names = {v.name: v.causality for v in description.modelVariables}
+    torque = {"rover": "input", "controller": "output", "closed-loop": None}[kind]
+    assert names.get("wheel[2].torque_command") == torque
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
@@ -274,7 +292,7 @@ def test_agreement_of_model_exchange_with_cosimulation(make: Make, fmi: int) -> 
 
 
 def test_agreement_of_cross_check_files_with_the_other_version(make: Make, tmp_path: Path) -> None:
-    cross_check = load_cross_check()
+    cross_check = load("fmu/scripts/cross_check.py")
     for model in ("two_wheeled", "gentle_rtc"):
         base = cross_check.write(make(model, 3), tmp_path)
         reference = fmpy.util.read_csv(f"{base}_ref.csv")
@@ -316,3 +334,50 @@ def test_property_needs_no_other_libraries(make: Make, tmp_path: Path) -> None:
     (library,) = Path(folder).glob("binaries/*/*")
     said = subprocess.run(["ldd", str(library)], capture_output=True, text=True, check=True).stdout
     assert "libgcc_s" not in said and "not found" not in said, said
+
+
+def test_agreement_of_chapter_4_by_hand_with_the_closed_loop(make: Make, tmp_path: Path) -> None:
+    """A second of the example's co-simulation: the controller first, and both by the control period."""
+    chapter4 = load("examples/fmpy_chapter4.py")
+    for kind in ("rover", "controller"):
+        shutil.copy(make("gentle_rtc", 2, kind), tmp_path / f"gentle_rtc_{kind}.fmu")
+    chapter4.TIME_LIMIT = 1.0
+    drive = chapter4.drive(tmp_path, "gentle_rtc", 0.01, chapter4.SPEED)
+    closed = chapter4.Part(make("gentle_rtc", 2, "closed-loop"), "whole", {"soil.shear_modulus": 0.01})
+    closed.set({"velocity_command": chapter4.SPEED})
+    closed.fmu.doStep(0.0, 1.0)
+    x, heat = closed.get(["x", "dissipated_energy"])
+    closed.free()
+    assert (drive.speed, drive.power) == (x / 1.0, heat / 1.0) and x > 0.05
+
+
+def test_agreement_of_the_system_with_its_parts(make: Make, tmp_path: Path) -> None:
+    """FMPy runs the SSP package: all parts step, then values go along the wires. The same by hand gives the same bits."""
+    step, count = 0.01, 100
+    result = simulate_ssp(
+        make("gentle_rtc", 2, None, "ssp"),
+        stop_time=count * step - 0.5 * step,
+        step_size=step,
+        input={"velocity_command": lambda _: 0.25},
+    )
+    chapter4 = load("examples/fmpy_chapter4.py")
+    rover, controller = (chapter4.Part(make("gentle_rtc", 2, kind), kind, {}) for kind in ("rover", "controller"))
+    measured = [name for name in controller.inputs if name != "velocity_command"]
+    sources = [f"measured.{name}" if f"measured.{name}" in rover.references else name for name in measured]
+    torques = [f"wheel[{k}].torque_command" for k in (1, 2)]
+    seen, told, time = dict.fromkeys(measured, 0.0), dict.fromkeys(torques, 0.0), 0.0
+    places = []
+    for _ in range(count):
+        # FMPy brings the system's own inputs along the wires after the first step, as all others.
+        controller.set({"velocity_command": 0.25 if time > 0.0 else 0.0, **seen})
+        controller.fmu.doStep(time, step)
+        rover.set(told)
+        rover.fmu.doStep(time, step)
+        seen = dict(zip(measured, rover.get(sources), strict=True))
+        told = dict(zip(torques, controller.get(torques), strict=True))
+        places.append(rover.get(["x"])[0])
+        time += step
+    rover.free()
+    controller.free()
+    assert places[-1] > 0.05
+    assert result["rover.x"].tolist() == places

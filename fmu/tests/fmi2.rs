@@ -38,7 +38,7 @@ fn agreement_of_fmi2_with_fmi3_and_the_core() {
         let rover = &model.rover;
         let load = rover.total_mass() * rover.environment.gravity / inputs.len() as f64;
         for k in 0..100 {
-            let torques = vec![(0.15 + 0.001 * f64::from(k)) * load * rover.wheel.radius; inputs.len()];
+            let torques = vec![(0.2 + 0.001 * f64::from(k)) * load * rover.wheel.radius; inputs.len()];
             assert_eq!(set2(old, &inputs, &torques), Status::Ok, "{:?}", messages());
             assert_eq!(host::set(new, &inputs, &torques), Status::Ok);
             run.inputs_mut().set_all(&torques).unwrap();
