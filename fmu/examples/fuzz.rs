@@ -49,6 +49,7 @@ unsafe extern "C" fn log2(e: *mut c_void, _: *const c_char, s: Status, c: *const
     unsafe { log(e, s, c, message) }
 }
 
+#[allow(clippy::too_many_arguments, reason = "the standard's")]
 unsafe extern "C" fn update(
     _: *mut c_void,
     time: f64,
@@ -65,6 +66,9 @@ unsafe extern "C" fn update(
         until.write(time);
     }
 }
+
+/// Any status will do.
+fn done(_: Status) {}
 
 /// The FMU's files, and what the importer holds.
 struct Fuzz {
@@ -193,28 +197,28 @@ impl Fuzz {
                     ));
                 }
                 1 if self.below(4) == 0 => fmi2FreeInstance(c),
-                2 => drop(fmi2SetDebugLogging(c, yes, 1, &c"logEvents".as_ptr())),
-                3 => drop(fmi2SetupExperiment(c, 0, 0.0, x, yes, y)),
-                4 | 5 => drop(fmi2EnterInitializationMode(c)),
-                6 | 7 => drop(fmi2ExitInitializationMode(c)),
-                8 if self.below(4) == 0 => drop(fmi2Terminate(c)),
-                9 if self.below(4) == 0 => drop(fmi2Reset(c)),
-                10 => drop(fmi2GetReal(c, r, count, v)),
-                11 => drop(fmi2GetInteger(c, r, count, self.integers.as_mut_ptr())),
-                12 => drop(fmi2GetBoolean(c, r, count, self.integers.as_mut_ptr())),
-                13 => drop(fmi2GetString(c, r, count, self.texts.as_mut_ptr())),
-                14 => drop(fmi2SetReal(c, r, count, v)),
-                15 => drop(fmi2SetInteger(c, r, count, self.integers.as_ptr())),
-                16 => drop(fmi2SetBoolean(c, r, count, self.integers.as_ptr())),
-                17 => drop(fmi2SetString(c, r, count, self.texts.as_ptr())),
-                18 => drop(fmi2GetFMUstate(c, &mut self.states[s])),
+                2 => done(fmi2SetDebugLogging(c, yes, 1, &c"logEvents".as_ptr())),
+                3 => done(fmi2SetupExperiment(c, 0, 0.0, x, yes, y)),
+                4 | 5 => done(fmi2EnterInitializationMode(c)),
+                6 | 7 => done(fmi2ExitInitializationMode(c)),
+                8 if self.below(4) == 0 => done(fmi2Terminate(c)),
+                9 if self.below(4) == 0 => done(fmi2Reset(c)),
+                10 => done(fmi2GetReal(c, r, count, v)),
+                11 => done(fmi2GetInteger(c, r, count, self.integers.as_mut_ptr())),
+                12 => done(fmi2GetBoolean(c, r, count, self.integers.as_mut_ptr())),
+                13 => done(fmi2GetString(c, r, count, self.texts.as_mut_ptr())),
+                14 => done(fmi2SetReal(c, r, count, v)),
+                15 => done(fmi2SetInteger(c, r, count, self.integers.as_ptr())),
+                16 => done(fmi2SetBoolean(c, r, count, self.integers.as_ptr())),
+                17 => done(fmi2SetString(c, r, count, self.texts.as_ptr())),
+                18 => done(fmi2GetFMUstate(c, &mut self.states[s])),
                 19 if self.states.len() < 6 => {
                     self.states.push(null_mut());
                     let last = self.states.len() - 1;
                     fmi2GetFMUstate(c, &mut self.states[last]);
                 }
-                20 => drop(fmi2SetFMUstate(c, self.states[s])),
-                21 => drop(fmi2FreeFMUstate(c, &mut self.states[s])),
+                20 => done(fmi2SetFMUstate(c, self.states[s])),
+                21 => done(fmi2FreeFMUstate(c, &mut self.states[s])),
                 22 => {
                     if fmi2SerializedFMUstateSize(c, self.states[s], &mut size) == Status::Ok {
                         self.bytes = vec![0; size];
@@ -227,7 +231,7 @@ impl Fuzz {
                     let memory = self.memory();
                     fmi2DeSerializeFMUstate(c, self.bytes.as_ptr(), memory, &mut self.states[s]);
                 }
-                24 => drop(fmi2GetDirectionalDerivative(
+                24 => done(fmi2GetDirectionalDerivative(
                     c,
                     r,
                     count,
@@ -236,24 +240,24 @@ impl Fuzz {
                     v,
                     self.values.as_mut_ptr(),
                 )),
-                25 => drop(fmi2EnterEventMode(c)),
-                26 => drop(fmi2NewDiscreteStates(c, &mut info)),
-                27 => drop(fmi2EnterContinuousTimeMode(c)),
-                28 => drop(fmi2CompletedIntegratorStep(c, yes, &mut self.integers[0], &mut self.integers[1])),
-                29 => drop(fmi2SetTime(c, x)),
-                30 => drop(fmi2SetContinuousStates(c, v, count)),
-                31 => drop(fmi2GetDerivatives(c, v, count)),
-                32 => drop(fmi2GetEventIndicators(c, v, count)),
-                33 => drop(fmi2GetContinuousStates(c, v, count)),
-                34 => drop(fmi2GetNominalsOfContinuousStates(c, v, count)),
-                35 => drop(fmi2SetRealInputDerivatives(c, r, count, self.integers.as_ptr(), v)),
-                36 => drop(fmi2GetRealOutputDerivatives(c, r, count, self.integers.as_ptr(), v)),
-                37 => drop(fmi2CancelStep(c)),
-                38 => drop(fmi2GetStatus(c, self.integers[0], &mut status)),
-                39 => drop(fmi2GetRealStatus(c, self.integers[0], &mut self.values[0])),
-                40 => drop(fmi2GetIntegerStatus(c, self.integers[0], &mut self.integers[1])),
-                41 => drop(fmi2GetBooleanStatus(c, self.integers[0], &mut self.integers[1])),
-                42 => drop(fmi2GetStringStatus(c, self.integers[0], &mut self.texts[0])),
+                25 => done(fmi2EnterEventMode(c)),
+                26 => done(fmi2NewDiscreteStates(c, &mut info)),
+                27 => done(fmi2EnterContinuousTimeMode(c)),
+                28 => done(fmi2CompletedIntegratorStep(c, yes, &mut self.integers[0], &mut self.integers[1])),
+                29 => done(fmi2SetTime(c, x)),
+                30 => done(fmi2SetContinuousStates(c, v, count)),
+                31 => done(fmi2GetDerivatives(c, v, count)),
+                32 => done(fmi2GetEventIndicators(c, v, count)),
+                33 => done(fmi2GetContinuousStates(c, v, count)),
+                34 => done(fmi2GetNominalsOfContinuousStates(c, v, count)),
+                35 => done(fmi2SetRealInputDerivatives(c, r, count, self.integers.as_ptr(), v)),
+                36 => done(fmi2GetRealOutputDerivatives(c, r, count, self.integers.as_ptr(), v)),
+                37 => done(fmi2CancelStep(c)),
+                38 => done(fmi2GetStatus(c, self.integers[0], &mut status)),
+                39 => done(fmi2GetRealStatus(c, self.integers[0], &mut self.values[0])),
+                40 => done(fmi2GetIntegerStatus(c, self.integers[0], &mut self.integers[1])),
+                41 => done(fmi2GetBooleanStatus(c, self.integers[0], &mut self.integers[1])),
+                42 => done(fmi2GetStringStatus(c, self.integers[0], &mut self.texts[0])),
                 _ => {
                     let mut now = x;
                     if fmi2GetReal(c, &0, 1, &mut now) == Status::Ok && yes == 1 {
@@ -302,21 +306,21 @@ impl Fuzz {
                     self.three.push(made);
                 }
                 2 if self.below(4) == 0 => fmi3FreeInstance(c),
-                3 => drop(fmi3SetDebugLogging(c, yes, 1, &c"logEvents".as_ptr())),
-                4 | 5 => drop(fmi3EnterInitializationMode(c, 0, 0.0, x, yes, y)),
-                6 | 7 => drop(fmi3ExitInitializationMode(c)),
-                8 => drop(fmi3EnterEventMode(c)),
-                9 if self.below(4) == 0 => drop(fmi3Terminate(c)),
-                10 if self.below(4) == 0 => drop(fmi3Reset(c)),
-                11 => drop(fmi3GetFloat64(c, r, count, v, other)),
-                12 => drop(fmi3GetInt64(c, r, count, self.longs.as_mut_ptr(), other)),
-                13 => drop(fmi3GetFloat32(c, r, count, null_mut(), other)),
-                14 => drop(fmi3GetString(c, r, count, self.texts.as_mut_ptr(), other)),
-                15 => drop(fmi3SetFloat64(c, r, count, v, other)),
-                16 => drop(fmi3SetInt64(c, r, count, self.longs.as_ptr(), other)),
-                17 => drop(fmi3GetClock(c, r, count, null_mut())),
-                18 => drop(fmi3GetNumberOfVariableDependencies(c, self.references[0], &mut size)),
-                19 => drop(fmi3GetVariableDependencies(
+                3 => done(fmi3SetDebugLogging(c, yes, 1, &c"logEvents".as_ptr())),
+                4 | 5 => done(fmi3EnterInitializationMode(c, 0, 0.0, x, yes, y)),
+                6 | 7 => done(fmi3ExitInitializationMode(c)),
+                8 => done(fmi3EnterEventMode(c)),
+                9 if self.below(4) == 0 => done(fmi3Terminate(c)),
+                10 if self.below(4) == 0 => done(fmi3Reset(c)),
+                11 => done(fmi3GetFloat64(c, r, count, v, other)),
+                12 => done(fmi3GetInt64(c, r, count, self.longs.as_mut_ptr(), other)),
+                13 => done(fmi3GetFloat32(c, r, count, null_mut(), other)),
+                14 => done(fmi3GetString(c, r, count, self.texts.as_mut_ptr(), other)),
+                15 => done(fmi3SetFloat64(c, r, count, v, other)),
+                16 => done(fmi3SetInt64(c, r, count, self.longs.as_ptr(), other)),
+                17 => done(fmi3GetClock(c, r, count, null_mut())),
+                18 => done(fmi3GetNumberOfVariableDependencies(c, self.references[0], &mut size)),
+                19 => done(fmi3GetVariableDependencies(
                     c,
                     self.references[0],
                     null_mut(),
@@ -325,14 +329,14 @@ impl Fuzz {
                     null_mut(),
                     0,
                 )),
-                20 => drop(fmi3GetFMUState(c, &mut self.states[s])),
+                20 => done(fmi3GetFMUState(c, &mut self.states[s])),
                 21 if self.states.len() < 6 => {
                     self.states.push(null_mut());
                     let last = self.states.len() - 1;
                     fmi3GetFMUState(c, &mut self.states[last]);
                 }
-                22 => drop(fmi3SetFMUState(c, self.states[s])),
-                23 => drop(fmi3FreeFMUState(c, &mut self.states[s])),
+                22 => done(fmi3SetFMUState(c, self.states[s])),
+                23 => done(fmi3FreeFMUState(c, &mut self.states[s])),
                 24 => {
                     if fmi3SerializedFMUStateSize(c, self.states[s], &mut size) == Status::Ok {
                         self.bytes = vec![0; size];
@@ -346,24 +350,24 @@ impl Fuzz {
                     fmi3DeserializeFMUState(c, self.bytes.as_ptr(), memory, &mut self.states[s]);
                 }
                 26 => {
-                    drop(fmi3GetDirectionalDerivative(c, r, count, r, count, v, other, self.values.as_mut_ptr(), count))
+                    done(fmi3GetDirectionalDerivative(c, r, count, r, count, v, other, self.values.as_mut_ptr(), count))
                 }
-                27 => drop(fmi3GetAdjointDerivative(c, r, count, r, count, v, count, self.values.as_mut_ptr(), other)),
-                28 => drop(fmi3EnterConfigurationMode(c)),
-                29 => drop(fmi3EvaluateDiscreteStates(c)),
-                30 => drop(fmi3UpdateDiscreteStates(c, &mut a, &mut b, &mut d, &mut e, &mut f, &mut time)),
-                31 => drop(fmi3EnterContinuousTimeMode(c)),
-                32 => drop(fmi3CompletedIntegratorStep(c, yes, &mut a, &mut b)),
-                33 => drop(fmi3SetTime(c, x)),
-                34 => drop(fmi3SetContinuousStates(c, v, count)),
-                35 => drop(fmi3GetContinuousStateDerivatives(c, v, count)),
-                36 => drop(fmi3GetEventIndicators(c, v, count)),
-                37 => drop(fmi3GetContinuousStates(c, v, count)),
-                38 => drop(fmi3GetNominalsOfContinuousStates(c, v, count)),
-                39 => drop(fmi3GetNumberOfContinuousStates(c, &mut size)),
-                40 => drop(fmi3EnterStepMode(c)),
-                41 => drop(fmi3GetOutputDerivatives(c, r, count, self.integers.as_ptr(), v, other)),
-                42 => drop(fmi3ActivateModelPartition(c, self.references[0], x)),
+                27 => done(fmi3GetAdjointDerivative(c, r, count, r, count, v, count, self.values.as_mut_ptr(), other)),
+                28 => done(fmi3EnterConfigurationMode(c)),
+                29 => done(fmi3EvaluateDiscreteStates(c)),
+                30 => done(fmi3UpdateDiscreteStates(c, &mut a, &mut b, &mut d, &mut e, &mut f, &mut time)),
+                31 => done(fmi3EnterContinuousTimeMode(c)),
+                32 => done(fmi3CompletedIntegratorStep(c, yes, &mut a, &mut b)),
+                33 => done(fmi3SetTime(c, x)),
+                34 => done(fmi3SetContinuousStates(c, v, count)),
+                35 => done(fmi3GetContinuousStateDerivatives(c, v, count)),
+                36 => done(fmi3GetEventIndicators(c, v, count)),
+                37 => done(fmi3GetContinuousStates(c, v, count)),
+                38 => done(fmi3GetNominalsOfContinuousStates(c, v, count)),
+                39 => done(fmi3GetNumberOfContinuousStates(c, &mut size)),
+                40 => done(fmi3EnterStepMode(c)),
+                41 => done(fmi3GetOutputDerivatives(c, r, count, self.integers.as_ptr(), v, other)),
+                42 => done(fmi3ActivateModelPartition(c, self.references[0], x)),
                 _ => {
                     let mut now = x;
                     let size = if fmi3GetFloat64(c, &0, 1, &mut now, 1) == Status::Ok && yes == 1 {

@@ -20,6 +20,7 @@ struct Watcher {
     ramp: bool,
 }
 
+#[allow(clippy::too_many_arguments, reason = "the standard's")]
 unsafe extern "C" fn watch(
     environment: *mut c_void,
     time: f64,

@@ -172,6 +172,11 @@ impl Continuous for Rail {
         if self.cart.x0 == -1.0 { Err(Failure("the dead time of the drive is a memory".into())) } else { Ok(()) }
     }
 
+    fn follow(&mut self) -> Result<(), Failure> {
+        self.rate = self.cart.u;
+        Ok(())
+    }
+
     fn states(&self) -> &[usize] {
         &[STATE as usize]
     }
@@ -385,6 +390,15 @@ fn analytic_points_between_inner_steps_do_not_change_the_simulation() {
     coarse.step(0.0, 1.0).unwrap();
     assert_eq!(get(&mut fine, X).unwrap().to_bits(), get(&mut coarse, X).unwrap().to_bits());
     assert!((fine.time() - 1.0).abs() < ROUNDING);
+}
+
+#[test]
+fn analytic_states_and_rates_are_read_in_cosimulation_too() {
+    let mut life = running(0.0, None);
+    set(&mut life, U, 0.5).unwrap();
+    life.step(0.0, 0.4).unwrap();
+    let found = [STATE, RATE, INDICATOR].map(|reference| get(&mut life, reference).unwrap());
+    assert!((found[0] - 0.2).abs() < ROUNDING && found[1] == 0.5 && (found[2] - 1.8).abs() < ROUNDING, "{found:?}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Reading and setting variables by value reference.
 
-use super::{Lifecycle, Phase, Refusal};
+use super::{Interface, Lifecycle, Phase, Refusal};
 use bekker_modeldescription::xml::{Causality, Entry, Kind, Variability, indicator_name};
 
 /// Type of the values that a function of the standard works on.
@@ -39,13 +39,15 @@ impl Lifecycle {
     /// initialization; [`Refusal::Failed`] where outputs are read in initialization and cannot be computed.
     pub fn get(&mut self, references: &[u32], asked: Type, put: &mut dyn FnMut(usize, f64)) -> Result<(), Refusal> {
         let entries = self.model.description().entries.len();
-        let mut computed = false;
+        let (mut computed, mut hidden) = (false, false);
         for &reference in references {
             let indicator = (reference as usize).checked_sub(entries).filter(|number| *number < self.indicators);
-            computed |= match indicator {
-                Some(_) if asked == Type::Real => true,
-                _ => matches!(self.entry(reference, asked)?.causality, Causality::Output | Causality::Local),
+            let causality = match indicator {
+                Some(_) if asked == Type::Real => Causality::Local,
+                _ => self.entry(reference, asked)?.causality,
             };
+            hidden |= causality == Causality::Local;
+            computed |= matches!(causality, Causality::Output | Causality::Local);
             if computed && self.phase == Phase::Instantiated {
                 return Err(Refusal::NotComputed(match indicator {
                     Some(number) => indicator_name(number),
@@ -58,6 +60,12 @@ impl Lifecycle {
         }
         if computed && matches!(self.phase, Phase::Initialization | Phase::Event | Phase::ContinuousTime) {
             self.evaluate()?;
+        }
+        if hidden
+            && self.interface != Interface::ModelExchange
+            && let Some(equations) = self.model.continuous()
+        {
+            equations.follow()?;
         }
         let indicators = self.present_indicators(references, entries)?;
         for (place, &reference) in references.iter().enumerate() {
