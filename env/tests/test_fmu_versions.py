@@ -223,7 +223,7 @@ def test_property_a_state_goes_on_in_a_new_process(make: Make, tmp_path: Path) -
 
 def test_agreement_of_directional_derivatives_with_differences(make: Make, tmp_path: Path) -> None:
     """The derivatives of the states by the states: the model's against central differences through the border."""
-    fmu = make("two_wheeled", 2)
+    fmu = make("two_wheeled", 2, "rover")
     description = fmpy.read_model_description(fmu)
     if description.modelExchange is None or not description.modelExchange.providesDirectionalDerivative:
         pytest.skip("this model has no directional derivatives in model exchange")
@@ -249,6 +249,9 @@ def test_agreement_of_directional_derivatives_with_differences(make: Make, tmp_p
         model.setContinuousStates(pointer, len(values))
         return np.array(model.getReal(rates))
 
+    # Away from rest, where slip has no derivative: 0.3 s by Euler's method.
+    for _ in range(3000):
+        x = x + 1e-4 * slopes(x)
     worst = 0.0
     for k, state in enumerate(states):
         # Steps in proportion to the state, for truncation and rounding of the same size in double precision.
@@ -269,7 +272,7 @@ def test_agreement_of_directional_derivatives_with_differences(make: Make, tmp_p
 
 @pytest.mark.parametrize("fmi", VERSIONS)
 def test_agreement_of_model_exchange_with_cosimulation(make: Make, fmi: int) -> None:
-    fmu = make("two_wheeled", fmi)
+    fmu = make("two_wheeled", fmi, "rover")
     if fmpy.read_model_description(fmu).modelExchange is None:
         pytest.skip("this model is no system of differential equations")
 

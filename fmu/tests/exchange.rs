@@ -3,9 +3,10 @@
 
 mod host;
 
+use bekker_fmu::Kind;
 use bekker_fmu::fmi2::*;
 use bekker_fmu::fmi3::*;
-use host::{Fmu, INNER, callbacks, messages};
+use host::{Fmu, INNER, callbacks, messages, model};
 use std::ptr::null_mut;
 
 /// Step of Euler's method and how many of them, s: half a second, fine enough for the stiff contact.
@@ -62,7 +63,7 @@ fn exchange3(fmu: &Fmu) -> Instance {
 
 #[test]
 fn agreement_of_model_exchange_in_both_versions_and_with_cosimulation() {
-    let fmu = Fmu::preset("two_wheeled");
+    let fmu = Fmu::of_kind(&model("two_wheeled"), Kind::Rover);
     let (old, new, steps) = (exchange2(&fmu), exchange3(&fmu), fmu.running());
     let (mut states, mut indicators) = (0, 0);
     // SAFETY: one place each; then as many places as there are states and indicators.
@@ -114,7 +115,7 @@ fn agreement_of_model_exchange_in_both_versions_and_with_cosimulation() {
 
 #[test]
 fn property_effects_with_a_memory_are_refused_by_name() {
-    let fmu = Fmu::preset("two_wheeled");
+    let fmu = Fmu::of_kind(&model("two_wheeled"), Kind::Rover);
     // SAFETY: valid texts; one reference and value.
     unsafe {
         let (token, path) = (fmu.token(), fmu.resources());

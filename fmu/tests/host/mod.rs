@@ -2,6 +2,7 @@
 #![allow(dead_code, clippy::unwrap_used)]
 
 use bekker::model::Model;
+use bekker_fmu::Kind;
 use bekker_fmu::fmi2::{
     self, fmi2EnterInitializationMode, fmi2ExitInitializationMode, fmi2Instantiate, fmi2SetupExperiment,
 };
@@ -72,11 +73,16 @@ pub struct Fmu {
 
 impl Fmu {
     pub fn new(model: &Model) -> Self {
+        Self::of_kind(model, Kind::default())
+    }
+
+    /// What `kind` says of a model.
+    pub fn of_kind(model: &Model, kind: Kind) -> Self {
         static COUNT: AtomicU32 = AtomicU32::new(0);
         let number = COUNT.fetch_add(1, Ordering::Relaxed);
         let folder = std::env::temp_dir().join(format!("bekker-fmu-{}-{number}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        let (text, description) = bekker_fmu::describe(model).unwrap();
+        let (text, description) = bekker_fmu::describe_as(model, kind).unwrap();
         std::fs::write(folder.join("model.toml"), text).unwrap();
         Self { folder, description }
     }
