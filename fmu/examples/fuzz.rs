@@ -62,7 +62,7 @@ unsafe extern "C" fn update(
 ) {
     // SAFETY: two places of the library's.
     unsafe {
-        early.write(u8::from((time * 1e4) as u64 % 7 == 0));
+        early.write(u8::from(((time * 1e4) as u64).is_multiple_of(7)));
         until.write(time);
     }
 }

@@ -73,7 +73,7 @@ fn abuse_of_fmi3() {
     let mut n = 0;
     let (mut value, mut integer, mut small, mut size) = (0.0_f64, 0_i64, [0_u8; 3], 0_usize);
     let (mut flag, mut time, mut state) = (false, 0.0, null_mut());
-    let odd = 3 as *const u32;
+    let odd = 7 as *const u32;
     // SAFETY: what is wrong here is wrong in ways that the library promises to find out.
     unsafe {
         let make = |name, token, path| {
@@ -156,7 +156,7 @@ fn abuse_of_fmi3() {
             fmi3GetIntervalDecimal(instance, &x, 1, null_mut(), null_mut());
             fmi3SetShiftDecimal(instance, &x, 1, null());
             fmi3GetFMUState(instance, null_mut());
-            fmi3GetFMUState(instance, &mut (8 as *mut c_void));
+            fmi3GetFMUState(instance, &mut (88 as *mut c_void));
             fmi3SetFMUState(instance, null_mut());
             fmi3SetFMUState(instance, 16 as *mut c_void);
             fmi3FreeFMUState(instance, &mut (24 as *mut c_void));
@@ -249,7 +249,7 @@ fn abuse_of_fmi2() {
             make(c"a".as_ptr(), 2, token.as_ptr(), place.as_ptr());
             make(c"a".as_ptr(), -1, token.as_ptr(), place.as_ptr());
             fmi2Instantiate(null(), 1, null(), null(), null(), 0, 1);
-            fmi2Instantiate(null(), 0, null(), null(), 3 as *const Callbacks, 0, 1);
+            fmi2Instantiate(null(), 0, null(), null(), 7 as *const Callbacks, 0, 1);
         }
         let instance = fmu.instantiate2();
         assert!(!instance.is_null(), "{:?}", messages());
@@ -299,7 +299,7 @@ fn abuse_of_fmi2() {
             fmi2SetReal(instance, &torque, 1, &1e300);
             fmi2SetReal(instance, &torque, 1, null());
             fmi2SetReal(instance, null(), 1, &1.0);
-            fmi2SetReal(instance, 3 as *const u32, 1, &1.0);
+            fmi2SetReal(instance, 7 as *const u32, 1, &1.0);
             fmi2SetReal(instance, &torque, usize::MAX, &1.0);
             fmi2GetReal(instance, &u32::MAX, 1, &mut value);
             fmi2GetReal(instance, &event, 1, &mut value);
@@ -311,7 +311,7 @@ fn abuse_of_fmi2() {
             fmi2GetString(instance, &x, 1, &mut text);
             fmi2SetString(instance, &x, 1, &text);
             fmi2GetFMUstate(instance, null_mut());
-            fmi2GetFMUstate(instance, &mut (8 as *mut c_void));
+            fmi2GetFMUstate(instance, &mut (88 as *mut c_void));
             fmi2SetFMUstate(instance, null_mut());
             fmi2SetFMUstate(instance, 16 as *mut c_void);
             fmi2FreeFMUstate(instance, &mut (24 as *mut c_void));

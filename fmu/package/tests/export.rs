@@ -13,7 +13,7 @@ use std::ptr::{null, null_mut};
 use zip::ZipArchive;
 
 /// The libraries travel in the Python wheel, and one of them in every FMU.
-const LARGEST_LIBRARY: usize = 2_000_000;
+const LARGEST_LIBRARY: usize = 2 << 20;
 const LARGEST_RIGID_LIBRARY: usize = 4_500_000;
 
 /// The FMU of a model in FMI 3.0.

@@ -49,10 +49,11 @@ impl Lifecycle {
             self.refresh()?;
         }
         self.evaluate()?;
-        Ok(match direction {
+        match direction {
             Direction::Forward => self.model.directional(&unknowns, &knowns, seed, result)?,
             Direction::Adjoint => self.model.adjoint(&unknowns, &knowns, seed, result)?,
-        })
+        }
+        Ok(())
     }
 
     fn listed(&self, references: &[u32], part: &str, legal: &[Causality]) -> Result<Vec<usize>, Refusal> {
