@@ -1,6 +1,7 @@
-//! Builds `bekker-fmu` as a C library, for this build's target and always optimised, once without the plant of rigid
-//! bodies and once with it, and tells where they are; the crate embeds them. A dependency alone would not do: as a cdylib it would appear only in some
-//! builds, and where its features are unified with the workspace's it would carry the HTML reports.
+//! Builds `bekker-fmu` as a C library, for this build's target and always optimised, once without the plant of
+//! rigid bodies and once with it, and tells where they are; the crate embeds them. A dependency alone would not do:
+//! as a cdylib it would appear only in some builds, and where its features are unified with the workspace's it
+//! would carry the HTML reports.
 
 use std::collections::BTreeSet;
 use std::env;
@@ -57,8 +58,8 @@ fn build(job: &Build) {
     cargo.arg("--manifest-path").arg(job.manifest).arg("--target-dir").arg(job.directory);
     cargo.env("CARGO_PROFILE_RELEASE_LTO", "fat").env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "1");
     if job.features.is_empty() {
-        // Small: it travels in every FMU. Measured with `s` throughout, it simulates 195 s a second where level 3 does 204; results
-        // are the same bits. Rapier, in the other library, must be fast.
+        // Small: it travels in every FMU. Measured with `s` throughout, it simulates 195 s a second where level 3 does
+        // 204; results are the same bits. Rapier, in the other library, must be fast.
         cargo.env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "s");
         // What is not ours reads the model file and writes messages.
         cargo.args(["--config", "profile.release.package.\"*\".opt-level=\"z\""]);
