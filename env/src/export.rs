@@ -2,15 +2,44 @@
 
 use crate::error::{self, ModelError};
 use crate::model::Model;
-use bekker_fmu_package::{ExportError, export};
+use bekker_fmu_package::{ExportError, Kind, Options, Version, export, export_system};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
-/// Writes `model` as an FMU (FMI 3.0, co-simulation) to `path`. The same model gives the same bytes.
+/// Writes `model` as an FMU of version `fmi` (2 or 3) and of `kind` to `path`, for this system and, with a library for
+/// it, for 64 bit Windows; or to a path that ends in `.ssp` as a system of rover and controller. The same arguments give
+/// the same bytes.
 #[pyfunction]
-pub fn export_fmu(py: Python<'_>, model: &Model, path: PathBuf) -> PyResult<()> {
-    py.detach(|| error::fenced(|| export(&model.core, &path)))?.map_err(|failed| match &failed {
-        ExportError::Write { error, .. } => error::unreachable_file(error, failed.to_string()),
+#[pyo3(signature = (model, path, fmi=3, kind=None, windows=None))]
+pub fn export_fmu(
+    py: Python<'_>,
+    model: &Model,
+    path: PathBuf,
+    fmi: u32,
+    kind: Option<&str>,
+    windows: Option<PathBuf>,
+) -> PyResult<()> {
+    let version = match fmi {
+        2 => Version::Fmi2,
+        3 => Version::Fmi3,
+        other => return Err(PyValueError::new_err(format!("fmi is {other}, expected 2 or 3"))),
+    };
+    let kind = match kind {
+        None => None,
+        Some("rover") => Some(Kind::Rover),
+        Some("controller") => Some(Kind::Controller),
+        Some("closed-loop") => Some(Kind::RoverWithController),
+        Some(other) => {
+            return Err(PyValueError::new_err(format!("kind is `{other}`, expected rover, controller or closed-loop")));
+        }
+    };
+    let options = Options { version, kind, windows, date: None };
+    let write = if path.extension().is_some_and(|extension| extension == "ssp") { export_system } else { export };
+    py.detach(|| error::fenced(|| write(&model.core, &options, &path)))?.map_err(|failed| match &failed {
+        ExportError::Read { error, .. } | ExportError::Write { error, .. } => {
+            error::unreachable_file(error, failed.to_string())
+        }
         ExportError::Model(_) | ExportError::Archive(_) => ModelError::new_err(failed.to_string()),
     })
 }

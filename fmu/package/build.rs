@@ -1,6 +1,7 @@
-//! Builds `bekker-fmu` as a C library, for this build's target and always optimised, and tells where it
-//! is; the crate embeds it. A dependency alone would not do: as a cdylib it would appear only in some
-//! builds, and where its features are unified with the workspace's it would carry the HTML reports.
+//! Builds `bekker-fmu` as a C library, for this build's target and always optimised, once without the plant of
+//! rigid bodies and once with it, and tells where they are; the crate embeds them. A dependency alone would not do:
+//! as a cdylib it would appear only in some builds, and where its features are unified with the workspace's it
+//! would carry the HTML reports.
 
 use std::collections::BTreeSet;
 use std::env;
@@ -18,44 +19,80 @@ fn main() {
     let manifest = root.join("fmu/Cargo.toml");
     let target = variable("TARGET").into_string().unwrap_or_else(|name| panic!("target {name:?} is not a text"));
     // A target directory of its own: the outer cargo holds the lock of the other one.
-    let directory = Path::new(&variable("OUT_DIR")).join("target");
-    build(&manifest, &target, &directory);
-
-    let (platform, prefix, extension) = platform();
-    let release = directory.join(&target).join("release");
-    println!(
-        "cargo::rustc-env=BEKKER_FMU_LIBRARY={}",
-        release.join(format!("{prefix}bekker_fmu.{extension}")).display()
-    );
-    println!("cargo::rustc-env=BEKKER_FMU_PLATFORM={platform}");
-    println!("cargo::rustc-env=BEKKER_FMU_EXTENSION={extension}");
-    watch(&release.join(format!("{prefix}bekker_fmu.d")), &root);
+    let out = PathBuf::from(variable("OUT_DIR"));
+    let directory = out.join("target");
+    let (prefix, extension) = names();
+    for (name, features) in [("PLAIN", ""), ("RIGID", "rigid")] {
+        let built = directory.join(&target).join("release").join(format!("{prefix}bekker_fmu.{extension}"));
+        build(&Build { manifest: &manifest, target: &target, directory: &directory, features, out: &out });
+        let kept = out.join(format!("{name}.{extension}"));
+        std::fs::copy(&built, &kept).unwrap_or_else(|error| panic!("cannot copy `{}`: {error}", built.display()));
+        watch(&built.with_extension("d"), &root);
+        let variable = if name == "PLAIN" { "BEKKER_FMU_LIBRARY" } else { "BEKKER_FMU_RIGID_LIBRARY" };
+        println!("cargo::rustc-env={variable}={}", kept.display());
+    }
+    let word = |name: &str| variable(name).to_string_lossy().into_owned();
+    println!("cargo::rustc-env=BEKKER_FMU_ARCHITECTURE={}", word("CARGO_CFG_TARGET_ARCH"));
+    println!("cargo::rustc-env=BEKKER_FMU_SYSTEM={}", word("CARGO_CFG_TARGET_OS"));
 }
 
-fn build(manifest: &Path, target: &str, directory: &Path) {
-    let mut cargo = Command::new(variable("CARGO"));
+/// Where a build reads and writes.
+struct Build<'a> {
+    manifest: &'a Path,
+    target: &'a str,
+    directory: &'a Path,
+    features: &'a str,
+    out: &'a Path,
+}
+
+/// The oldest glibc that the library shall load with (`2.17`), by cargo-zigbuild; without it, that of this machine.
+const GLIBC: &str = "BEKKER_FMU_GLIBC";
+
+fn build(job: &Build) {
+    let glibc = env::var_os(GLIBC).map(|version| version.to_string_lossy().into_owned());
+    let mut cargo = Command::new(if glibc.is_some() { OsString::from("cargo-zigbuild") } else { variable("CARGO") });
+    let target = glibc.as_ref().map_or(job.target.to_owned(), |version| format!("{}.{version}", job.target));
     // Offline: whatever the library needs, the outer build has needed and fetched.
-    cargo.args(["rustc", "--offline", "--lib", "--crate-type", "cdylib", "--release", "--target", target]);
-    cargo.arg("--manifest-path").arg(manifest).arg("--target-dir").arg(directory);
+    cargo.args(["rustc", "--offline", "--lib", "--crate-type", "cdylib", "--release", "--target", &target]);
+    cargo.args(["--no-default-features", "--features", job.features]);
+    cargo.arg("--manifest-path").arg(job.manifest).arg("--target-dir").arg(job.directory);
     cargo.env("CARGO_PROFILE_RELEASE_LTO", "fat").env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "1");
+    if job.features.is_empty() {
+        // Small: it travels in every FMU. Measured with `s` throughout, it simulates 195 s a second where level 3 does
+        // 204; results are the same bits. Rapier, in the other library, must be fast.
+        cargo.env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "s");
+        // What is not ours reads the model file and writes messages.
+        cargo.args(["--config", "profile.release.package.\"*\".opt-level=\"z\""]);
+    }
     // A panic must be caught at the C border, so it has to unwind.
     cargo.env("CARGO_PROFILE_RELEASE_PANIC", "unwind").env("CARGO_PROFILE_RELEASE_STRIP", "symbols");
     // `cargo clippy` and the like put themselves between cargo and the compiler; this build is not theirs.
     cargo.env_remove("RUSTC_WORKSPACE_WRAPPER");
-    let output = cargo.output().unwrap_or_else(|error| panic!("cannot run cargo for the FMU library: {error}"));
+    if glibc.is_none() && job.target.ends_with("linux-gnu") {
+        cargo.arg("--").arg(without_libgcc_s(job.out));
+    }
+    let output = cargo.output().unwrap_or_else(|error| panic!("cannot run {cargo:?} for the FMU library: {error}"));
     let messages = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "the FMU library does not build:\n{messages}");
 }
 
-/// The platform's name in FMI 3.0, 2.5.1.4.3, and how its libraries are called.
-fn platform() -> (String, &'static str, &'static str) {
-    let word = |name: &str| variable(name).to_string_lossy().into_owned();
-    let (architecture, system) = (word("CARGO_CFG_TARGET_ARCH"), word("CARGO_CFG_TARGET_OS"));
-    match system.as_str() {
-        "linux" => (format!("{architecture}-linux"), "lib", "so"),
-        "macos" => (format!("{architecture}-darwin"), "lib", "dylib"),
-        "windows" => (format!("{architecture}-windows"), "", "dll"),
-        other => panic!("FMI 3.0 has no name for the platform `{architecture}-{other}`"),
+/// The compiler asks for the shared `libgcc_s`, which a host may lack; a linker script of that name gives it the
+/// static parts instead.
+fn without_libgcc_s(out: &Path) -> String {
+    let folder = out.join("link");
+    let script = "/* GNU ld script: unwinding from the static library. */\nGROUP ( -lgcc_eh -lgcc -lc )\n";
+    let written = std::fs::create_dir_all(&folder).and_then(|()| std::fs::write(folder.join("libgcc_s.so"), script));
+    written.unwrap_or_else(|error| panic!("cannot write in `{}`: {error}", folder.display()));
+    format!("-Lnative={}", folder.display())
+}
+
+/// How this target's libraries are called.
+fn names() -> (&'static str, &'static str) {
+    match variable("CARGO_CFG_TARGET_OS").to_string_lossy().as_ref() {
+        "linux" => ("lib", "so"),
+        "macos" => ("lib", "dylib"),
+        "windows" => ("", "dll"),
+        other => panic!("FMI has no name for the system `{other}`"),
     }
 }
 
@@ -63,6 +100,7 @@ fn platform() -> (String, &'static str, &'static str) {
 fn watch(dependencies: &Path, root: &Path) {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-env-changed=CARGO_ENCODED_RUSTFLAGS");
+    println!("cargo::rerun-if-env-changed={GLIBC}");
     let list = std::fs::read_to_string(dependencies)
         .unwrap_or_else(|error| panic!("cannot read `{}`: {error}", dependencies.display()));
     let (_, files) = list.split_once(": ").unwrap_or_default();

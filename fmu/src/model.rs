@@ -50,6 +50,12 @@ pub trait Continuous {
     /// A [`Failure`] that names what keeps a memory which is no state of such an equation.
     fn check(&self) -> Result<(), Failure>;
 
+    /// Puts the equations where co-simulation is, so that states, derivatives and event indicators can be read there too.
+    ///
+    /// # Errors
+    /// As [`rates`](Self::rates).
+    fn follow(&mut self) -> Result<(), Failure>;
+
     /// References of the continuous states, in their order.
     fn states(&self) -> &[usize];
 

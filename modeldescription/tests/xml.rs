@@ -2,7 +2,9 @@
 //! That the file is valid by the standard's schema is checked with FMPy (`env/tests/test_fmu.py`).
 #![allow(clippy::unwrap_used)]
 
-use bekker_modeldescription::xml::{Description, DescriptionError, Entry, Experiment, Item, identifier};
+use bekker_modeldescription::xml::{
+    Abilities, Component, Description, DescriptionError, Entry, Experiment, Item, identifier, system,
+};
 use bekker_modeldescription::{Lookup, Unit, parameters};
 use quick_xml::events::{BytesStart, Event};
 
@@ -41,6 +43,7 @@ fn description() -> Description {
         version: "1".into(),
         license: "MIT".into(),
         generation_tool: "test".into(),
+        date: None,
         experiment: Experiment { start: 0.0, stop: 10.0, step: 0.01 },
         inner_step: 0.001,
         log_categories: &[("logStatusError", "Refusals.")],
@@ -77,7 +80,7 @@ fn get<'a>(attributes: &'a [(String, String)], key: &str) -> Option<&'a str> {
 #[test]
 fn property_every_character_survives_the_escape() {
     let description = description();
-    let text = description.fmi3().unwrap();
+    let text = description.fmi3(&Abilities::default()).unwrap();
     assert_eq!(get(&elements(&text, "fmiModelDescription")[0], "modelName"), Some(description.name.as_str()));
     let variables = elements(&text, "Float64");
     assert_eq!(get(&variables[1], "description"), Some("Stiffness of a <\"wire\" & hook>."));
@@ -85,7 +88,7 @@ fn property_every_character_survives_the_escape() {
 
 #[test]
 fn property_bounds_units_and_starts_read_back() {
-    let text = description().fmi3().unwrap();
+    let text = description().fmi3(&Abilities::default()).unwrap();
     let variables = elements(&text, "Float64");
     assert_eq!(get(&variables[1], "max").unwrap().parse::<f64>().unwrap(), 1e6);
     assert_eq!(get(&variables[2], "min"), None, "infinite bounds are left out");
@@ -93,16 +96,100 @@ fn property_bounds_units_and_starts_read_back() {
     assert_eq!(get(&variables[4], "start").unwrap().parse::<f64>().unwrap(), 1e-7);
     let units = elements(&text, "Unit");
     let names: Vec<_> = units.iter().map(|unit| get(unit, "name").unwrap()).collect();
-    assert_eq!(names, ["s", "N/m", "N", "m"], "each once");
+    assert_eq!(names, ["s", "N/m", "N", "m", "1"], "each once");
     let base = elements(&text, "BaseUnit");
     let newton = [("kg", "1"), ("m", "1"), ("s", "-2")].map(|(a, b)| (a.to_owned(), b.to_owned()));
     assert_eq!(base[2], newton);
-    assert_eq!(get(&elements(&text, "DisplayUnit")[0], "name"), Some("mm"));
+    let displays = elements(&text, "DisplayUnit");
+    let names: Vec<_> = displays.iter().map(|unit| get(unit, "name").unwrap()).collect();
+    assert_eq!(names, ["mm", "cm"]);
+    let types = elements(&text, "Float64Type");
+    let names: Vec<_> = types.iter().map(|kind| get(kind, "name").unwrap()).collect();
+    assert_eq!(names, ["Time", "Force", "Length"]);
+}
+
+#[test]
+fn property_fmi2_says_the_same_as_fmi3() {
+    let description = description();
+    let (old, new) =
+        (description.fmi2(&Abilities::default()).unwrap(), description.fmi3(&Abilities::default()).unwrap());
+    let token = description.token().unwrap();
+    assert_eq!(get(&elements(&old, "fmiModelDescription")[0], "guid"), Some(&*token));
+    let (scalars, reals) = (elements(&old, "ScalarVariable"), elements(&old, "Real"));
+    assert_eq!(scalars.len(), description.entries.len());
+    // Of the elements `Real`, those of the three declared types come first.
+    for (k, variable) in elements(&new, "Float64").iter().enumerate() {
+        for key in ["name", "valueReference", "description", "causality", "variability", "initial"] {
+            assert_eq!(get(&scalars[k], key), get(variable, key), "{key} of {k}");
+        }
+        for key in ["unit", "displayUnit", "min", "max", "start", "nominal", "declaredType"] {
+            assert_eq!(get(&reals[3 + k], key), get(variable, key), "{key} of {k}");
+        }
+    }
+    let unknowns = elements(&old, "Unknown");
+    let indices: Vec<_> = unknowns.iter().map(|e| get(e, "index").unwrap()).collect();
+    assert_eq!(indices, ["4", "6", "4", "6"], "counted from 1");
+}
+
+#[test]
+fn property_states_derivatives_and_indicators_are_structured() {
+    let mut description = description();
+    let length = description.entries[3].variable.clone();
+    let state = description.entries.len();
+    description
+        .entries
+        .push(Entry::state(bekker_modeldescription::Variable { name: "state".into(), ..length.clone() }, 0.1));
+    description
+        .entries
+        .push(Entry::derivative(bekker_modeldescription::Variable { name: "rate".into(), ..length }, state));
+    let abilities = Abilities { exchange: Some(2), states_as_bytes: true, directional: true, adjoint: true };
+    let (old, new) = (description.fmi2(&abilities).unwrap(), description.fmi3(&abilities).unwrap());
+    let places = |text: &str, element: &str, key: &str| -> Vec<String> {
+        elements(text, element).iter().map(|e| get(e, key).unwrap().to_owned()).collect()
+    };
+    assert_eq!(places(&new, "ContinuousStateDerivative", "valueReference"), ["7"]);
+    assert_eq!(places(&new, "InitialUnknown", "valueReference"), ["3", "5", "6", "7"]);
+    assert_eq!(places(&new, "EventIndicator", "valueReference"), ["8", "9"]);
+    let rate = elements(&new, "Float64").into_iter().find(|v| get(v, "name") == Some("rate")).unwrap();
+    assert_eq!(get(&rate, "derivative"), Some("6"), "by value reference");
+    let head = &elements(&old, "fmiModelDescription")[0];
+    assert_eq!(get(head, "numberOfEventIndicators"), Some("2"));
+    assert!(elements(&old, "Real").iter().any(|real| get(real, "derivative") == Some("7")), "by index");
+    for text in [&old, &new] {
+        assert_eq!((elements(text, "ModelExchange").len(), elements(text, "CoSimulation").len()), (1, 1));
+    }
+    assert_eq!(get(&elements(&old, "ModelExchange")[0], "canSerializeFMUstate"), Some("true"));
+    assert_eq!(get(&elements(&new, "CoSimulation")[0], "providesAdjointDerivatives"), Some("true"));
+}
+
+#[test]
+fn property_terminals_group_inputs_and_outputs() {
+    let mut description = description();
+    description.entries[2].variable.name = "wheel[2].force".into();
+    let text = description.terminals().unwrap();
+    let names: Vec<_> = elements(&text, "Terminal").iter().map(|t| get(t, "name").unwrap().to_owned()).collect();
+    assert_eq!(names, ["wheel[2]", "rover"]);
+    let members = elements(&text, "TerminalMemberVariable");
+    let pairs: Vec<_> =
+        members.iter().map(|m| (get(m, "variableName").unwrap(), get(m, "memberName").unwrap())).collect();
+    assert_eq!(pairs, [("wheel[2].force", "force"), ("length", "length"), ("phase", "phase")]);
+}
+
+#[test]
+fn property_the_date_is_written_but_no_part_of_the_token() {
+    let mut dated = description();
+    dated.date = Some("2026-11-21T19:00:00Z".into());
+    assert_eq!(dated.token(), description().token());
+    for text in [dated.fmi2(&Abilities::default()).unwrap(), dated.fmi3(&Abilities::default()).unwrap()] {
+        assert_eq!(get(&elements(&text, "fmiModelDescription")[0], "generationDateAndTime"), dated.date.as_deref());
+    }
+    let undated = description().fmi3(&Abilities::default()).unwrap();
+    assert_eq!(get(&elements(&undated, "fmiModelDescription")[0], "generationDateAndTime"), None);
 }
 
 #[test]
 fn property_structure_lists_every_output_twice() {
-    let text = description().fmi3().unwrap();
+    let text = description().fmi3(&Abilities::default()).unwrap();
     for element in ["Output", "InitialUnknown"] {
         let listed = elements(&text, element);
         let references: Vec<_> = listed.iter().map(|e| get(e, "valueReference").unwrap()).collect();
@@ -113,22 +200,25 @@ fn property_structure_lists_every_output_twice() {
 #[test]
 fn property_the_token_follows_the_content() {
     let first = description();
-    let token = first.fmi3_token().unwrap();
-    assert_eq!(get(&elements(&first.fmi3().unwrap(), "fmiModelDescription")[0], "instantiationToken"), Some(&*token));
-    assert_eq!(description().fmi3_token().unwrap(), token);
+    let token = first.token().unwrap();
+    assert_eq!(
+        get(&elements(&first.fmi3(&Abilities::default()).unwrap(), "fmiModelDescription")[0], "instantiationToken"),
+        Some(&*token)
+    );
+    assert_eq!(description().token().unwrap(), token);
     let mut start = description();
     start.entries[1].start = 100.0_f64.next_up();
     let mut content = description();
     content.content.push(' ');
     for changed in [start, content] {
-        assert_ne!(changed.fmi3_token().unwrap(), token);
+        assert_ne!(changed.token().unwrap(), token);
     }
 }
 
 #[test]
 fn property_names_decide_the_convention() {
     let convention = |description: &Description| {
-        let text = description.fmi3().unwrap();
+        let text = description.fmi3(&Abilities::default()).unwrap();
         get(&elements(&text, "fmiModelDescription")[0], "variableNamingConvention").unwrap().to_owned()
     };
     let mut description = description();
@@ -143,7 +233,7 @@ fn property_what_cannot_be_valid_is_refused() {
     let refused = |change: &dyn Fn(&mut Description)| {
         let mut description = description();
         change(&mut description);
-        description.fmi3().unwrap_err()
+        description.fmi3(&Abilities::default()).unwrap_err()
     };
     assert_eq!(
         refused(&|d| d.entries[2].variable.name = "stiffness".into()),
@@ -160,4 +250,37 @@ fn property_identifiers_are_identifiers() {
     assert_eq!(identifier("thesis-4.4.1"), "thesis_4_4_1");
     assert_eq!(identifier("2 wheels"), "model_2_wheels");
     assert_eq!(identifier(""), "model_");
+}
+
+/// Two springs in a row: the second feels the force that is the length of the first, by name.
+#[test]
+fn property_a_system_is_wired_by_name() {
+    let mut second = description();
+    second.entries[2].variable.name = "length".into();
+    second.entries[3].variable.name = "deflection".into();
+    let first = description();
+    let components = [
+        Component { name: "a", source: "resources/a.fmu", description: &first },
+        Component { name: "b", source: "resources/b.fmu", description: &second },
+    ];
+    let text = system("springs", first.experiment, &components).unwrap();
+    let wires: Vec<_> = elements(&text, "ssd:Connection")
+        .iter()
+        .map(|wire| {
+            ["startElement", "startConnector", "endElement", "endConnector"]
+                .map(|key| get(wire, key).map(str::to_owned))
+        })
+        .collect();
+    let named = |texts: [Option<&str>; 4]| texts.map(|text| text.map(str::to_owned));
+    assert_eq!(
+        wires,
+        [
+            named([None, Some("force"), Some("a"), Some("force")]),
+            named([Some("a"), Some("length"), Some("b"), Some("length")]),
+        ],
+        "what nobody feeds becomes an input of the system"
+    );
+    assert_eq!(elements(&text, "ssd:Component").len(), 2);
+    let wrong = [Component { name: "a\0", ..components[0] }];
+    assert!(system("springs", first.experiment, &wrong).is_err());
 }

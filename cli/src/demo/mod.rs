@@ -22,7 +22,7 @@ impl Demo {
         let mut written = chapter4::run(&self.out)?;
         say!("\n2. An FMU of the rover under rough-terrain control");
         let fmu = self.out.join("gentle_rtc.fmu");
-        bekker_fmu_package::export(&Model::preset("gentle_rtc")?, &fmu)?;
+        bekker_fmu_package::export(&Model::preset("gentle_rtc")?, &bekker_fmu_package::Options::default(), &fmu)?;
         say!("   FMI 3.0, co-simulation; load it with FMPy or any tool that takes FMI 3.0.");
         written.push((fmu, "the rover under rough-terrain control as an FMU"));
         written.extend(measurement::run(&self.out)?);

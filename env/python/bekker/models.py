@@ -39,14 +39,33 @@ def as_model(model: ModelLike, parameters: Mapping[str, float] | None = None) ->
     return own
 
 
-def export_fmu(model: ModelLike, path: str | os.PathLike[str], parameters: Mapping[str, float] | None = None) -> None:
-    """Writes a model as an FMU (FMI 3.0, co-simulation); its parameters can be changed in the FMU.
+def export_fmu(
+    model: ModelLike,
+    path: str | os.PathLike[str],
+    parameters: Mapping[str, float] | None = None,
+    *,
+    fmi: int = 3,
+    kind: str | None = None,
+    windows: str | os.PathLike[str] | None = None,
+) -> None:
+    """Writes a model as an FMU; its parameters can be changed in the FMU. To a path that ends in ``.ssp``, as a system of
+    two FMUs of FMI 2.0, the rover and its controller (SSP 1.0).
+
+    Args:
+        model: What to pack.
+        path: Where to write.
+        parameters: Changes to the model's parameters.
+        fmi: Version of the standard: 2 (2.0, which nearly every tool reads) or 3 (3.0).
+        kind: What of the model it offers: ``rover`` (the plant alone), ``controller`` or ``closed-loop`` (both); what
+            the model file says where missing.
+        windows: A library for 64 bit Windows, packed besides the one for this system.
 
     Raises:
         UnknownNameError, ModelError: as :func:`as_model`, or the model does not start.
-        OSError: the file cannot be written.
+        OSError: a file cannot be read or written.
+        ValueError: there is no such version or kind.
     """
-    _bekker.export_fmu(as_model(model, parameters), path)
+    _bekker.export_fmu(as_model(model, parameters), path, fmi, kind, windows)
 
 
 def save_model(model: Model, path: str | os.PathLike[str]) -> None:

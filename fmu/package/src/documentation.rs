@@ -12,16 +12,19 @@ pub fn html(description: &Description) -> String {
     let name = escape(&description.name);
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{name}</title>\n\
-         <style>{STYLE}</style>\n</head>\n<body>\n<h1>{name}</h1>\n<p>{}</p>\n<p>Made by {}. The communication step is a \
-         whole multiple of the inner step, {:?} s. Where the simulation ends on the way, the FMU asks to terminate it \
-         and the output <code>event</code> says why.</p>\n",
+         <style>{STYLE}</style>\n</head>\n<body>\n<h1>{name}</h1>\n<p>{}</p>\n<p>Made by {}. Any communication step is \
+         allowed; the inner steps lie at whole multiples of {:?} s, and points between two of them are interpolated. Where \
+         the simulation ends on the way, the FMU asks to terminate it and the output <code>event</code> says why.</p>\n",
         escape(&description.description),
         escape(&description.generation_tool),
         description.inner_step,
     );
-    for (title, causality) in
-        [("Inputs", Causality::Input), ("Outputs", Causality::Output), ("Parameters", Causality::Parameter)]
-    {
+    for (title, causality) in [
+        ("Inputs", Causality::Input),
+        ("Outputs", Causality::Output),
+        ("States and their derivatives", Causality::Local),
+        ("Parameters", Causality::Parameter),
+    ] {
         section(&mut page, title, description.entries.iter().filter(|entry| entry.causality == causality));
     }
     page.push_str("</body>\n</html>\n");
@@ -33,7 +36,7 @@ fn section<'a>(page: &mut String, title: &str, entries: impl Iterator<Item = &'a
     if entries.peek().is_none() {
         return;
     }
-    let output = title == "Outputs";
+    let output = entries.peek().is_some_and(|entry| matches!(entry.causality, Causality::Output | Causality::Local));
     let head = if output { "" } else { "<th>Start</th><th>Range</th>" };
     page.push_str(&format!(
         "<h2>{title}</h2>\n<table>\n<tr><th>Name</th><th>Meaning</th>{head}<th>Unit</th><th>Source</th></tr>\n"

@@ -1,22 +1,50 @@
 //! Packs models as Functional Mock-up Units.
 //!
-//! One library serves every model, and this crate carries it: packing is writing the model file and its
-//! description and zipping, so whoever uses this crate needs no compiler.
+//! Two libraries serve every model, and this crate carries them: a small one for rovers in joint coordinates, and one
+//! that also has the plant of rigid bodies. Packing is writing the model file and its description and zipping, so
+//! whoever uses this crate needs no compiler.
 
 mod archive;
 mod documentation;
+mod icon;
+mod layout;
+
+pub use bekker_fmu::Kind;
+pub use layout::Version;
 
 use archive::Archive;
-use bekker::model::Model;
+use bekker::model::{Model, Plant};
+use bekker_modeldescription::xml::{Component, Description, DescriptionError, system};
 use std::path::{Path, PathBuf};
 
-/// The library that FMUs carry, built for this crate's target.
+/// The library that FMUs carry, built for this crate's target, without the plant of rigid bodies.
 pub const LIBRARY: &[u8] = include_bytes!(env!("BEKKER_FMU_LIBRARY"));
 
-/// The target's name in FMI 3.0: the folder below `binaries`.
-pub const PLATFORM: &str = env!("BEKKER_FMU_PLATFORM");
+/// The library with the plant of rigid bodies.
+pub const RIGID_LIBRARY: &[u8] = include_bytes!(env!("BEKKER_FMU_RIGID_LIBRARY"));
 
-const EXTENSION: &str = env!("BEKKER_FMU_EXTENSION");
+/// The licences of the project, as they are packed.
+const LICENSE: &str = concat!(
+    "The model and the library of this FMU are licensed under either of the MIT License or the Apache License,\n\
+     Version 2.0, at your option. Both follow.\n\n",
+    include_str!("../../../LICENSE-MIT"),
+    "\n\n",
+    include_str!("../../../LICENSE-APACHE"),
+);
+
+/// How a model is packed.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Version of the standard.
+    pub version: Version,
+    /// What of the model it offers; where missing, what the model file says.
+    pub kind: Option<Kind>,
+    /// A library for 64 bit Windows (`bekker_fmu.dll`), packed besides the one for this crate's target.
+    pub windows: Option<PathBuf>,
+    /// When the FMU was made, UTC in seconds since 1970, where it is to say so. Without it the same model gives the
+    /// same bytes at any time.
+    pub date: Option<u64>,
+}
 
 /// Why an FMU could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -27,6 +55,14 @@ pub enum ExportError {
     /// The archive could not be made.
     #[error("the FMU could not be packed: {0}")]
     Archive(#[from] zip::result::ZipError),
+    /// The library for Windows could not be read.
+    #[error("cannot read `{}`: {error}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        error: std::io::Error,
+    },
     /// The file could not be written.
     #[error("cannot write `{}`: {error}", path.display())]
     Write {
@@ -37,27 +73,101 @@ pub enum ExportError {
     },
 }
 
-/// Writes `model` as an FMU (FMI 3.0, co-simulation) to `path`. The same model gives the same bytes.
+/// Writes `model` as an FMU to `path`. The same model and options give the same bytes.
 ///
 /// # Errors
-/// An [`ExportError`] where the model does not start, or the file cannot be written.
-pub fn export(model: &Model, path: &Path) -> Result<(), ExportError> {
-    let bytes = pack(model)?;
+/// An [`ExportError`] where the model does not start, or a file cannot be read or written.
+pub fn export(model: &Model, options: &Options, path: &Path) -> Result<(), ExportError> {
+    let bytes = pack(model, options)?;
     std::fs::write(path, bytes).map_err(|error| ExportError::Write { path: path.to_owned(), error })
+}
+
+/// Writes `model` as a system of two FMUs of FMI 2.0, the rover and its controller, wired by the names of their
+/// variables (SSP 1.0), to `path`.
+///
+/// # Errors
+/// An [`ExportError`] where the model has no controller or does not start, or a file cannot be read or written.
+pub fn export_system(model: &Model, options: &Options, path: &Path) -> Result<(), ExportError> {
+    let bytes = pack_system(model, options)?;
+    std::fs::write(path, bytes).map_err(|error| ExportError::Write { path: path.to_owned(), error })
+}
+
+/// The system of `model`, as [`export_system`] writes it. The controller is the first: it decides on what was measured
+/// at the end of the rover's last step.
+///
+/// # Errors
+/// As [`export_system`], but for writing.
+pub fn pack_system(model: &Model, options: &Options) -> Result<Vec<u8>, ExportError> {
+    let part = |kind: Kind| pack_part(model, &Options { version: Version::Fmi2, kind: Some(kind), ..options.clone() });
+    let (controller, rover) = (part(Kind::Controller)?, part(Kind::Rover)?);
+    let components = [
+        Component { name: "controller", source: "resources/controller.fmu", description: &controller.1 },
+        Component { name: "rover", source: "resources/rover.fmu", description: &rover.1 },
+    ];
+    let structure = system(&model.name, rover.1.experiment, &components).map_err(undescribed)?;
+    let mut archive = Archive::default();
+    archive.file("SystemStructure.ssd", structure.as_bytes())?;
+    archive.file(components[0].source, &controller.0)?;
+    archive.file(components[1].source, &rover.0)?;
+    Ok(archive.finish()?)
 }
 
 /// The FMU of `model`, as [`export`] writes it.
 ///
 /// # Errors
 /// As [`export`], but for writing.
-pub fn pack(model: &Model) -> Result<Vec<u8>, ExportError> {
-    let (file, description) = bekker_fmu::describe(model).map_err(ExportError::Model)?;
-    let xml = description.fmi3().map_err(|error| ExportError::Model(error.to_string()))?;
-    let library = format!("binaries/{PLATFORM}/{}.{EXTENSION}", description.identifier);
+pub fn pack(model: &Model, options: &Options) -> Result<Vec<u8>, ExportError> {
+    Ok(pack_part(model, options)?.0)
+}
+
+/// An FMU and its variables.
+fn pack_part(model: &Model, options: &Options) -> Result<(Vec<u8>, Description), ExportError> {
+    let windows = options
+        .windows
+        .as_ref()
+        .map(|path| std::fs::read(path).map_err(|error| ExportError::Read { path: path.clone(), error }));
+    let described = match options.kind {
+        Some(kind) => bekker_fmu::describe_as(model, kind),
+        None => bekker_fmu::describe(model),
+    };
+    let (file, mut description) = described.map_err(ExportError::Model)?;
+    description.date = options.date.map(layout::utc);
+    let mut ready = bekker_fmu::parse(&file).map_err(ExportError::Model)?;
+    let abilities = bekker_fmu::abilities(&mut *ready).map_err(ExportError::Model)?;
+    let version = options.version;
+    let xml = match version {
+        Version::Fmi2 => description.fmi2(&abilities),
+        Version::Fmi3 => description.fmi3(&abilities),
+    };
     let mut archive = Archive::default();
-    archive.file("modelDescription.xml", xml.as_bytes())?;
-    archive.program(&library, LIBRARY)?;
-    archive.file("documentation/index.html", documentation::html(&description).as_bytes())?;
+    archive.file("modelDescription.xml", xml.map_err(undescribed)?.as_bytes())?;
+    let library = if model.stepping.plant == Plant::RigidBodies { RIGID_LIBRARY } else { LIBRARY };
+    archive.program(&version.library(&description.identifier), library)?;
+    if let Some(library) = windows.transpose()? {
+        archive.program(&version.windows_library(&description.identifier), &library)?;
+    }
+    papers(&mut archive, version, &description)?;
     archive.file(&format!("resources/{}", bekker_fmu::MODEL_FILE), file.as_bytes())?;
-    Ok(archive.finish()?)
+    Ok((archive.finish()?, description))
+}
+
+fn undescribed(error: DescriptionError) -> ExportError {
+    ExportError::Model(error.to_string())
+}
+
+/// Documentation, licence, icon and, in FMI 3.0, terminals.
+fn papers(archive: &mut Archive, version: Version, description: &Description) -> Result<(), ExportError> {
+    archive.file("documentation/index.html", documentation::html(description).as_bytes())?;
+    archive.file("documentation/licenses/license.txt", LICENSE.as_bytes())?;
+    let icon = icon::png().map_err(zip::result::ZipError::from)?;
+    match version {
+        Version::Fmi2 => archive.file("model.png", &icon)?,
+        Version::Fmi3 => {
+            let terminals = description.terminals().map_err(undescribed)?;
+            archive.file("terminalsAndIcons/terminalsAndIcons.xml", terminals.as_bytes())?;
+            archive.file("terminalsAndIcons/icon.png", &icon)?;
+            archive.file("terminalsAndIcons/icon.svg", icon::svg().as_bytes())?;
+        }
+    }
+    Ok(())
 }

@@ -3,7 +3,7 @@
 
 use bekker::model::Model;
 use bekker_fmu::fmi3::{Instance, LogMessage, Status};
-use bekker_fmu_package::{LIBRARY, PLATFORM, export, pack};
+use bekker_fmu_package::{ExportError, LIBRARY, Options, RIGID_LIBRARY, Version, export};
 use bekker_modeldescription::{Lookup, Parameters};
 use libloading::Library;
 use std::ffi::{CStr, CString, c_char, c_void};
@@ -12,8 +12,14 @@ use std::path::{Path, PathBuf};
 use std::ptr::{null, null_mut};
 use zip::ZipArchive;
 
-/// The library travels in every FMU and in the Python wheel. It is 1.9 MB, and 3.6 MB with the plant of rigid bodies.
-const LARGEST_LIBRARY: usize = 4_000_000;
+/// The libraries travel in the Python wheel, and one of them in every FMU.
+const LARGEST_LIBRARY: usize = 2 << 20;
+const LARGEST_RIGID_LIBRARY: usize = 4_500_000;
+
+/// The FMU of a model in FMI 3.0.
+fn pack(model: &Model) -> Result<Vec<u8>, ExportError> {
+    bekker_fmu_package::pack(model, &Options::default())
+}
 
 /// All functions of the standard's header `fmi3Functions.h`, without the prefix.
 const FUNCTIONS: &str = "GetVersion SetDebugLogging InstantiateModelExchange InstantiateCoSimulation \
@@ -28,6 +34,15 @@ const FUNCTIONS: &str = "GetVersion SetDebugLogging InstantiateModelExchange Ins
     CompletedIntegratorStep SetTime SetContinuousStates GetContinuousStateDerivatives GetEventIndicators \
     GetContinuousStates GetNominalsOfContinuousStates GetNumberOfEventIndicators GetNumberOfContinuousStates \
     EnterStepMode GetOutputDerivatives DoStep ActivateModelPartition";
+
+/// All functions of the header `fmi2Functions.h`, without the prefix.
+const FUNCTIONS_2: &str = "GetTypesPlatform GetVersion SetDebugLogging Instantiate FreeInstance SetupExperiment \
+    EnterInitializationMode ExitInitializationMode Terminate Reset GetReal GetInteger GetBoolean GetString SetReal \
+    SetInteger SetBoolean SetString GetFMUstate SetFMUstate FreeFMUstate SerializedFMUstateSize SerializeFMUstate \
+    DeSerializeFMUstate GetDirectionalDerivative EnterEventMode NewDiscreteStates EnterContinuousTimeMode \
+    CompletedIntegratorStep SetTime SetContinuousStates GetDerivatives GetEventIndicators GetContinuousStates \
+    GetNominalsOfContinuousStates SetRealInputDerivatives GetRealOutputDerivatives DoStep CancelStep GetStatus \
+    GetRealStatus GetIntegerStatus GetBooleanStatus GetStringStatus";
 
 fn preset() -> Model {
     let mut model = Model::preset("two_wheeled").unwrap();
@@ -56,7 +71,7 @@ impl Unpacked {
     }
 
     fn library(&self) -> Library {
-        let folder = self.0.join("binaries").join(PLATFORM);
+        let folder = self.0.join("binaries").join(Version::Fmi3.platform());
         let file = std::fs::read_dir(folder).unwrap().next().unwrap().unwrap().path();
         // SAFETY: our own library; it has no initialisers.
         unsafe { Library::new(file).unwrap() }
@@ -78,16 +93,70 @@ fn property_the_same_model_gives_the_same_bytes() {
     assert!(fmu != pack(&other).unwrap());
 }
 
+fn names(fmu: &[u8]) -> Vec<String> {
+    let mut archive = open(fmu);
+    (0..archive.len()).map(|i| String::from_utf8(archive.by_index(i).unwrap().name_raw().to_vec()).unwrap()).collect()
+}
+
 #[test]
 fn property_the_archive_has_what_tools_expect() {
     let fmu = pack(&preset()).unwrap();
-    let mut archive = open(&fmu);
-    let mut raw = |i| String::from_utf8(archive.by_index(i).unwrap().name_raw().to_vec()).unwrap();
-    let names: Vec<String> = (0..4).map(&mut raw).collect();
-    let library = format!("binaries/{PLATFORM}/two_wheeled.{}", std::env::consts::DLL_EXTENSION);
-    let expected = ["modelDescription.xml", &library, "documentation/index.html", "resources/model.toml"];
-    assert_eq!((archive.len(), names.as_slice()), (4, expected.map(str::to_owned).as_slice()));
+    let (platform, extension) = (Version::Fmi3.platform(), std::env::consts::DLL_EXTENSION);
+    let library = format!("binaries/{platform}/two_wheeled.{extension}");
+    let common = ["documentation/index.html", "documentation/licenses/license.txt"];
+    let own = ["terminalsAndIcons.xml", "icon.png", "icon.svg"].map(|name| format!("terminalsAndIcons/{name}"));
+    let mut expected = vec!["modelDescription.xml", &library];
+    expected.extend(common);
+    expected.extend(own.iter().map(String::as_str));
+    expected.push("resources/model.toml");
+    assert_eq!(names(&fmu), expected);
     assert!(text(&fmu, "documentation/index.html").contains("<code>wheel[2].slip</code>"));
+    assert!(text(&fmu, "terminalsAndIcons/terminalsAndIcons.xml").contains("<Terminal name=\"wheel[2]\""));
+    assert!(text(&fmu, "documentation/licenses/license.txt").contains("Apache License"));
+
+    let fmu = bekker_fmu_package::pack(&preset(), &Options { version: Version::Fmi2, ..Options::default() }).unwrap();
+    let library = format!("binaries/{}/two_wheeled.{extension}", Version::Fmi2.platform());
+    let mut expected = vec!["modelDescription.xml", &library];
+    expected.extend(common);
+    expected.extend(["model.png", "resources/model.toml"]);
+    assert_eq!(names(&fmu), expected);
+    assert!(text(&fmu, "modelDescription.xml").contains("fmiVersion=\"2.0\""));
+}
+
+#[test]
+fn property_a_library_for_windows_is_packed_where_one_is_given() {
+    let file = std::env::temp_dir().join(format!("bekker-package-{}.dll", std::process::id()));
+    std::fs::write(&file, b"a library").unwrap();
+    for (version, place) in [(Version::Fmi2, "win64"), (Version::Fmi3, "x86_64-windows")] {
+        let options = Options { version, windows: Some(file.clone()), ..Options::default() };
+        let fmu = bekker_fmu_package::pack(&preset(), &options).unwrap();
+        assert_eq!(text(&fmu, &format!("binaries/{place}/two_wheeled.dll")), "a library");
+    }
+    std::fs::remove_file(&file).unwrap();
+    let options = Options { windows: Some(file.clone()), ..Options::default() };
+    let error = bekker_fmu_package::pack(&preset(), &options).unwrap_err();
+    assert!(matches!(error, ExportError::Read { .. }), "{error}");
+}
+
+#[test]
+fn property_the_icon_is_a_picture() {
+    let fmu = pack(&preset()).unwrap();
+    let mut bytes = Vec::new();
+    open(&fmu).by_name("terminalsAndIcons/icon.png").unwrap().read_to_end(&mut bytes).unwrap();
+    assert_eq!(&bytes[..16], b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR");
+    // Every chunk's checksum (ISO 15948, 5.3) covers its name and content.
+    let mut rest = &bytes[8..];
+    let mut names = Vec::new();
+    while let Some((length, after)) = rest.split_first_chunk::<4>() {
+        let (body, after) = after.split_at(4 + u32::from_be_bytes(*length) as usize);
+        let (sum, after) = after.split_first_chunk::<4>().unwrap();
+        let mut crc = flate2::Crc::new();
+        crc.update(body);
+        assert_eq!(u32::from_be_bytes(*sum), crc.sum());
+        names.push(String::from_utf8_lossy(&body[..4]).into_owned());
+        rest = after;
+    }
+    assert_eq!(names, ["IHDR", "IDAT", "IEND"]);
 }
 
 #[test]
@@ -102,13 +171,14 @@ fn property_the_packed_model_is_the_model() {
 
 #[test]
 fn property_a_file_that_cannot_be_written_is_an_error() {
-    let error = export(&preset(), Path::new("/no/such/folder/rover.fmu")).unwrap_err().to_string();
+    let error = export(&preset(), &Options::default(), Path::new("/no/such/folder/rover.fmu")).unwrap_err().to_string();
     assert!(error.contains("/no/such/folder/rover.fmu"), "{error}");
 }
 
 #[test]
 fn property_the_library_is_small_and_whole() {
     assert!(LIBRARY.len() < LARGEST_LIBRARY, "{} bytes", LIBRARY.len());
+    assert!(RIGID_LIBRARY.len() < LARGEST_RIGID_LIBRARY, "{} bytes", RIGID_LIBRARY.len());
     let unpacked = Unpacked::new("whole", &pack(&preset()).unwrap());
     let library = unpacked.library();
     let names: Vec<&str> = FUNCTIONS.split_whitespace().collect();
@@ -116,6 +186,12 @@ fn property_the_library_is_small_and_whole() {
     for name in names {
         // SAFETY: only looked up.
         unsafe { library.get::<*const c_void>(format!("fmi3{name}\0").as_bytes()) }.expect(name);
+    }
+    let names: Vec<&str> = FUNCTIONS_2.split_whitespace().collect();
+    assert_eq!(names.len(), 44);
+    for name in names {
+        // SAFETY: only looked up.
+        unsafe { library.get::<*const c_void>(format!("fmi2{name}\0").as_bytes()) }.expect(name);
     }
 }
 
@@ -152,7 +228,7 @@ fn agreement_of_the_packed_library_with_the_core() {
     let unpacked = Unpacked::new("agreement", &pack(&model).unwrap());
     let library = unpacked.library();
     let (_, description) = bekker_fmu::describe(&model).unwrap();
-    let token = CString::new(description.fmi3_token().unwrap()).unwrap();
+    let token = CString::new(description.token().unwrap()).unwrap();
     let place = |name: &str| description.entries.iter().position(|entry| entry.variable.name == name).unwrap() as u32;
     let inputs = [place("wheel[1].torque_command"), place("wheel[2].torque_command")];
     let mut run = model.start().unwrap();
@@ -188,4 +264,42 @@ fn agreement_of_the_packed_library_with_the_core() {
         library.get::<unsafe extern "C" fn(Instance)>(b"fmi3FreeInstance\0").unwrap()(instance);
     }
     assert!(run.signals().body.velocity > 1e-3, "the rover has moved");
+}
+
+#[cfg(target_os = "linux")]
+mod linux {
+    use super::*;
+
+    /// What every Linux has, all parts of glibc: before 2.34 it kept threads and the dynamic loader apart.
+    const SYSTEM: [&str; 5] = ["libc.so.6", "libm.so.6", "libpthread.so.0", "libdl.so.2", "ld-linux-x86-64.so.2"];
+
+    /// Names of the libraries that an ELF library (64 bit, little-endian) needs: the entries DT_NEEDED (1) of its
+    /// dynamic section, whose texts lie in the table DT_STRTAB (5).
+    fn needed(library: &[u8]) -> Vec<String> {
+        let number = |at: usize| u64::from_le_bytes(library[at..at + 8].try_into().unwrap()) as usize;
+        let half = |at: usize| usize::from(u16::from_le_bytes(library[at..at + 2].try_into().unwrap()));
+        let headers: Vec<usize> = (0..half(56)).map(|k| number(32) + k * half(54)).collect();
+        let kind = |at: usize| u32::from_le_bytes(library[at..at + 4].try_into().unwrap());
+        let dynamic = headers.iter().find(|at| kind(**at) == 2).map(|at| (number(at + 8), number(at + 32))).unwrap();
+        let entries: Vec<(usize, usize)> =
+            (0..dynamic.1 / 16).map(|k| (number(dynamic.0 + 16 * k), number(dynamic.0 + 16 * k + 8))).collect();
+        let address = entries.iter().find(|(tag, _)| *tag == 5).unwrap().1;
+        let segment = headers
+            .iter()
+            .find(|at| kind(**at) == 1 && (number(*at + 16)..number(*at + 16) + number(*at + 32)).contains(&address));
+        let texts = segment.map(|at| address - number(at + 16) + number(at + 8)).unwrap();
+        let text = |at: usize| CStr::from_bytes_until_nul(&library[texts + at..]).unwrap().to_str().unwrap().to_owned();
+        entries.iter().filter(|(tag, _)| *tag == 1).map(|(_, at)| text(*at)).collect()
+    }
+
+    #[test]
+    fn property_the_libraries_need_nothing_but_the_system() {
+        for library in [LIBRARY, RIGID_LIBRARY] {
+            let needed = needed(library);
+            assert!(needed.contains(&"libc.so.6".to_owned()), "{needed:?}");
+            for name in &needed {
+                assert!(SYSTEM.contains(&name.as_str()), "{needed:?}");
+            }
+        }
+    }
 }

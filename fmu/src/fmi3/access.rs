@@ -1,8 +1,10 @@
 //! Reading and setting variables: numbers and enumerations, and a refusal for every other type.
 
-use super::arguments::{Places, list};
-use super::instance::call;
-use super::types::{Boolean, Instance, Status};
+use super::instances::call;
+use super::types::Boolean;
+use crate::border::Status;
+use crate::border::arguments::{Places, list};
+use crate::border::instance::Instance;
 use crate::lifecycle::{Refusal, Type};
 use std::ffi::{c_char, c_void};
 

@@ -1,8 +1,11 @@
 //! Initialization, steps, the end.
 
-use super::arguments::Places;
-use super::instance::call;
-use super::types::{Boolean, Instance, Status};
+use super::instances::call;
+use super::types::{Boolean, Updates};
+use crate::border::Status;
+use crate::border::arguments::Places;
+use crate::border::instance::{Component, Instance};
+use crate::lifecycle::{Progress, Refusal};
 
 /// `fmi3EnterInitializationMode`; the tolerance is not used, the integrator's step is fixed.
 #[unsafe(no_mangle)]
@@ -25,8 +28,8 @@ pub extern "C" fn fmi3ExitInitializationMode(instance: Instance) -> Status {
     call(instance, "fmi3ExitInitializationMode", |component| component.lifecycle.exit_initialization())
 }
 
-/// `fmi3DoStep`; where the simulation ends on the way, `terminateSimulation` is true and
-/// `lastSuccessfulTime` says when. There is no event handling and no early return.
+/// `fmi3DoStep`; where the simulation ends on the way, `terminateSimulation` is true and `lastSuccessfulTime` says
+/// when. With a callback, it is called after each inner step.
 #[unsafe(no_mangle)]
 #[allow(clippy::too_many_arguments)]
 pub unsafe extern "C" fn fmi3DoStep(
@@ -39,26 +42,90 @@ pub unsafe extern "C" fn fmi3DoStep(
     earlyReturn: *mut bool,
     lastSuccessfulTime: *mut f64,
 ) -> Status {
-    call(instance, "fmi3DoStep", |component| {
-        // SAFETY: NULL or valid, by the promise of the border.
-        let (event, terminate, early, time) = unsafe {
-            (
-                Places::new("eventHandlingNeeded", eventHandlingNeeded, 1)?,
-                Places::new("terminateSimulation", terminateSimulation, 1)?,
-                Places::new("earlyReturn", earlyReturn, 1)?,
-                Places::new("lastSuccessfulTime", lastSuccessfulTime, 1)?,
-            )
-        };
-        [&event, &terminate, &early].into_iter().for_each(|flag| flag.put(0, false));
-        time.put(0, component.lifecycle.time());
-        let progress = component.lifecycle.step(currentCommunicationPoint, communicationStepSize)?;
-        time.put(0, progress.time);
-        if let Some(reason) = progress.ended {
-            terminate.put(0, true);
-            component.logger.event(&format!("the simulation ends at {} s: {reason}", progress.time));
+    let mut begun: Option<Step> = None;
+    loop {
+        let (mut finished, mut reached) = (true, f64::NAN);
+        let status = call(instance, NAME, |component| {
+            // SAFETY: NULL or valid until the function returns, by the promise of the border.
+            let (event, terminate, early, time) = unsafe {
+                (
+                    Places::new("eventHandlingNeeded", eventHandlingNeeded, 1)?,
+                    Places::new("terminateSimulation", terminateSimulation, 1)?,
+                    Places::new("earlyReturn", earlyReturn, 1)?,
+                    Places::new("lastSuccessfulTime", lastSuccessfulTime, 1)?,
+                )
+            };
+            [&event, &terminate, &early].into_iter().for_each(|flag| flag.put(0, false));
+            time.put(0, component.lifecycle.time());
+            let step = match &begun {
+                Some(step) => step,
+                None => begun.insert(Step::begin(component, currentCommunicationPoint, communicationStepSize)?),
+            };
+            let progress = step.advance(component)?;
+            (reached, finished) =
+                (progress.time, component.lifecycle.has_reached(step.end) || progress.ended.is_some());
+            time.put(0, progress.time);
+            early.put(0, finished && progress.ended.is_none() && step.end < step.target);
+            if let Some(reason) = progress.ended {
+                terminate.put(0, true);
+                component.logger.event(&format!("the simulation ends at {} s: {reason}", progress.time));
+            }
+            Ok(())
+        });
+        let Some(step) = begun.as_mut().filter(|_| status == Status::Ok && !finished) else { return status };
+        let status = step.update(instance, reached);
+        if status != Status::Ok {
+            return status;
         }
-        Ok(())
-    })
+    }
+}
+
+const NAME: &str = "fmi3DoStep";
+
+/// A communication step on its way. The instance is free between its parts, so that the importer can read and set
+/// variables in its callback.
+struct Step {
+    /// Where the importer wants to go, seconds since the start.
+    target: f64,
+    /// Where the step will end: earlier where the importer asks for it.
+    end: f64,
+    updates: Updates,
+}
+
+impl Step {
+    fn begin(component: &Component<Updates>, current: f64, size: f64) -> Result<Self, Refusal> {
+        let target = component.lifecycle.begin_step(current, size)?;
+        Ok(Self { target, end: target, updates: component.own })
+    }
+
+    /// On to the end or, with a callback, to the next end of an inner step.
+    fn advance(&self, component: &mut Component<Updates>) -> Result<Progress, Refusal> {
+        let life = &mut component.lifecycle;
+        let point = if self.updates.callback.is_some() { life.next_point(self.end) } else { self.end };
+        life.go_to(point)
+    }
+
+    /// Calls back, with the instance in the mode in which its variables can be read and inputs set.
+    fn update(&mut self, instance: Instance, time: f64) -> Status {
+        let updates = self.updates;
+        let Some(callback) = updates.callback else { return Status::Ok };
+        let status = call(instance, NAME, |component| component.lifecycle.intermediate(true));
+        if status != Status::Ok {
+            return status;
+        }
+        let (mut requested, mut until) = (0, time);
+        // SAFETY: the importer's function, called on the thread of its own call; both places live until it returns.
+        unsafe {
+            callback(updates.environment, time, true, true, true, updates.early_return, &mut requested, &mut until);
+        }
+        call(instance, NAME, |component| {
+            component.lifecycle.intermediate(false)?;
+            if requested != 0 && updates.early_return {
+                self.end = component.lifecycle.since_start(until).clamp(component.lifecycle.elapsed(), self.target);
+            }
+            Ok(())
+        })
+    }
 }
 
 /// `fmi3Terminate`.

@@ -1,7 +1,7 @@
 //! Reading and setting variables by value reference.
 
-use super::{Lifecycle, Phase, Refusal};
-use bekker_modeldescription::xml::{Causality, Entry, Kind, Variability};
+use super::{Interface, Lifecycle, Phase, Refusal};
+use bekker_modeldescription::xml::{Causality, Entry, Kind, Variability, indicator_name};
 
 /// Type of the values that a function of the standard works on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,19 +38,43 @@ impl Lifecycle {
     /// [`Refusal::Reference`], [`Refusal::Type`]; [`Refusal::NotComputed`] for an output before
     /// initialization; [`Refusal::Failed`] where outputs are read in initialization and cannot be computed.
     pub fn get(&mut self, references: &[u32], asked: Type, put: &mut dyn FnMut(usize, f64)) -> Result<(), Refusal> {
-        let mut computed = false;
+        let entries = self.model.description().entries.len();
+        let (mut computed, mut hidden) = (false, false);
         for &reference in references {
-            let entry = self.entry(reference, asked)?;
-            computed |= matches!(entry.causality, Causality::Output | Causality::Local);
+            let indicator = (reference as usize).checked_sub(entries).filter(|number| *number < self.indicators);
+            let causality = match indicator {
+                Some(_) if asked == Type::Real => Causality::Local,
+                _ => self.entry(reference, asked)?.causality,
+            };
+            hidden |= causality == Causality::Local;
+            computed |= matches!(causality, Causality::Output | Causality::Local);
             if computed && self.phase == Phase::Instantiated {
-                return Err(Refusal::NotComputed(entry.variable.name.clone()));
+                return Err(Refusal::NotComputed(match indicator {
+                    Some(number) => indicator_name(number),
+                    None => self.entry(reference, asked)?.variable.name.clone(),
+                }));
             }
         }
         if computed && self.phase == Phase::Initialization {
             self.refresh()?;
         }
+        if computed && matches!(self.phase, Phase::Initialization | Phase::Event | Phase::ContinuousTime) {
+            self.evaluate()?;
+        }
+        if hidden
+            && self.interface != Interface::ModelExchange
+            && let Some(equations) = self.model.continuous()
+        {
+            equations.follow()?;
+        }
+        let indicators = self.present_indicators(references, entries)?;
         for (place, &reference) in references.iter().enumerate() {
-            put(place, self.value(reference as usize));
+            let reference = reference as usize;
+            let value = match reference.checked_sub(entries) {
+                Some(number) => indicators.get(number).copied().unwrap_or(f64::NAN),
+                None => self.value(reference),
+            };
+            put(place, value);
         }
         Ok(())
     }
@@ -60,6 +84,23 @@ impl Lifecycle {
             Causality::Independent => self.time(),
             _ => self.model.get(reference),
         }
+    }
+
+    /// The event indicators where they are asked for by reference, as FMI 3.0 wants it.
+    fn present_indicators(&mut self, references: &[u32], entries: usize) -> Result<Vec<f64>, Refusal> {
+        if references.iter().all(|reference| (*reference as usize) < entries) {
+            return Ok(Vec::new());
+        }
+        let mut indicators = vec![0.0; self.indicators];
+        if let Some(equations) = self.model.continuous() {
+            equations.event_indicators(&mut indicators)?;
+        }
+        Ok(indicators)
+    }
+
+    /// The largest value reference.
+    pub(super) fn largest(&self) -> usize {
+        (self.model.description().entries.len() + self.indicators).saturating_sub(1)
     }
 
     /// Sets variables of type `asked`; either all or, with an error, none.
@@ -83,7 +124,8 @@ impl Lifecycle {
         for (&reference, &value) in references.iter().zip(values) {
             self.model.set(reference as usize, value);
         }
-        self.stale |= self.phase != Phase::Step && !references.is_empty();
+        self.stale |= matches!(self.phase, Phase::Instantiated | Phase::Initialization) && !references.is_empty();
+        self.fresh &= references.is_empty();
         Ok(())
     }
 
@@ -95,10 +137,9 @@ impl Lifecycle {
         references.iter().try_for_each(|reference| self.entry(*reference, asked).map(|_| ()))
     }
 
-    fn entry(&self, reference: u32, asked: Type) -> Result<&Entry, Refusal> {
-        let entries = &self.model.description().entries;
-        let entry = entries.get(reference as usize);
-        let entry = entry.ok_or(Refusal::Reference { reference, largest: entries.len().saturating_sub(1) })?;
+    pub(super) fn entry(&self, reference: u32, asked: Type) -> Result<&Entry, Refusal> {
+        let entry = self.model.description().entries.get(reference as usize);
+        let entry = entry.ok_or(Refusal::Reference { reference, largest: self.largest() })?;
         let actual = Type::of(entry);
         if actual == asked {
             return Ok(entry);
@@ -109,9 +150,11 @@ impl Lifecycle {
 
     fn settable(&self, entry: &Entry) -> Result<(), Refusal> {
         let before = matches!(self.phase, Phase::Instantiated | Phase::Initialization);
-        let during = before || self.phase == Phase::Step;
+        let at_points = before || matches!(self.phase, Phase::Step | Phase::Event);
+        let any_time = at_points || matches!(self.phase, Phase::Intermediate | Phase::ContinuousTime);
         let legal = match (entry.causality, entry.variability) {
-            (Causality::Input, _) | (Causality::Parameter, Variability::Tunable) => during,
+            (Causality::Input, _) => any_time,
+            (Causality::Parameter, Variability::Tunable) => at_points,
             (Causality::Parameter, _) => before,
             (Causality::Output | Causality::Local | Causality::Independent, _) => false,
         };

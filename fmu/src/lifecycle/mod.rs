@@ -2,32 +2,39 @@
 //! share it; a C border only translates.
 //!
 //! ```text
-//! Instantiated --enter--> Initialization --exit--> Step --terminate--> Terminated
-//!      ^                                            | failure             |
-//!      +------------------- reset ---------------- Failed <               |
-//!      +------------------- reset ------------------- ... ----------------+
+//! Instantiated --enter--> Initialization --exit--> Step (co-simulation) <----> Event
+//!      ^                        |                        |                      |
+//!      |                        +-exit--> Event (model exchange) <--> ContinuousTime
+//!      +------ reset, from every phase ---- Terminated <-- terminate, or Failed <-- a failure
 //! ```
 
 mod access;
+mod bytes;
+mod derivatives;
+mod exchange;
 mod refusal;
+mod stepping;
 
 pub use access::Type;
+pub use derivatives::Direction;
 pub use refusal::Refusal;
+pub use stepping::Progress;
 
-use crate::model::{Model, Outcome};
+use crate::model::Model;
 use std::fmt;
+use stepping::Slope;
 
-/// Largest relative distance of a communication step from a whole number of inner steps: a host that
-/// computes its steps as differences of times around 1e6 steps is off by 1e-10 at most.
-const STEP_TOLERANCE: f64 = 1e-9;
-
-/// Largest distance of the host's time from the model's, relative to the communication step: the host
-/// may have added up many steps. The model counts its own steps, so nothing follows from the difference.
-const TIME_TOLERANCE: f64 = 1e-3;
-
-/// Most inner steps in one communication step; at 1 ms this is eleven days of driving in one call, and
-/// more is rather a slip of the host, which would not come back for hours.
-const MOST_STEPS: f64 = 1e9;
+/// Who integrates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interface {
+    /// The model, between communication points.
+    CoSimulation {
+        /// Whether the importer handles events (FMI 3.0): then it may enter [`Phase::Event`], and steps follow it.
+        events: bool,
+    },
+    /// The importer.
+    ModelExchange,
+}
 
 /// Where an instance is in its life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,8 +43,14 @@ pub enum Phase {
     Instantiated,
     /// Start values may be set, and outputs that follow from them read.
     Initialization,
-    /// Time goes on.
+    /// Co-simulation: time goes on.
     Step,
+    /// Co-simulation: inside a step, in the importer's callback.
+    Intermediate,
+    /// At an event: values may change by jumps.
+    Event,
+    /// Model exchange: the importer integrates.
+    ContinuousTime,
     /// At its end: values may be read.
     Terminated,
     /// A step or a start failed: values may be read; reset or restore to go on.
@@ -50,38 +63,78 @@ impl fmt::Display for Phase {
             Self::Instantiated => "instantiated",
             Self::Initialization => "initialization mode",
             Self::Step => "step mode",
+            Self::Intermediate => "intermediate update mode",
+            Self::Event => "event mode",
+            Self::ContinuousTime => "continuous-time mode",
             Self::Terminated => "terminated",
             Self::Failed => "failed",
         })
     }
 }
 
-/// Where a communication step arrived.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Progress {
-    /// The host's time that was reached, s.
-    pub time: f64,
-    /// Why the simulation ended, where it did.
-    pub ended: Option<String>,
-}
-
 /// A model, guarded by the rules of the standard. A clone is a saved state.
 #[derive(Clone)]
 pub struct Lifecycle {
     model: Box<dyn Model>,
+    interface: Interface,
     phase: Phase,
     start: f64,
     stop: Option<f64>,
+    /// Model exchange: the importer's time since the start, s.
+    clock: f64,
     /// Whether the initial state is older than the start values.
     stale: bool,
+    /// Model exchange: whether outputs and derivatives belong to the present time, states and inputs.
+    fresh: bool,
+    /// Model exchange: the derivatives of the states.
+    rates: Vec<f64>,
+    /// How many event indicators there are.
+    indicators: usize,
+    /// How inputs go on within the next step.
+    slopes: Vec<Slope>,
     ended: Option<String>,
 }
 
 impl Lifecycle {
-    /// A new instance of `model`.
+    /// A new instance of `model`, for co-simulation without events.
     #[must_use]
     pub fn new(model: Box<dyn Model>) -> Self {
-        Self { model, phase: Phase::Instantiated, start: 0.0, stop: None, stale: true, ended: None }
+        Self::cosimulation(model, false)
+    }
+
+    /// A new instance for co-simulation; `events` as in [`Interface::CoSimulation`].
+    #[must_use]
+    pub fn cosimulation(mut model: Box<dyn Model>, events: bool) -> Self {
+        let indicators = model.continuous().map_or(0, |equations| equations.indicators());
+        Self {
+            model,
+            interface: Interface::CoSimulation { events },
+            phase: Phase::Instantiated,
+            start: 0.0,
+            stop: None,
+            clock: 0.0,
+            stale: true,
+            fresh: false,
+            rates: Vec::new(),
+            indicators,
+            slopes: Vec::new(),
+            ended: None,
+        }
+    }
+
+    /// A new instance for model exchange.
+    ///
+    /// # Errors
+    /// [`Refusal::Unsupported`] where the model is no system of differential equations.
+    pub fn exchange(mut model: Box<dyn Model>) -> Result<Self, Refusal> {
+        let states = match model.continuous() {
+            Some(equations) => equations.states().len(),
+            None => return Err(Refusal::Unsupported("the FMU offers co-simulation only".into())),
+        };
+        let mut life = Self::cosimulation(model, false);
+        life.interface = Interface::ModelExchange;
+        life.rates = vec![0.0; states];
+        Ok(life)
     }
 
     /// Where the instance is in its life.
@@ -90,20 +143,45 @@ impl Lifecycle {
         self.phase
     }
 
+    /// The variables.
+    #[must_use]
+    pub fn description(&self) -> &bekker_modeldescription::xml::Description {
+        self.model.description()
+    }
+
     /// The model's time in the host's count, s.
     #[must_use]
     pub fn time(&self) -> f64 {
-        match self.phase {
-            Phase::Instantiated | Phase::Initialization => self.start,
+        match (self.phase, self.interface) {
+            (Phase::Instantiated | Phase::Initialization, _) => self.start,
+            (_, Interface::ModelExchange) => self.start + self.clock,
             _ => self.start + self.model.elapsed(),
         }
     }
 
-    /// Enters initialization; time will go from `start` to `stop` or without end.
+    /// Seconds since the start.
+    #[must_use]
+    pub fn elapsed(&self) -> f64 {
+        self.model.elapsed()
+    }
+
+    /// A time of the host's in seconds since the start.
+    #[must_use]
+    pub fn since_start(&self, time: f64) -> f64 {
+        time - self.start
+    }
+
+    /// Why the simulation ended, where it has.
+    #[must_use]
+    pub fn ended(&self) -> Option<&str> {
+        self.ended.as_deref()
+    }
+
+    /// Says, before initialization, from when to when time will go (FMI 2.0 does so in a call of its own).
     ///
     /// # Errors
     /// [`Refusal::Order`], or [`Refusal::Time`] where the times are not finite or not in order.
-    pub fn enter_initialization(&mut self, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
+    pub fn set_up(&mut self, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
         self.require(&[Phase::Instantiated])?;
         if !start.is_finite() {
             return Err(Refusal::Time(format!("the start time is {start}, expected a finite number")));
@@ -111,72 +189,47 @@ impl Lifecycle {
         if let Some(stop) = stop.filter(|stop| !(stop.is_finite() && *stop > start)) {
             return Err(Refusal::Time(format!("the stop time is {stop}, expected a finite number above {start}")));
         }
-        (self.start, self.stop, self.phase) = (start, stop, Phase::Initialization);
+        (self.start, self.stop) = (start, stop);
+        Ok(())
+    }
+
+    /// Enters initialization; time will go from `start` to `stop` or without end.
+    ///
+    /// # Errors
+    /// As [`set_up`](Self::set_up).
+    pub fn enter_initialization(&mut self, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
+        self.set_up(start, stop)?;
+        self.phase = Phase::Initialization;
+        Ok(())
+    }
+
+    /// Enters initialization with the times of [`set_up`](Self::set_up), or from 0 without end.
+    ///
+    /// # Errors
+    /// [`Refusal::Order`].
+    pub fn enter_initialization_as_set_up(&mut self) -> Result<(), Refusal> {
+        self.require(&[Phase::Instantiated])?;
+        self.phase = Phase::Initialization;
         Ok(())
     }
 
     /// Computes the initial state; then time can go on.
     ///
     /// # Errors
-    /// [`Refusal::Order`], or [`Refusal::Failed`] where the parameters do not go together: they can be
-    /// corrected and the call repeated.
+    /// [`Refusal::Order`], or [`Refusal::Failed`] where the parameters do not go together, or in model exchange leave
+    /// no differential equations: they can be corrected and the call repeated.
     pub fn exit_initialization(&mut self) -> Result<(), Refusal> {
         self.require(&[Phase::Initialization])?;
         self.refresh()?;
-        self.phase = Phase::Step;
-        Ok(())
-    }
-
-    /// Goes on from the host's time `current` by `size`, s.
-    ///
-    /// # Errors
-    /// [`Refusal::Order`], [`Refusal::Ended`]; [`Refusal::Time`] where `current` is not the model's time,
-    /// or `size` not a positive whole multiple of the inner step, or the end beyond the stop time;
-    /// [`Refusal::Failed`] where the model could not go on, after which only reading, reset and restoring
-    /// are allowed.
-    pub fn step(&mut self, current: f64, size: f64) -> Result<Progress, Refusal> {
-        self.require(&[Phase::Step])?;
-        if let Some(reason) = &self.ended {
-            return Err(Refusal::Ended(reason.clone()));
-        }
-        let steps = self.whole_steps(current, size)?;
-        match self.model.advance(steps) {
-            Ok(Outcome::Running) => {}
-            Ok(Outcome::Ended { reason }) => self.ended = Some(reason),
-            Err(failure) => {
-                self.phase = Phase::Failed;
-                return Err(failure.into());
+        self.phase = match self.interface {
+            Interface::CoSimulation { events: false } => Phase::Step,
+            Interface::CoSimulation { events: true } => Phase::Event,
+            Interface::ModelExchange => {
+                self.equations()?.check()?;
+                Phase::Event
             }
-        }
-        Ok(Progress { time: self.time(), ended: self.ended.clone() })
-    }
-
-    /// How many inner steps a communication step is.
-    fn whole_steps(&self, current: f64, size: f64) -> Result<u64, Refusal> {
-        let time = self.time();
-        if !(size.is_finite() && size > 0.0) {
-            return Err(Refusal::Time(format!("the communication step is {size}, expected a positive number")));
-        }
-        let late = TIME_TOLERANCE * size;
-        if !current.is_finite() || (current - time).abs() > late {
-            return Err(Refusal::Time(format!("the step starts at {current} s, but this instance is at {time} s")));
-        }
-        if let Some(stop) = self.stop.filter(|stop| time + size > stop + late) {
-            return Err(Refusal::Time(format!("the step ends at {} s, after the stop time {stop} s", time + size)));
-        }
-        let inner = self.model.inner_step();
-        let steps = (size / inner).round();
-        if steps < 1.0 || (steps * inner - size).abs() > STEP_TOLERANCE * size {
-            return Err(Refusal::Time(format!(
-                "the communication step {size} s is not a whole multiple of the model's inner step {inner} s"
-            )));
-        }
-        if steps > MOST_STEPS {
-            return Err(Refusal::Time(format!(
-                "the communication step {size} s is {steps} inner steps, more than {MOST_STEPS} in one call"
-            )));
-        }
-        Ok(steps as u64)
+        };
+        Ok(())
     }
 
     /// Ends the simulation; values remain readable.
@@ -184,7 +237,11 @@ impl Lifecycle {
     /// # Errors
     /// [`Refusal::Order`].
     pub fn terminate(&mut self) -> Result<(), Refusal> {
-        self.require(&[Phase::Step])?;
+        match self.interface {
+            Interface::CoSimulation { events: false } => self.require(&[Phase::Step])?,
+            Interface::CoSimulation { events: true } => self.require(&[Phase::Step, Phase::Event])?,
+            Interface::ModelExchange => self.require(&[Phase::Event, Phase::ContinuousTime])?,
+        }
         self.phase = Phase::Terminated;
         Ok(())
     }
@@ -193,6 +250,8 @@ impl Lifecycle {
     pub fn reset(&mut self) {
         self.model.reset();
         (self.phase, self.start, self.stop, self.stale, self.ended) = (Phase::Instantiated, 0.0, None, true, None);
+        (self.clock, self.fresh) = (0.0, false);
+        self.slopes.clear();
     }
 
     /// Marks the instance as failed, where a defect was caught outside it.
@@ -200,10 +259,11 @@ impl Lifecycle {
         self.phase = Phase::Failed;
     }
 
+    /// Brings the initial state up to date with the start values.
     fn refresh(&mut self) -> Result<(), Refusal> {
         if self.stale {
             self.model.start()?;
-            self.stale = false;
+            (self.stale, self.fresh) = (false, false);
         }
         Ok(())
     }

@@ -65,6 +65,33 @@ pub enum Refusal {
         /// How many values.
         values: usize,
     },
+    /// The equations have no value at the point that the importer's integrator tries; it may try another.
+    #[error("{0}")]
+    Discarded(Failure),
+    /// A list has the wrong length.
+    #[error("there are {expected} {what}, not {given}")]
+    Count {
+        /// What the list holds.
+        what: &'static str,
+        /// How many were given.
+        given: usize,
+        /// How many are expected.
+        expected: usize,
+    },
+    /// A derivative cannot be set or read; the reason follows.
+    #[error("{0}")]
+    Derivative(String),
+    /// A state as bytes cannot be read back.
+    #[error("the serialised state is {0}")]
+    Bytes(&'static str),
+    /// The importer's memory is too small.
+    #[error("the state has {needed} bytes, the memory given {given}")]
+    Memory {
+        /// How many bytes the state has.
+        needed: usize,
+        /// How many bytes the importer gives.
+        given: usize,
+    },
     /// A time or a step is not usable.
     #[error("{0}")]
     Time(String),

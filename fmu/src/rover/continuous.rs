@@ -157,6 +157,18 @@ impl Continuous for Rover {
         }
     }
 
+    fn follow(&mut self) -> Result<(), Failure> {
+        let present = self.present()?;
+        let time = self.time;
+        if let Some(ordinary) = &mut self.ordinary {
+            (ordinary.equations, ordinary.fresh) = (present, false);
+            if !ordinary.at_work {
+                ordinary.time = time;
+            }
+        }
+        self.bring_up()
+    }
+
     fn states(&self) -> &[usize] {
         self.ordinary.as_ref().map_or(&[], |ordinary| &ordinary.states)
     }

@@ -105,7 +105,8 @@ fn description(model: &RoverModel, kind: Kind, inner_step: f64, text: &str, entr
         generation_tool: concat!("Bekker ", env!("CARGO_PKG_VERSION")).into(),
         experiment: Experiment { start: 0.0, stop: model.stepping.duration, step },
         inner_step,
-        log_categories: crate::fmi3::LOG_CATEGORIES,
+        date: None,
+        log_categories: crate::LOG_CATEGORIES,
         content: text.to_owned(),
         entries,
     }

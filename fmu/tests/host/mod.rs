@@ -2,6 +2,10 @@
 #![allow(dead_code, clippy::unwrap_used)]
 
 use bekker::model::Model;
+use bekker_fmu::Kind;
+use bekker_fmu::fmi2::{
+    self, fmi2EnterInitializationMode, fmi2ExitInitializationMode, fmi2Instantiate, fmi2SetupExperiment,
+};
 use bekker_fmu::fmi3::*;
 use bekker_modeldescription::xml::Description;
 use std::cell::RefCell;
@@ -25,6 +29,32 @@ pub unsafe extern "C" fn log(_: *mut c_void, status: Status, category: *const c_
     LOG.with_borrow_mut(|log| log.push(format!("{status:?} {category}: {message}")));
 }
 
+/// The logger of FMI 2.0. Its C type is variadic, which a Rust function cannot be; the messages ask for no arguments,
+/// and the calling conventions of all our targets pass the named ones alike.
+unsafe extern "C" fn log2(
+    environment: *mut c_void,
+    _: *const c_char,
+    status: Status,
+    category: *const c_char,
+    message: *const c_char,
+) {
+    // SAFETY: the library passes NUL-terminated texts.
+    unsafe { log(environment, status, category, message) }
+}
+
+/// The callbacks of FMI 2.0.
+pub fn callbacks() -> fmi2::Callbacks {
+    // SAFETY: see `log2`.
+    let logger = unsafe { std::mem::transmute::<*const c_void, fmi2::Log>(log2 as *const c_void) };
+    fmi2::Callbacks {
+        logger,
+        allocate_memory: null(),
+        free_memory: null(),
+        step_finished: null(),
+        environment: null_mut(),
+    }
+}
+
 /// Inner step of all models here, s.
 pub const INNER: f64 = 0.001;
 
@@ -43,11 +73,16 @@ pub struct Fmu {
 
 impl Fmu {
     pub fn new(model: &Model) -> Self {
+        Self::of_kind(model, Kind::default())
+    }
+
+    /// What `kind` says of a model.
+    pub fn of_kind(model: &Model, kind: Kind) -> Self {
         static COUNT: AtomicU32 = AtomicU32::new(0);
         let number = COUNT.fetch_add(1, Ordering::Relaxed);
         let folder = std::env::temp_dir().join(format!("bekker-fmu-{}-{number}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        let (text, description) = bekker_fmu::describe(model).unwrap();
+        let (text, description) = bekker_fmu::describe_as(model, kind).unwrap();
         std::fs::write(folder.join("model.toml"), text).unwrap();
         Self { folder, description }
     }
@@ -65,7 +100,7 @@ impl Fmu {
     }
 
     pub fn token(&self) -> CString {
-        CString::new(self.description.fmi3_token().unwrap()).unwrap()
+        CString::new(self.description.token().unwrap()).unwrap()
     }
 
     pub fn reference(&self, name: &str) -> u32 {
@@ -76,6 +111,22 @@ impl Fmu {
     /// A new instance, or NULL.
     pub fn instantiate(&self) -> Instance {
         instantiate(c"rover", Some(&self.token()), Some(&self.resources()))
+    }
+
+    /// A new instance of FMI 2.0 for co-simulation, or NULL.
+    pub fn instantiate2(&self) -> Instance {
+        let uri = CString::new(format!("file://{}", self.folder.to_str().unwrap())).unwrap();
+        // SAFETY: texts and callbacks that live through the call.
+        unsafe { fmi2Instantiate(c"rover".as_ptr(), 1, self.token().as_ptr(), uri.as_ptr(), &callbacks(), 0, 1) }
+    }
+
+    /// A new instance of FMI 2.0 in step mode at time 0.
+    pub fn running2(&self) -> Instance {
+        let instance = self.instantiate2();
+        assert_eq!(fmi2SetupExperiment(instance, 0, 0.0, 0.0, 0, 0.0), Status::Ok, "{:?}", messages());
+        assert_eq!(fmi2EnterInitializationMode(instance), Status::Ok, "{:?}", messages());
+        assert_eq!(fmi2ExitInitializationMode(instance), Status::Ok, "{:?}", messages());
+        instance
     }
 
     /// A new instance in step mode at time 0.

@@ -1,15 +1,19 @@
 //! The writer for FMI 3.0.
 
 use super::names::is_structured;
+use super::quantity::{displays, quantity, units as all_units};
 use super::writer::{Attributes, Xml, number};
-use super::{Causality, Description, Entry, Item, Kind};
+use super::{Abilities, Causality, Description, Entry, Item, Kind, indicator_name};
 use crate::Unit;
 
 /// The whole file; the description must have been checked.
-pub(super) fn write(description: &Description, token: &str) -> String {
+pub(super) fn write(description: &Description, abilities: &Abilities, token: &str) -> String {
     let mut xml = Xml::new();
     xml.element("fmiModelDescription", &head(description, token), |xml| {
-        xml.empty("CoSimulation", &cosimulation(description));
+        if abilities.exchange.is_some() {
+            xml.empty("ModelExchange", &exchange(description, abilities));
+        }
+        xml.empty("CoSimulation", &cosimulation(description, abilities));
         units(xml, description);
         types(xml, description);
         log_categories(xml, description);
@@ -18,38 +22,69 @@ pub(super) fn write(description: &Description, token: &str) -> String {
             for (reference, entry) in description.entries.iter().enumerate() {
                 variable(xml, reference, entry);
             }
+            indicators(xml, description, abilities);
         });
-        xml.element("ModelStructure", &vec![], |xml| structure(xml, description));
+        xml.element("ModelStructure", &vec![], |xml| structure(xml, description, abilities));
     });
     xml.finish()
 }
 
 fn head<'a>(description: &Description, token: &str) -> Attributes<'a> {
     let structured = description.entries.iter().all(|entry| is_structured(&entry.variable.name));
-    vec![
+    let mut attributes = vec![
         ("fmiVersion", "3.0".into()),
         ("modelName", description.name.clone()),
         ("instantiationToken", token.into()),
         ("description", description.description.clone()),
         ("version", description.version.clone()),
         ("license", description.license.clone()),
-        // No generationDateAndTime: the same model gives the same bytes, whenever it is packed.
         ("generationTool", description.generation_tool.clone()),
-        ("variableNamingConvention", if structured { "structured" } else { "flat" }.into()),
-    ]
+    ];
+    // Only where one was given: the same model gives the same bytes, whenever it is packed.
+    attributes.extend(description.date.clone().map(|date| ("generationDateAndTime", date)));
+    attributes.push(("variableNamingConvention", if structured { "structured" } else { "flat" }.into()));
+    attributes
 }
 
-fn cosimulation<'a>(description: &Description) -> Attributes<'a> {
+fn yes_no(yes: bool) -> String {
+    if yes { "true" } else { "false" }.into()
+}
+
+/// What both interface types say.
+fn interface<'a>(description: &Description, abilities: &Abilities) -> Attributes<'a> {
     vec![
         ("modelIdentifier", description.identifier.clone()),
-        ("canGetAndSetFMUState", "true".into()),
-        ("canSerializeFMUState", "false".into()),
-        ("canHandleVariableCommunicationStepSize", "true".into()),
-        ("fixedInternalStepSize", number(description.inner_step)),
+        ("canGetAndSetFMUState", yes_no(true)),
+        ("canSerializeFMUState", yes_no(abilities.states_as_bytes)),
+        ("providesDirectionalDerivatives", yes_no(abilities.directional)),
+        ("providesAdjointDerivatives", yes_no(abilities.adjoint)),
+        ("providesPerElementDependencies", yes_no(true)),
     ]
 }
 
-fn experiment<'a>(description: &Description) -> Attributes<'a> {
+fn exchange<'a>(description: &Description, abilities: &Abilities) -> Attributes<'a> {
+    let mut attributes = interface(description, abilities);
+    attributes.push(("needsCompletedIntegratorStep", yes_no(true)));
+    attributes.push(("providesEvaluateDiscreteStates", yes_no(true)));
+    attributes
+}
+
+fn cosimulation<'a>(description: &Description, abilities: &Abilities) -> Attributes<'a> {
+    let mut attributes = interface(description, abilities);
+    attributes.extend([
+        ("canHandleVariableCommunicationStepSize", yes_no(true)),
+        ("fixedInternalStepSize", number(description.inner_step)),
+        ("maxOutputDerivativeOrder", "1".into()),
+        ("providesIntermediateUpdate", yes_no(true)),
+        ("mightReturnEarlyFromDoStep", yes_no(false)),
+        ("canReturnEarlyAfterIntermediateUpdate", yes_no(true)),
+        ("hasEventMode", yes_no(true)),
+        ("providesEvaluateDiscreteStates", yes_no(true)),
+    ]);
+    attributes
+}
+
+pub(super) fn experiment<'a>(description: &Description) -> Attributes<'a> {
     vec![
         ("startTime", number(description.experiment.start)),
         ("stopTime", number(description.experiment.stop)),
@@ -57,19 +92,10 @@ fn experiment<'a>(description: &Description) -> Attributes<'a> {
     ]
 }
 
-/// Each unit once, in the order of first use.
-fn units(xml: &mut Xml, description: &Description) {
-    let mut seen: Vec<Unit> = Vec::new();
-    for entry in description.entries.iter().filter(|entry| entry.kind == Kind::Real) {
-        if seen.iter().all(|unit| unit.symbol != entry.variable.unit.symbol) {
-            seen.push(entry.variable.unit);
-        }
-    }
-    if seen.is_empty() {
-        return;
-    }
+/// The same in both versions.
+pub(super) fn units(xml: &mut Xml, description: &Description) {
     xml.element("UnitDefinitions", &vec![], |xml| {
-        for unit in &seen {
+        for unit in &all_units(description) {
             xml.element("Unit", &vec![("name", unit.symbol.into())], |xml| unit_content(xml, unit));
         }
     });
@@ -81,7 +107,7 @@ fn unit_content(xml: &mut Xml, unit: &Unit) {
         let used = exponents.iter().filter(|(_, power)| *power != 0);
         xml.empty("BaseUnit", &used.map(|(name, power)| (*name, power.to_string())).collect());
     }
-    if let Some(display) = unit.display {
+    for display in displays(unit) {
         let mut attributes = vec![("name", display.symbol.to_owned()), ("factor", number(display.factor))];
         if display.offset != 0.0 {
             attributes.push(("offset", number(display.offset)));
@@ -90,7 +116,8 @@ fn unit_content(xml: &mut Xml, unit: &Unit) {
     }
 }
 
-fn types(xml: &mut Xml, description: &Description) {
+/// Each enumeration once.
+pub(super) fn enumerations(description: &Description) -> Vec<(&'static str, &'static [Item])> {
     let mut seen: Vec<(&str, &[Item])> = Vec::new();
     for entry in &description.entries {
         if let Kind::Enumeration { name, items } = entry.kind
@@ -99,26 +126,46 @@ fn types(xml: &mut Xml, description: &Description) {
             seen.push((name, items));
         }
     }
-    if seen.is_empty() {
+    seen
+}
+
+fn types(xml: &mut Xml, description: &Description) {
+    let measured: Vec<_> =
+        all_units(description).into_iter().filter_map(|unit| Some((quantity(&unit)?, unit))).collect();
+    let enumerations = enumerations(description);
+    if measured.is_empty() && enumerations.is_empty() {
         return;
     }
     xml.element("TypeDefinitions", &vec![], |xml| {
-        for (name, items) in &seen {
-            xml.element("EnumerationType", &vec![("name", (*name).into())], |xml| {
-                for item in *items {
-                    let value = item.value.to_string();
-                    let description = item.doc.to_owned();
-                    xml.empty(
-                        "Item",
-                        &vec![("name", item.name.into()), ("value", value), ("description", description)],
-                    );
-                }
-            });
+        for (name, unit) in &measured {
+            let mut attributes = vec![("name", (*name).to_owned())];
+            attributes.extend(quantity_attributes(unit));
+            xml.empty("Float64Type", &attributes);
+        }
+        for (name, items) in &enumerations {
+            xml.element("EnumerationType", &vec![("name", (*name).into())], |xml| self::items(xml, items));
         }
     });
 }
 
-fn log_categories(xml: &mut Xml, description: &Description) {
+/// Quantity, unit and display unit of a declared type.
+pub(super) fn quantity_attributes<'a>(unit: &Unit) -> Attributes<'a> {
+    let mut attributes = Vec::new();
+    attributes.extend(quantity(unit).map(|name| ("quantity", name.to_owned())));
+    attributes.push(("unit", unit.symbol.to_owned()));
+    attributes.extend(unit.display.map(|display| ("displayUnit", display.symbol.to_owned())));
+    attributes
+}
+
+/// The values of an enumeration.
+pub(super) fn items(xml: &mut Xml, items: &[Item]) {
+    for item in items {
+        let (value, description) = (item.value.to_string(), item.doc.to_owned());
+        xml.empty("Item", &vec![("name", item.name.into()), ("value", value), ("description", description)]);
+    }
+}
+
+pub(super) fn log_categories(xml: &mut Xml, description: &Description) {
     if description.log_categories.is_empty() {
         return;
     }
@@ -138,35 +185,92 @@ fn variable(xml: &mut Xml, reference: usize, entry: &Entry) {
         ("causality", entry.causality.word().to_owned()),
         ("variability", entry.variability.word().to_owned()),
     ];
+    attributes.extend(is_calculated(entry).then(|| ("initial", "calculated".to_owned())));
     match entry.kind {
         Kind::Real => {
-            attributes.push(("unit", v.unit.symbol.to_owned()));
-            attributes.extend(v.unit.display.map(|display| ("displayUnit", display.symbol.to_owned())));
-            attributes.extend(v.min.is_finite().then(|| ("min", number(v.min))));
-            attributes.extend(v.max.is_finite().then(|| ("max", number(v.max))));
-            if matches!(entry.causality, Causality::Parameter | Causality::Input) {
-                attributes.push(("start", number(entry.start)));
-            }
+            attributes.extend(quantity(&v.unit).map(|name| ("declaredType", name.to_owned())));
+            attributes.extend(real_attributes(entry));
+            attributes.extend(entry.derivative_of.map(|state| ("derivative", state.to_string())));
             xml.empty("Float64", &attributes);
         }
         Kind::Enumeration { name, .. } => {
             attributes.push(("declaredType", name.to_owned()));
-            if matches!(entry.causality, Causality::Parameter | Causality::Input) {
-                attributes.push(("start", format!("{:.0}", entry.start)));
-            }
+            attributes.extend(is_set(entry).then(|| ("start", format!("{:.0}", entry.start))));
             xml.empty("Enumeration", &attributes);
         }
     }
 }
 
-/// Every output, and as every output is calculated at the start, every output again as an initial
-/// unknown. Without `dependencies` a tool must assume that each depends on everything, which is true.
-fn structure(xml: &mut Xml, description: &Description) {
-    for element in ["Output", "InitialUnknown"] {
+/// Whether the importer sets the variable, so that it has a start value.
+pub(super) fn is_set(entry: &Entry) -> bool {
+    matches!(entry.causality, Causality::Parameter | Causality::Input)
+}
+
+/// Whether the model computes the variable, from initialization on.
+pub(super) fn is_calculated(entry: &Entry) -> bool {
+    matches!(entry.causality, Causality::Output | Causality::Local)
+}
+
+/// Unit, bounds, nominal and start value of a number, the same in both versions.
+pub(super) fn real_attributes<'a>(entry: &Entry) -> Attributes<'a> {
+    let v = &entry.variable;
+    let mut attributes = vec![("unit", v.unit.symbol.to_owned())];
+    attributes.extend(v.unit.display.map(|display| ("displayUnit", display.symbol.to_owned())));
+    attributes.extend(v.min.is_finite().then(|| ("min", number(v.min))));
+    attributes.extend(v.max.is_finite().then(|| ("max", number(v.max))));
+    attributes.extend(nominal(entry).map(|nominal| ("nominal", number(nominal))));
+    attributes.extend(is_set(entry).then(|| ("start", number(entry.start))));
+    attributes
+}
+
+/// The nominal value: as the model says or, of a parameter, the size of its start value.
+fn nominal(entry: &Entry) -> Option<f64> {
+    let parameter = (entry.causality == Causality::Parameter).then_some(entry.start.abs());
+    entry.nominal.or(parameter).filter(|nominal| nominal.is_finite() && *nominal > 0.0)
+}
+
+/// FMI 3.0 counts event indicators among the variables; their references follow those of the description.
+fn indicators(xml: &mut Xml, description: &Description, abilities: &Abilities) {
+    for number in 0..abilities.exchange.unwrap_or(0) {
+        let attributes = vec![
+            ("name", indicator_name(number)),
+            ("valueReference", (description.entries.len() + number).to_string()),
+            ("description", "Changes its sign at an event.".to_owned()),
+            ("causality", "local".to_owned()),
+            ("variability", "continuous".to_owned()),
+            ("initial", "calculated".to_owned()),
+        ];
+        xml.empty("Float64", &attributes);
+    }
+}
+
+/// Every output, every derivative of a state, and everything that is calculated at the start as an initial unknown.
+/// Without `dependencies` a tool must assume that each depends on everything, which is true.
+fn structure(xml: &mut Xml, description: &Description, abilities: &Abilities) {
+    let mut list = |element: &str, belongs: &dyn Fn(usize, &Entry) -> bool| {
         for (reference, entry) in description.entries.iter().enumerate() {
-            if entry.causality == Causality::Output {
+            if belongs(reference, entry) {
                 xml.empty(element, &vec![("valueReference", reference.to_string())]);
             }
         }
+    };
+    list("Output", &|_, entry| entry.causality == Causality::Output);
+    if abilities.exchange.is_some() {
+        list("ContinuousStateDerivative", &|_, entry| entry.derivative_of.is_some());
     }
+    list("InitialUnknown", &|reference, entry| is_initial_unknown(description, abilities, reference, entry));
+    for number in 0..abilities.exchange.unwrap_or(0) {
+        xml.empty("EventIndicator", &vec![("valueReference", (description.entries.len() + number).to_string())]);
+    }
+}
+
+/// Outputs and, where the importer integrates, the states and their derivatives.
+pub(super) fn is_initial_unknown(
+    description: &Description,
+    abilities: &Abilities,
+    reference: usize,
+    entry: &Entry,
+) -> bool {
+    let state = || description.entries.iter().any(|other| other.derivative_of == Some(reference));
+    entry.causality == Causality::Output || (abilities.exchange.is_some() && (entry.derivative_of.is_some() || state()))
 }

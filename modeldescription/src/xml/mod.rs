@@ -1,14 +1,20 @@
 //! `modelDescription.xml` of the Functional Mock-up Interface, from the vocabulary.
 //!
 //! A [`Description`] says what a model offers, without a word about the standard's version;
-//! [`Description::fmi3`] writes it as FMI 3.0 (<https://fmi-standard.org/docs/3.0.2/>).
+//! [`Description::fmi2`] writes it as FMI 2.0, [`Description::fmi3`] as FMI 3.0
+//! (<https://fmi-standard.org/docs/3.0.2/>).
 
 mod entry;
+mod fmi2;
 mod fmi3;
 mod names;
+mod quantity;
+mod system;
+mod terminals;
 mod writer;
 
 pub use entry::{Causality, Entry, Item, Kind, Variability};
+pub use system::{Component, system};
 
 use std::collections::HashSet;
 use uuid::Uuid;
@@ -42,9 +48,11 @@ pub struct Description {
     pub license: String,
     /// Program and version that made the package.
     pub generation_tool: String,
+    /// When the package was made, in UTC without fractions of a second (`2026-11-21T19:00:00Z`), where it is to say so.
+    pub date: Option<String>,
     /// Default experiment.
     pub experiment: Experiment,
-    /// Step of the model's own integrator, s: communication steps are whole multiples of it.
+    /// Step of the model's own integrator, s.
     pub inner_step: f64,
     /// Name and meaning of the categories in which the library logs.
     pub log_categories: &'static [(&'static str, &'static str)],
@@ -53,6 +61,25 @@ pub struct Description {
     pub content: String,
     /// Variables; the first is the independent one, and the place in the list is the value reference.
     pub entries: Vec<Entry>,
+}
+
+/// What a model can do beyond values and steps, as the capability flags of the standard tell it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Abilities {
+    /// Whether a saved state can be written as bytes.
+    pub states_as_bytes: bool,
+    /// Whether it has directional derivatives.
+    pub directional: bool,
+    /// Whether it has adjoint derivatives.
+    pub adjoint: bool,
+    /// For a model that also is a system of differential equations (model exchange): the number of event indicators.
+    pub exchange: Option<usize>,
+}
+
+/// Name of the event indicator with this number, from 0 on.
+#[must_use]
+pub fn indicator_name(number: usize) -> String {
+    format!("event_indicator[{}]", number + 1)
 }
 
 /// Why a description cannot be written.
@@ -89,27 +116,41 @@ impl Description {
         self.entries.iter().find(|entry| entry.variable.name == name)
     }
 
-    /// `modelDescription.xml` of FMI 3.0, co-simulation.
+    /// `modelDescription.xml` of FMI 2.0.
     ///
     /// # Errors
     /// A [`DescriptionError`] where the file could not be valid.
-    pub fn fmi3(&self) -> Result<String, DescriptionError> {
-        self.check()?;
-        Ok(fmi3::write(self, &self.token(&fmi3::write(self, ""))))
+    pub fn fmi2(&self, abilities: &Abilities) -> Result<String, DescriptionError> {
+        Ok(fmi2::write(self, abilities, &self.token()?))
     }
 
-    /// `instantiationToken` of FMI 3.0: a UUID (version 5) of the description and of the content.
+    /// `modelDescription.xml` of FMI 3.0.
     ///
     /// # Errors
-    /// As [`fmi3`](Self::fmi3).
-    pub fn fmi3_token(&self) -> Result<String, DescriptionError> {
-        self.check()?;
-        Ok(self.token(&fmi3::write(self, "")))
+    /// As [`fmi2`](Self::fmi2).
+    pub fn fmi3(&self, abilities: &Abilities) -> Result<String, DescriptionError> {
+        Ok(fmi3::write(self, abilities, &self.token()?))
     }
 
-    fn token(&self, without_token: &str) -> String {
-        let text = format!("{without_token}\n{}", self.content);
-        Uuid::new_v5(&TOKENS, text.as_bytes()).to_string()
+    /// `terminalsAndIcons/terminalsAndIcons.xml` of FMI 3.0.
+    ///
+    /// # Errors
+    /// As [`fmi2`](Self::fmi2).
+    pub fn terminals(&self) -> Result<String, DescriptionError> {
+        self.check()?;
+        Ok(terminals::write(self))
+    }
+
+    /// `guid` of FMI 2.0 and `instantiationToken` of FMI 3.0: a UUID (version 5) of the description and of the
+    /// content, the date apart. Abilities follow from these and add nothing.
+    ///
+    /// # Errors
+    /// As [`fmi2`](Self::fmi2).
+    pub fn token(&self) -> Result<String, DescriptionError> {
+        self.check()?;
+        let undated = Self { date: None, ..self.clone() };
+        let text = format!("{}\n{}", fmi3::write(&undated, &Abilities::default(), ""), self.content);
+        Ok(Uuid::new_v5(&TOKENS, text.as_bytes()).to_string())
     }
 
     fn check(&self) -> Result<(), DescriptionError> {
@@ -126,6 +167,7 @@ impl Description {
             finite(what, value)?;
         }
         let mut seen = HashSet::new();
+        writable(self.date.as_deref().unwrap_or_default())?;
         for entry in &self.entries {
             entry.check()?;
             if !seen.insert(entry.variable.name.as_str()) {

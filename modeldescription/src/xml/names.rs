@@ -8,9 +8,10 @@ pub(super) fn is_identifier(name: &str) -> bool {
 }
 
 /// Whether `name` fits the grammar of structured names (FMI 3.0, 2.4.7.5.1): identifiers joined by
-/// dots, each with array indices or without. Quoted names and `der(..)` are not used here.
+/// dots, each with array indices or without, or the derivative `der(..)` of such a name. Quoted names are not used here.
 pub(super) fn is_structured(name: &str) -> bool {
-    name.split('.').all(|part| match part.split_once('[') {
+    let plain = name.strip_prefix("der(").and_then(|rest| rest.strip_suffix(')')).unwrap_or(name);
+    plain.split('.').all(|part| match part.split_once('[') {
         None => is_identifier(part),
         Some((word, indices)) => is_identifier(word) && indices.strip_suffix(']').is_some_and(are_indices),
     })
@@ -26,10 +27,10 @@ mod tests {
 
     #[test]
     fn published_structured_names() {
-        for good in ["x", "_a", "wheel[2].slip", "soil.k_phi", "m[1,20].n[3]"] {
+        for good in ["x", "_a", "wheel[2].slip", "soil.k_phi", "m[1,20].n[3]", "der(state.wheel[2].spin)"] {
             assert!(is_structured(good), "{good}");
         }
-        for bad in ["", "2x", "a.", ".a", "a[", "a[]", "a[x]", "a[1]b", "a b", "a[1,]", "ä"] {
+        for bad in ["", "2x", "a.", ".a", "a[", "a[]", "a[x]", "a[1]b", "a b", "a[1,]", "ä", "der(x", "der()"] {
             assert!(!is_structured(bad), "{bad}");
         }
     }

@@ -7,7 +7,7 @@ use std::ffi::{CStr, c_char};
 ///
 /// # Safety
 /// `pointer` is NULL or valid for `count` values while the result lives.
-pub(super) unsafe fn list<'a, T>(name: &'static str, pointer: *const T, count: usize) -> Result<&'a [T], Refusal> {
+pub(crate) unsafe fn list<'a, T>(name: &'static str, pointer: *const T, count: usize) -> Result<&'a [T], Refusal> {
     if count == 0 {
         return Ok(&[]);
     }
@@ -17,12 +17,12 @@ pub(super) unsafe fn list<'a, T>(name: &'static str, pointer: *const T, count: u
 }
 
 /// Places of the importer, written one by one through the pointer: C code may let them overlap.
-pub(super) struct Places<T>(*mut T, usize);
+pub(crate) struct Places<T>(*mut T, usize);
 
 impl<T: Copy> Places<T> {
     /// # Safety
     /// `pointer` is NULL or valid for `count` values while the result lives.
-    pub(super) unsafe fn new(name: &'static str, pointer: *mut T, count: usize) -> Result<Self, Refusal> {
+    pub(crate) unsafe fn new(name: &'static str, pointer: *mut T, count: usize) -> Result<Self, Refusal> {
         if count > 0 {
             check(name, pointer, count)?;
         }
@@ -30,25 +30,42 @@ impl<T: Copy> Places<T> {
     }
 
     /// Writes a value; `place` is below the count.
-    pub(super) fn put(&self, place: usize, value: T) {
+    pub(crate) fn put(&self, place: usize, value: T) {
         assert!(place < self.1, "place {place} of {}", self.1);
         // SAFETY: inside the places, which are valid by the promise of `new`.
         unsafe { self.0.add(place).write(value) };
     }
 
     /// Reads the first value; the count is not 0.
-    pub(super) fn first(&self) -> T {
+    pub(crate) fn first(&self) -> T {
         assert!(self.1 > 0, "no place");
         // SAFETY: inside the places, which are valid by the promise of `new`.
         unsafe { self.0.read() }
     }
 }
 
+/// `count` places of the importer as a slice: for memory that only this call writes.
+///
+/// # Safety
+/// `pointer` is NULL or valid for `count` values, and nothing else reads or writes them while the result lives.
+pub(crate) unsafe fn list_mut<'a, T>(
+    name: &'static str,
+    pointer: *mut T,
+    count: usize,
+) -> Result<&'a mut [T], Refusal> {
+    if count == 0 {
+        return Ok(&mut []);
+    }
+    check(name, pointer, count)?;
+    // SAFETY: neither NULL nor unaligned nor too long; valid by the promise above.
+    Ok(unsafe { std::slice::from_raw_parts_mut(pointer, count) })
+}
+
 /// The text at `pointer`; `None` for NULL.
 ///
 /// # Safety
 /// `pointer` is NULL or a NUL-terminated text that lives as long as the result.
-pub(super) unsafe fn text<'a>(pointer: *const c_char) -> Option<&'a CStr> {
+pub(crate) unsafe fn text<'a>(pointer: *const c_char) -> Option<&'a CStr> {
     // SAFETY: not NULL; a text by the promise above.
     (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })
 }
