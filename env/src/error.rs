@@ -44,6 +44,8 @@ pub fn run(error: &RunError) -> PyErr {
         | RunError::WheelOrder { .. }
         | RunError::ObstaclesWithoutBodies { .. }
         | RunError::NeedsJointCoordinates { .. }
+        | RunError::NotTunable { .. }
+        | RunError::NoController { .. }
         | RunError::NoRigidBodies => ModelError::new_err(error.to_string()),
         RunError::InputLength { .. } => InputError::new_err(error.to_string()),
         RunError::Step(_) | RunError::Control { .. } => SimulationError::new_err(error.to_string()),

@@ -73,7 +73,7 @@ pub struct Fmu {
 
 impl Fmu {
     pub fn new(model: &Model) -> Self {
-        Self::of_kind(model, Kind::default())
+        Self::of_kind(model, Kind::usual(model))
     }
 
     /// What `kind` says of a model.
