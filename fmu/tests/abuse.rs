@@ -249,7 +249,7 @@ fn abuse_of_fmi2() {
             make(c"a".as_ptr(), 2, token.as_ptr(), place.as_ptr());
             make(c"a".as_ptr(), -1, token.as_ptr(), place.as_ptr());
             fmi2Instantiate(null(), 1, null(), null(), null(), 0, 1);
-            fmi2Instantiate(null(), 0, null(), null(), 7 as *const Callbacks, 0, 1);
+            fmi2Instantiate(null(), 0, null(), null(), std::ptr::without_provenance(7), 0, 1);
         }
         let instance = fmu.instantiate2();
         assert!(!instance.is_null(), "{:?}", messages());

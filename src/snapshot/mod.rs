@@ -2,7 +2,7 @@
 //!
 //! Bytes hold what a step changes and nothing else: constants follow from the model. So a state is read in place, into a
 //! run of the same model, whose shapes are there already: no length in the bytes decides about memory, and a number that
-//! does not fit is an error with a name. Each moving part lists its fields once, by [`moving!`](crate::snapshot::moving),
+//! does not fit is an error with a name. Each moving part lists its fields once, by `moving!`,
 //! from which writing and reading both follow. (A general format with derives would write the constants too, or need a
 //! second struct beside each; and it would be one more library in an FMU, whose size counts.)
 //!
