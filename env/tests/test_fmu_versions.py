@@ -133,7 +133,7 @@ def test_agreement_of_the_versions_with_each_other_and_the_core(make: Make, tmp_
         import bekker
 
         names = ["wheel[1].torque_command", "wheel[2].torque_command"]
-        drive = bekker.simulate("two_wheeled", duration=2.0, inputs=dict.fromkeys(names, DRIVING))
+        drive = bekker.simulate("two_wheeled", duration=2.0, inputs=dict.fromkeys(names, DRIVING), period=0.02)
         core = {name: np.asarray(drive[name]) for name in SIGNALS}
     else:
         path = tmp_path / "core.csv"
