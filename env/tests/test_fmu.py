@@ -213,7 +213,7 @@ def test_property_an_end_event_asks_to_terminate(slave):
     "refused, words",
     [
         (lambda s: s.set(x=1.0), "output"),
-        (lambda s: s.set(**{"wheel[1].radius": 0.2}), "fixed parameter"),
+        (lambda s: s.set(**{"wheel.radius": 0.2}), "fixed parameter"),
         (lambda s: s.set(**{"wheel[1].torque_command": float("nan")}), "finite number"),
         (lambda s: s.fmu.getFloat64([10**6]), "no variable has the value reference 1000000"),
         (lambda s: s.fmu.doStep(0.0, -0.01), "positive"),
