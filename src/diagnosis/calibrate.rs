@@ -90,16 +90,7 @@ pub struct Calibration {
     pub agreeing: usize,
 }
 
-/// Chi-square by degree of freedom from which a fit is far from the measurements: small changes about it tell little of
-/// what an effect at full strength would do.
-const FAR: f64 = 2.0;
-
 impl Calibration {
-    /// Whether the misfit is far beyond noise.
-    pub(crate) fn is_far(&self) -> bool {
-        self.chi_square > FAR * self.degrees_of_freedom as f64
-    }
-
     /// The values of the free parameters.
     pub(crate) fn values(&self) -> Vec<f64> {
         self.parameters.iter().map(|parameter| parameter.value).collect()
@@ -116,24 +107,17 @@ pub(crate) fn calibrate(weighted: &Weighted, weights: &BTreeMap<String, f64>, ef
     search(weighted, &problem, &starts, weights)
 }
 
-/// Calibrates from the given starts only, values in SI units, or where there are more than `most`, from those of the least
-/// cost. `None` where none has a finite cost.
+/// Calibrates from the given starts only, values in SI units. `None` where none has a finite cost.
 pub(crate) fn calibrate_from(
     weighted: &Weighted,
     weights: &BTreeMap<String, f64>,
     starts: &[Vec<f64>],
-    most: usize,
 ) -> Option<Calibration> {
     let residual = |u: &[f64]| weighted.residual(u);
     let jacobian = |u: &[f64]| weighted.jacobian(u);
     let problem = least_squares(weighted, &residual, &jacobian);
-    let costed = starts.iter().map(|values| weighted.coordinates(values)).map(|u| (problem.cost_at(&u), u));
-    let mut starts: Vec<(f64, Vec<f64>)> = costed.filter(|(cost, _)| cost.is_finite()).collect();
-    if starts.len() > most {
-        starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-        starts.truncate(most);
-    }
-    let starts: Vec<Vec<f64>> = starts.into_iter().map(|(_, u)| u).collect();
+    let starts: Vec<Vec<f64>> =
+        starts.iter().map(|values| weighted.coordinates(values)).filter(|u| problem.cost_at(u).is_finite()).collect();
     search(weighted, &problem, &starts, weights)
 }
 
@@ -143,9 +127,7 @@ fn least_squares<'a>(
     jacobian: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
 ) -> LeastSquares<'a> {
     let (lower, upper) = weighted.free.iter().map(Free::bounds).unzip();
-    let tolerance = weighted.predict.tolerance();
-    let far_tolerance = if weighted.hurried { weighted.predict.far_tolerance() } else { tolerance };
-    LeastSquares { lower, upper, tolerance, far_tolerance, residual, jacobian }
+    LeastSquares { lower, upper, tolerance: weighted.predict.tolerance(), residual, jacobian }
 }
 
 fn search(

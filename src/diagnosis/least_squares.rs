@@ -14,10 +14,6 @@ use std::convert::Infallible;
 /// Share by which the point may still move between accepted steps when the search stops.
 const STEP_TOLERANCE: f64 = 1e-10;
 
-/// Cost for each residual, 1/2 by noise alone, from which it is far beyond noise. There the model is wrong, and a search
-/// would crawl along its bounds for a last per cent that decides nothing.
-const FAR: f64 = 2.0;
-
 /// Steps after which a search gives up; fits here take 10 to 60.
 const MAX_STEPS: u64 = 300;
 
@@ -31,8 +27,6 @@ pub(crate) struct LeastSquares<'a> {
     pub residual: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
     /// Share by which the cost may still fall between accepted steps when the search stops.
     pub tolerance: f64,
-    /// A larger share at which the search stops where the cost is then far beyond what noise gives.
-    pub far_tolerance: f64,
     /// Jacobian of the residuals, row by row.
     pub jacobian: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
 }
@@ -56,21 +50,8 @@ impl LeastSquares<'_> {
 
     /// Searches from `start`, which must have a finite cost; `None` where the bounds are not an interval each.
     pub fn minimise(&self, start: &[f64]) -> Option<Minimum> {
-        if self.far_tolerance <= self.tolerance {
-            return self.search(start, self.tolerance);
-        }
-        let first = self.search(start, self.far_tolerance)?;
-        let rows = (self.residual)(&first.x).len() as f64;
-        if first.cost > FAR * rows {
-            return Some(first);
-        }
-        let last = self.search(&first.x, self.tolerance)?;
-        Some(Minimum { steps: first.steps + last.steps, ..last })
-    }
-
-    fn search(&self, start: &[f64], tolerance: f64) -> Option<Minimum> {
         let solver = TrustRegionReflective::new()
-            .with_relative_cost_change_tolerance(tolerance)
+            .with_relative_cost_change_tolerance(self.tolerance)
             .with_relative_step_tolerance(STEP_TOLERANCE);
         let result = Executor::from_start(Borrowed(self), solver, start.to_vec()).max_iter(MAX_STEPS).run().ok()?;
         let converged = !matches!(

@@ -91,11 +91,6 @@ pub(crate) trait Predict: Sync {
         1e-12
     }
 
-    /// The same where the misfit is far beyond noise.
-    fn far_tolerance(&self) -> f64 {
-        self.tolerance()
-    }
-
     /// How [`slopes`](Predict::slopes) obtains the derivatives.
     fn derivatives(&self) -> Derivatives {
         Derivatives::Exact

@@ -190,10 +190,6 @@ impl Predict for TraversePrediction<'_> {
         1e-6
     }
 
-    fn far_tolerance(&self) -> f64 {
-        3e-3
-    }
-
     fn values(&self, free: &[f64]) -> Result<Vec<f64>, PredictionError> {
         let mut values = vec![f64::NAN; self.layout.len()];
         for (run, trace) in self.runs.iter().zip(map_in_order(&self.runs, |run| self.trace(run, free))) {

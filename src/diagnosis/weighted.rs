@@ -16,8 +16,6 @@ pub(crate) struct Weighted<'a> {
     pub whitening: &'a Whitening,
     /// Size of a whitened residual beyond which its weight falls (Huber 1964); infinite for plain least squares.
     pub robust: f64,
-    /// Whether a search may end early where the misfit is far beyond noise.
-    pub hurried: bool,
 }
 
 impl Weighted<'_> {

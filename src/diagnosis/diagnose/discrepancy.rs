@@ -11,9 +11,6 @@ const HATS: usize = 8;
 /// Values of a condition that differ by less than this share of its range are one level.
 const SAME_LEVEL: f64 = 0.02;
 
-/// Name of the condition "first command" of a traverse.
-const COMMAND: &str = "command";
-
 /// A condition: one value a row of a run.
 struct Condition {
     /// By run.
@@ -96,18 +93,17 @@ pub(crate) fn columns(experiment: &Experiment, layout: &Layout, modelled: &[f64]
 pub(crate) fn modulations(experiment: &Experiment, layout: &Layout, modelled: &[f64]) -> Vec<Vec<Vec<f64>>> {
     let columns: &[&str] = match experiment.kind {
         Kind::SingleWheel => &["slip", "load", "wheel_speed"],
-        Kind::Traverse => &["pitch", COMMAND, "time"],
+        Kind::Traverse => &["pitch", "time"],
     };
     let mut shapes = Vec::new();
     for name in columns {
         let condition = match *name {
             "pitch" => along_model(experiment, layout, modelled, name),
-            COMMAND => commanded(experiment),
             _ => recorded(experiment, name),
         };
         let Some(condition) = condition else { continue };
         shapes.push(product(experiment, &|run, row| condition.scaled(run, row)));
-        if ["slip", "pitch", COMMAND].contains(name) {
+        if *name == "slip" || *name == "pitch" {
             shapes.push(product(experiment, &|run, row| condition.scaled(run, row).powi(2)));
         }
     }
@@ -131,11 +127,6 @@ fn hats(experiment: &Experiment, condition: &Condition, shapes: &mut Vec<Shape>)
 
 fn recorded(experiment: &Experiment, name: &str) -> Option<Condition> {
     Condition::new(experiment, &|_, run| run.data.column(name).map(<[f64]>::to_vec))
-}
-
-/// The first command of a traverse, which stands for all wheels.
-fn commanded(experiment: &Experiment) -> Option<Condition> {
-    Condition::new(experiment, &|_, run| run.data.column(run.inputs.first()?).map(<[f64]>::to_vec))
 }
 
 /// A signal as the model gives it, where it was measured.
@@ -184,11 +175,12 @@ fn traverse_shapes(experiment: &Experiment, layout: &Layout, modelled: &[f64]) -
         let time = run.data.column("time")?;
         Some(time.iter().map(|t| t - time[0]).collect())
     };
+    let command = |run: &Run| run.data.column(run.inputs.first()?).map(<[f64]>::to_vec);
     let conditions = [
         Condition::new(experiment, &|_, run| elapsed(run)),
         along_model(experiment, layout, modelled, "x"),
         along_model(experiment, layout, modelled, "pitch"),
-        commanded(experiment),
+        Condition::new(experiment, &|_, run| command(run)),
     ];
     for condition in conditions.iter().flatten() {
         hats(experiment, condition, &mut shapes);

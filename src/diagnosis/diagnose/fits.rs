@@ -61,7 +61,7 @@ pub(crate) fn run(problem: &Problem, noise: &Noise, task: &Task) -> Option<Calib
         if task.starts.is_empty() {
             calibrate(weighted, weights, effort(problem))
         } else {
-            calibrate_from(weighted, weights, &task.starts, most_searches(problem))
+            calibrate_from(weighted, weights, &task.starts)
         }
     })
 }
@@ -85,19 +85,11 @@ fn with_problem(
     let robust = noise.robust.unwrap_or(f64::INFINITY);
     let fit = |predict: &dyn Predict| {
         f(
-            &Weighted { predict, layout: &problem.layout, free: &free, whitening: &whitening, robust, hurried: true },
+            &Weighted { predict, layout: &problem.layout, free: &free, whitening: &whitening, robust },
             &noise.deviations(),
         )
     };
     problem.predict(&free, fit).ok()?
-}
-
-/// Searches of a fit whose starts are given.
-fn most_searches(problem: &Problem) -> usize {
-    match problem.experiment.kind {
-        Kind::SingleWheel => usize::MAX,
-        Kind::Traverse => 2,
-    }
 }
 
 fn effort(problem: &Problem) -> Effort {
@@ -126,17 +118,6 @@ pub fn fit_task(
 pub(crate) fn outcome(problem: &Problem, noise: &Noise, task: &Task) -> Option<Outcome> {
     let fit = run(problem, noise, task)?;
     Some(Outcome { values: fit.values(), chi_square: fit.chi_square })
-}
-
-/// Cost of a task at its first start; `None` where the model has no answer.
-pub(crate) fn cost(problem: &Problem, noise: &Noise, task: &Task) -> Option<f64> {
-    let mut cost = None;
-    with_problem(problem, noise, task, |weighted, _| {
-        let residual = weighted.residual(&weighted.coordinates(task.starts.first()?));
-        cost = Some(residual.iter().map(|r| r * r).sum()).filter(|cost: &f64| cost.is_finite());
-        None
-    });
-    cost
 }
 
 /// What is known at given values without a search: cost, standard errors, which parameters sit on bounds.

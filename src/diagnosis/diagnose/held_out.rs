@@ -157,13 +157,13 @@ fn stepped(
     let (modelled, slopes) = problem.predict(&free, |predict| predict.slopes(values)).ok()?.ok()?;
     let fit = |predict: &dyn crate::diagnosis::prediction::Predict| {
         let (layout, free, robust) = (&problem.layout, free.as_slice(), f64::INFINITY);
-        let u = Weighted { predict, layout, free, whitening: &whole, robust, hurried: true }.coordinates(values);
+        let u = Weighted { predict, layout, free, whitening: &whole, robust }.coordinates(values);
         folds
             .iter()
             .map(|fold| {
                 let inside: BTreeSet<_> = fold.iter().copied().collect();
                 let whitening = noise.whitening(problem, &|run, row| !inside.contains(&(run, row)))?;
-                let weighted = Weighted { predict, layout, free, whitening: &whitening, robust, hurried: true };
+                let weighted = Weighted { predict, layout, free, whitening: &whitening, robust };
                 let residual = weighted.whitened(&modelled, values);
                 let columns = weighted.columns(&slopes, values);
                 Some(weighted.values(&linear_optimum(free, &u, &residual, &columns)?))
@@ -191,7 +191,6 @@ fn linear_optimum(
         (0..rows).map(|i| triangle[(i, n)] + (0..n).map(|k| triangle[(i, k)] * (v[k] - u[k])).sum::<f64>()).collect()
     };
     let jacobian = |_: &[f64]| (0..rows * n).map(|at| triangle[(at / n, at % n)]).collect();
-    let problem =
-        LeastSquares { lower, upper, tolerance: 1e-10, far_tolerance: 1e-10, residual: &at, jacobian: &jacobian };
+    let problem = LeastSquares { lower, upper, tolerance: 1e-10, residual: &at, jacobian: &jacobian };
     Some(problem.minimise(u)?.x)
 }

@@ -61,9 +61,8 @@ fn refit(search: &Search, free: &[Free], start: &[f64], k: usize, at: f64) -> Op
     let fit = problem
         .predict(&others, |predict| {
             let whitening = search.ground.whitening;
-            let weighted =
-                Weighted { predict, layout: &problem.layout, free: &others, whitening, robust, hurried: true };
-            calibrate_from(&weighted, &search.noise.deviations(), &[start], 1)
+            let weighted = Weighted { predict, layout: &problem.layout, free: &others, whitening, robust };
+            calibrate_from(&weighted, &search.noise.deviations(), &[start])
         })
         .ok()??;
     let mut values = fit.values();

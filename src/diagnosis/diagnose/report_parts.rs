@@ -52,7 +52,6 @@ pub(crate) fn whitened_residual(
             free: &free,
             whitening: search.ground.whitening,
             robust: f64::INFINITY,
-            hurried: true,
         };
         Ok(weighted.whitened(&predict.values(values)?, values))
     })?

@@ -90,8 +90,7 @@ impl Search<'_> {
         }
     }
 
-    /// Refits single effects on top of a stage: all on a carriage, those worth it on a traverse, where all are if the stage
-    /// is far from the measurements.
+    /// Refits single effects on top of a stage: all on a carriage, those worth it on a traverse.
     pub fn singles(&mut self, stage: &Stage) {
         let best = stage.gains.singles.iter().map(|(gain, ..)| *gain).fold(0.0, f64::max);
         let mut order: Vec<usize> = (0..stage.gains.singles.len()).collect();
@@ -101,9 +100,7 @@ impl Search<'_> {
             .into_iter()
             .enumerate()
             .filter(|(rank, k)| {
-                !traverse
-                    || stage.fit.is_far()
-                    || (*rank < SINGLES_TRAVERSE && stage.gains.singles[*k].0 >= WORTH_A_REFIT * best)
+                !traverse || (*rank < SINGLES_TRAVERSE && stage.gains.singles[*k].0 >= WORTH_A_REFIT * best)
             })
             .map(|(_, k)| k)
             .collect();
@@ -124,18 +121,12 @@ impl Search<'_> {
         }
         let shares: &[f64] = match self.problem.experiment.kind {
             Kind::SingleWheel => &STARTS,
-            Kind::Traverse if stage.fit.is_far() => &STARTS,
             Kind::Traverse if own.is_empty() => &STARTS[..1],
             Kind::Traverse => &[],
         };
-        let far = self.problem.experiment.kind == Kind::Traverse && stage.fit.is_far();
         own.extend(
             shares.iter().map(|share| candidate.free.iter().map(|free| free.start + share * span(free)).collect()),
         );
-        if far {
-            // What a step along the sensitivities promises may be worse than the stage itself.
-            own.push(candidate.free.iter().map(|free| free.start).collect());
-        }
         let before = stage.fit.values();
         let parts = |own| {
             let mut parts: Vec<(&str, &[f64])> =
@@ -143,22 +134,8 @@ impl Search<'_> {
             parts.push((&signature.id, own));
             parts
         };
-        let mut starts: Vec<_> = own.iter().map(|own| self.problem.assemble(&before, &parts(own))).collect();
-        if far {
-            self.keep_best(&effects, &mut starts);
-        }
+        let starts = own.iter().map(|own| self.problem.assemble(&before, &parts(own))).collect();
         (effects, starts)
-    }
-
-    /// Leaves the start of the least cost: a search far from the measurements is long.
-    fn keep_best(&self, effects: &[String], starts: &mut Vec<Vec<f64>>) {
-        let costed = starts.iter().map(|start| {
-            let task = self.problem.task(effects, vec![start.clone()]);
-            super::fits::cost(self.problem, self.noise, &task).unwrap_or(f64::INFINITY)
-        });
-        let costs: Vec<f64> = costed.collect();
-        let best = (0..starts.len()).min_by(|a, b| costs[*a].total_cmp(&costs[*b]));
-        *starts = best.map(|k| starts.swap_remove(k)).into_iter().collect();
     }
 
     /// Refits the pairs that look best by their sensitivities.
