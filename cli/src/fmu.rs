@@ -20,7 +20,7 @@ pub struct Fmu {
     fmi: Version,
     /// What of the model the FMU offers: the whole (closed-loop), its rover, or its controller; what the model file says
     /// where missing.
-    #[arg(long, value_parser = kind, value_name = "rover|controller|closed-loop")]
+    #[arg(long, value_name = "rover|controller|closed-loop")]
     kind: Option<Kind>,
     /// A library for 64 bit Windows to pack besides this system's.
     #[arg(long, value_name = "DLL")]
@@ -35,25 +35,12 @@ fn version(text: &str) -> Result<Version, String> {
     }
 }
 
-fn kind(text: &str) -> Result<Kind, String> {
-    match text {
-        "rover" => Ok(Kind::Rover),
-        "controller" => Ok(Kind::Controller),
-        "closed-loop" => Ok(Kind::RoverWithController),
-        _ => Err("expected rover, controller or closed-loop".into()),
-    }
-}
-
 impl Fmu {
     pub fn run(self) -> Result<()> {
         let model = self.model.load()?;
         let path = self.output.unwrap_or_else(|| PathBuf::from(format!("{}.fmu", model.name)));
         let options = Options { version: self.fmi, kind: self.kind, windows: self.windows, date: source_date()? };
-        if path.extension().is_some_and(|extension| extension == "ssp") {
-            bekker_fmu_package::export_system(&model, &options, &path)?;
-        } else {
-            bekker_fmu_package::export(&model, &options, &path)?;
-        }
+        bekker_fmu_package::export(&model, &options, &path)?;
         say!("wrote {}", path.display());
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use crate::error::{self, ModelError};
 use crate::model::Model;
-use bekker_fmu_package::{ExportError, Kind, Options, Version, export, export_system};
+use bekker_fmu_package::{ExportError, Kind, Options, Version, export};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -25,18 +25,13 @@ pub fn export_fmu(
         3 => Version::Fmi3,
         other => return Err(PyValueError::new_err(format!("fmi is {other}, expected 2 or 3"))),
     };
-    let kind = match kind {
-        None => None,
-        Some("rover") => Some(Kind::Rover),
-        Some("controller") => Some(Kind::Controller),
-        Some("closed-loop") => Some(Kind::RoverWithController),
-        Some(other) => {
-            return Err(PyValueError::new_err(format!("kind is `{other}`, expected rover, controller or closed-loop")));
-        }
-    };
+    let kind = kind
+        .map(|word| {
+            word.parse::<Kind>().map_err(|expected| PyValueError::new_err(format!("kind is `{word}`, {expected}")))
+        })
+        .transpose()?;
     let options = Options { version, kind, windows, date: None };
-    let write = if path.extension().is_some_and(|extension| extension == "ssp") { export_system } else { export };
-    py.detach(|| error::fenced(|| write(&model.core, &options, &path)))?.map_err(|failed| match &failed {
+    py.detach(|| error::fenced(|| export(&model.core, &options, &path)))?.map_err(|failed| match &failed {
         ExportError::Read { error, .. } | ExportError::Write { error, .. } => {
             error::unreachable_file(error, failed.to_string())
         }

@@ -73,30 +73,23 @@ pub enum ExportError {
     },
 }
 
-/// Writes `model` as an FMU to `path`. The same model and options give the same bytes.
+/// Writes `model` to `path`: as an FMU or, where the path ends in `.ssp`, as a system of a rover's FMU and its
+/// controller's. The same model and options give the same bytes.
 ///
 /// # Errors
-/// An [`ExportError`] where the model does not start, or a file cannot be read or written.
+/// An [`ExportError`] where the model does not start or has no controller for a system, or a file cannot be read or
+/// written.
 pub fn export(model: &Model, options: &Options, path: &Path) -> Result<(), ExportError> {
-    let bytes = pack(model, options)?;
+    let system = path.extension().is_some_and(|extension| extension == "ssp");
+    let bytes = if system { pack_system(model, options)? } else { pack(model, options)? };
     std::fs::write(path, bytes).map_err(|error| ExportError::Write { path: path.to_owned(), error })
 }
 
-/// Writes `model` as a system of two FMUs of FMI 2.0, the rover and its controller, wired by the names of their
-/// variables (SSP 1.0), to `path`.
+/// `model` as a system of two FMUs of FMI 2.0, the rover and its controller, wired by the names of their variables
+/// (SSP 1.0). The controller is the first: it decides on what was measured at the end of the rover's last step.
 ///
 /// # Errors
-/// An [`ExportError`] where the model has no controller or does not start, or a file cannot be read or written.
-pub fn export_system(model: &Model, options: &Options, path: &Path) -> Result<(), ExportError> {
-    let bytes = pack_system(model, options)?;
-    std::fs::write(path, bytes).map_err(|error| ExportError::Write { path: path.to_owned(), error })
-}
-
-/// The system of `model`, as [`export_system`] writes it. The controller is the first: it decides on what was measured
-/// at the end of the rover's last step.
-///
-/// # Errors
-/// As [`export_system`], but for writing.
+/// As [`export`], but for writing.
 pub fn pack_system(model: &Model, options: &Options) -> Result<Vec<u8>, ExportError> {
     let part = |kind: Kind| pack_part(model, &Options { version: Version::Fmi2, kind: Some(kind), ..options.clone() });
     let (controller, rover) = (part(Kind::Controller)?, part(Kind::Rover)?);

@@ -2,6 +2,7 @@
 
 use bekker::model::{ControlKind, Model};
 use serde::Deserialize;
+use std::str::FromStr;
 
 /// What of a model an FMU offers: `kind` in the section `[fmu]` of the packed model file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
@@ -14,6 +15,20 @@ pub enum Kind {
     Controller,
     /// The model as it is.
     RoverWithController,
+}
+
+/// The words of the doors, for people.
+impl FromStr for Kind {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "rover" => Ok(Self::Rover),
+            "controller" => Ok(Self::Controller),
+            "closed-loop" => Ok(Self::RoverWithController),
+            _ => Err("expected rover, controller or closed-loop".into()),
+        }
+    }
 }
 
 impl Kind {
