@@ -3,6 +3,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo test --workspace
+python3 fmu/scripts/third_party.py --check
 python3 -m venv .venv
 # In the profile of the Rust tests, so that what they have compiled serves here too.
 MATURIN_PEP517_ARGS="--profile dev" .venv/bin/python -m pip install --quiet --disable-pip-version-check --upgrade "./env[test]"

@@ -23,6 +23,9 @@ pub const LIBRARY: &[u8] = include_bytes!(env!("BEKKER_FMU_LIBRARY"));
 /// The library with the plant of rigid bodies.
 pub const RIGID_LIBRARY: &[u8] = include_bytes!(env!("BEKKER_FMU_RIGID_LIBRARY"));
 
+/// Notices of the crates in the libraries, made by `fmu/scripts/third_party.py`.
+const THIRD_PARTY: &str = include_str!("../third-party.txt");
+
 /// The licences of the project, as they are packed.
 const LICENSE: &str = concat!(
     "The model and the library of this FMU are licensed under either of the MIT License or the Apache License,\n\
@@ -152,6 +155,7 @@ fn undescribed(error: DescriptionError) -> ExportError {
 fn papers(archive: &mut Archive, version: Version, description: &Description) -> Result<(), ExportError> {
     archive.file("documentation/index.html", documentation::html(description).as_bytes())?;
     archive.file("documentation/licenses/license.txt", LICENSE.as_bytes())?;
+    archive.file("documentation/licenses/third-party.txt", THIRD_PARTY.as_bytes())?;
     let icon = icon::png().map_err(zip::result::ZipError::from)?;
     match version {
         Version::Fmi2 => archive.file("model.png", &icon)?,
