@@ -103,11 +103,8 @@ fn property_the_archive_has_what_tools_expect() {
     let fmu = pack(&preset()).unwrap();
     let (platform, extension) = (Version::Fmi3.platform(), std::env::consts::DLL_EXTENSION);
     let library = format!("binaries/{platform}/two_wheeled.{extension}");
-    let common = [
-        "documentation/index.html",
-        "documentation/licenses/license.txt",
-        "documentation/licenses/third-party.txt",
-    ];
+    let common =
+        ["documentation/index.html", "documentation/licenses/license.txt", "documentation/licenses/third-party.txt"];
     let own = ["terminalsAndIcons.xml", "icon.png", "icon.svg"].map(|name| format!("terminalsAndIcons/{name}"));
     let mut expected = vec!["modelDescription.xml", &library];
     expected.extend(common);
