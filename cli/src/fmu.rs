@@ -22,6 +22,9 @@ pub struct Fmu {
     /// where missing.
     #[arg(long, value_name = "rover|controller|closed-loop")]
     kind: Option<Kind>,
+    /// Shows the same quantity of every wheel, link or obstacle as one array, `wheels.slip` (FMI 3.0 only).
+    #[arg(long)]
+    arrays: bool,
     /// A library for 64 bit Windows to pack besides this system's.
     #[arg(long, value_name = "DLL")]
     windows: Option<PathBuf>,
@@ -39,7 +42,8 @@ impl Fmu {
     pub fn run(self) -> Result<()> {
         let model = self.model.load()?;
         let path = self.output.unwrap_or_else(|| PathBuf::from(format!("{}.fmu", model.name)));
-        let options = Options { version: self.fmi, kind: self.kind, windows: self.windows, date: source_date()? };
+        let date = source_date()?;
+        let options = Options { version: self.fmi, kind: self.kind, arrays: self.arrays, windows: self.windows, date };
         bekker_fmu_package::export(&model, &options, &path)?;
         say!("wrote {}", path.display());
         Ok(())

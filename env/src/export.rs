@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// it, for 64 bit Windows; or to a path that ends in `.ssp` as a system of rover and controller. The same arguments give
 /// the same bytes.
 #[pyfunction]
-#[pyo3(signature = (model, path, fmi=3, kind=None, windows=None))]
+#[pyo3(signature = (model, path, fmi=3, kind=None, windows=None, arrays=false))]
 pub fn export_fmu(
     py: Python<'_>,
     model: &Model,
@@ -19,6 +19,7 @@ pub fn export_fmu(
     fmi: u32,
     kind: Option<&str>,
     windows: Option<PathBuf>,
+    arrays: bool,
 ) -> PyResult<()> {
     let version = match fmi {
         2 => Version::Fmi2,
@@ -30,7 +31,7 @@ pub fn export_fmu(
             word.parse::<Kind>().map_err(|expected| PyValueError::new_err(format!("kind is `{word}`, {expected}")))
         })
         .transpose()?;
-    let options = Options { version, kind, windows, date: None };
+    let options = Options { version, kind, arrays, windows, date: None };
     py.detach(|| error::fenced(|| export(&model.core, &options, &path)))?.map_err(|failed| match &failed {
         ExportError::Read { error, .. } | ExportError::Write { error, .. } => {
             error::unreachable_file(error, failed.to_string())

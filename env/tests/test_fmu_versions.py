@@ -384,3 +384,23 @@ def test_agreement_of_the_system_with_its_parts(make: Make, tmp_path: Path) -> N
     controller.free()
     assert places[-1] > 0.05
     assert result["rover.x"].tolist() == places
+
+
+def test_agreement_of_arrays_through_fmpy(make: Make, tmp_path: Path) -> None:
+    """FMPy's own reading of arrays: one variable for all wheels, the same bits as one variable a wheel."""
+    bekker = pytest.importorskip("bekker")
+    path = tmp_path / "arrays.fmu"
+    bekker.export_fmu("two_wheeled", path, fmi=3, arrays=True)
+    assert validate_fmu(str(path)) == []
+    description = fmpy.read_model_description(str(path))
+    shapes = {v.name: v.shape for v in description.modelVariables if v.dimensions}
+    assert shapes["wheels.slip"] == shapes["wheels.torque_command"] == (2,)
+    start = {"wheels.torque_command": [DRIVING, DRIVING]}
+    result = fmpy.simulate_fmu(str(path), stop_time=1.0, output=["x", "wheels.slip"], start_values=start)
+    names = ["x", "wheel[1].slip", "wheel[2].slip"]
+    single = fmpy.simulate_fmu(make("two_wheeled", 3), stop_time=1.0, output=names, input=torques(DRIVING, 1.0))
+    assert result["x"].tobytes() == single["x"].tobytes()
+    for k in (1, 2):
+        assert result["wheels.slip"][:, k - 1].tobytes() == single[f"wheel[{k}].slip"].tobytes()
+    with pytest.raises(bekker.errors.ModelError, match="FMI 2.0 has no arrays"):
+        bekker.export_fmu("two_wheeled", tmp_path / "arrays_2.fmu", fmi=2, arrays=True)

@@ -18,4 +18,4 @@ pub mod rover;
 pub use abilities::abilities;
 pub use border::Status;
 pub use border::logger::LOG_CATEGORIES;
-pub use rover::{Kind, MODEL_FILE, describe, describe_as, load, parse};
+pub use rover::{Kind, MODEL_FILE, Offer, describe, describe_as, load, parse};

@@ -168,8 +168,8 @@ fn property_each_kind_lists_what_it_reads_and_no_more() {
     for name in ["velocity_command", "velocity_control.kp", "mode"] {
         assert!(!has(&rover, name), "{name}");
     }
-    assert!(bekker_fmu::Kind::of("[fmu]\nkind = \"boat\"").is_err());
-    assert!(bekker_fmu::Kind::of("[fmu]\nkid = \"rover\"").is_err());
+    assert!(bekker_fmu::Offer::of("[fmu]\nkind = \"boat\"").is_err());
+    assert!(bekker_fmu::Offer::of("[fmu]\nkid = \"rover\"").is_err());
     let slip = RoverModel::from_toml("preset = \"gentle_velocity\"\n[control]\nkind = \"slip\"", None).unwrap();
     // Its own controller needs the truth; the kind has controllers that do not.
     assert_eq!(get(&*loaded(&slip, Kind::Controller), "mode"), 3.0);

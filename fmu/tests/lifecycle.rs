@@ -4,7 +4,7 @@
 
 use bekker_fmu::lifecycle::{Direction, Lifecycle, Phase, Refusal, Type};
 use bekker_fmu::model::{Continuous, EventOutcome, Failure, Model, Outcome};
-use bekker_modeldescription::xml::{Description, Entry, Experiment};
+use bekker_modeldescription::xml::{Arrays, Description, Entry, Experiment};
 use bekker_modeldescription::{Lookup, Unit, parameters};
 
 parameters! {
@@ -69,6 +69,7 @@ fn rail() -> Rail {
         log_categories: &[],
         content: String::new(),
         entries,
+        arrays: Arrays::default(),
     };
     Rail { description, cart, steps: 0, places: [0.0; 2], shown: 0.0, rate: f64::NAN }
 }

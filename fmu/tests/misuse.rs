@@ -150,7 +150,7 @@ fn property_wrong_values_and_references_are_refused() {
         refused("expected a finite number in", || set(instance, &[torque], &[value]));
     }
     refused("is an enumeration", || get(instance, &[event]).unwrap_err());
-    refused("value references but", || set(instance, &[torque], &[]));
+    refused("stand for 1 values, but 0", || set(instance, &[torque], &[]));
     let mut integer = 7_i64;
     let mut word = null();
     // SAFETY: one reference, one place.

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use bekker_modeldescription::xml::{
-    Abilities, Component, Description, DescriptionError, Entry, Experiment, Item, identifier, system,
+    Abilities, Arrays, Component, Description, DescriptionError, Entry, Experiment, Item, identifier, system,
 };
 use bekker_modeldescription::{Lookup, Unit, parameters};
 use quick_xml::events::{BytesStart, Event};
@@ -49,6 +49,7 @@ fn description() -> Description {
         log_categories: &[("logStatusError", "Refusals.")],
         content: "spring.toml".into(),
         entries,
+        arrays: Arrays::default(),
     }
 }
 

@@ -49,6 +49,7 @@ def export_fmu(
     fmi: int = 3,
     kind: str | None = None,
     windows: str | os.PathLike[str] | None = None,
+    arrays: bool = False,
 ) -> None: ...
 def record(
     model: Model, inputs: NDArray[np.float64], steps: int

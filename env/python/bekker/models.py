@@ -47,6 +47,7 @@ def export_fmu(
     fmi: int = 3,
     kind: str | None = None,
     windows: str | os.PathLike[str] | None = None,
+    arrays: bool = False,
 ) -> None:
     """Writes a model as an FMU; its parameters can be changed in the FMU. To a path that ends in ``.ssp``, as a system of
     two FMUs of FMI 2.0, the rover and its controller (SSP 1.0).
@@ -59,13 +60,14 @@ def export_fmu(
         kind: What of the model it offers: ``rover`` (the plant alone), ``controller`` or ``closed-loop`` (both); what
             the model file says where missing.
         windows: A library for 64 bit Windows, packed besides the one for this system.
+        arrays: Whether FMI 3.0 shows the same quantity of every wheel, link or obstacle as one array, ``wheels.slip``.
 
     Raises:
         UnknownNameError, ModelError: as :func:`as_model`, or the model does not start.
         OSError: a file cannot be read or written.
         ValueError: there is no such version or kind.
     """
-    _bekker.export_fmu(as_model(model, parameters), path, fmi, kind, windows)
+    _bekker.export_fmu(as_model(model, parameters), path, fmi, kind, windows, arrays)
 
 
 def save_model(model: Model, path: str | os.PathLike[str]) -> None:

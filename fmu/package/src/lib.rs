@@ -9,7 +9,7 @@ mod documentation;
 mod icon;
 mod layout;
 
-pub use bekker_fmu::Kind;
+pub use bekker_fmu::{Kind, Offer};
 pub use layout::Version;
 
 use archive::Archive;
@@ -42,6 +42,8 @@ pub struct Options {
     pub version: Version,
     /// What of the model it offers; where missing, what the model file says.
     pub kind: Option<Kind>,
+    /// Whether FMI 3.0 shows the same quantity of every wheel, link or obstacle as one array; FMI 2.0 has no arrays.
+    pub arrays: bool,
     /// A library for 64 bit Windows (`bekker_fmu.dll`), packed besides the one for this crate's target.
     pub windows: Option<PathBuf>,
     /// When the FMU was made, UTC in seconds since 1970, where it is to say so. Without it the same model gives the
@@ -122,11 +124,11 @@ fn pack_part(model: &Model, options: &Options) -> Result<(Vec<u8>, Description),
         .windows
         .as_ref()
         .map(|path| std::fs::read(path).map_err(|error| ExportError::Read { path: path.clone(), error }));
-    let described = match options.kind {
-        Some(kind) => bekker_fmu::describe_as(model, kind),
-        None => bekker_fmu::describe(model),
-    };
-    let (file, mut description) = described.map_err(ExportError::Model)?;
+    if options.arrays && options.version == Version::Fmi2 {
+        return Err(ExportError::Model("FMI 2.0 has no arrays".into()));
+    }
+    let offer = Offer { kind: options.kind, arrays: options.arrays };
+    let (file, mut description) = bekker_fmu::describe_as(model, offer).map_err(ExportError::Model)?;
     description.date = options.date.map(layout::utc);
     let mut ready = bekker_fmu::parse(&file).map_err(ExportError::Model)?;
     let abilities = bekker_fmu::abilities(&mut *ready).map_err(ExportError::Model)?;

@@ -5,7 +5,8 @@ use super::types::Boolean;
 use crate::border::Status;
 use crate::border::arguments::{Places, list};
 use crate::border::instance::Instance;
-use crate::lifecycle::{Refusal, Type};
+use crate::lifecycle::{Lifecycle, Refusal, Type};
+use std::borrow::Cow;
 use std::ffi::{c_char, c_void};
 
 /// `fmi3GetFloat64`.
@@ -19,8 +20,9 @@ pub unsafe extern "C" fn fmi3GetFloat64(
 ) -> Status {
     call(instance, "fmi3GetFloat64", |component| {
         // SAFETY: NULL or valid, by the promise of the border.
-        let (references, values) = unsafe { read(valueReferences, nValueReferences, values, nValues) }?;
-        component.lifecycle.get(references, Type::Real, &mut |place, value| values.put(place, value))
+        let (references, values) =
+            unsafe { read(&component.lifecycle, valueReferences, nValueReferences, values, nValues) }?;
+        component.lifecycle.get(&references, Type::Real, &mut |place, value| values.put(place, value))
     })
 }
 
@@ -35,8 +37,9 @@ pub unsafe extern "C" fn fmi3GetInt64(
 ) -> Status {
     call(instance, "fmi3GetInt64", |component| {
         // SAFETY: NULL or valid, by the promise of the border.
-        let (references, values) = unsafe { read(valueReferences, nValueReferences, values, nValues) }?;
-        component.lifecycle.get(references, Type::Enumeration, &mut |place, value| values.put(place, value as i64))
+        let (references, values) =
+            unsafe { read(&component.lifecycle, valueReferences, nValueReferences, values, nValues) }?;
+        component.lifecycle.get(&references, Type::Enumeration, &mut |place, value| values.put(place, value as i64))
     })
 }
 
@@ -54,7 +57,8 @@ pub unsafe extern "C" fn fmi3SetFloat64(
         let references = unsafe { list("valueReferences", valueReferences, nValueReferences) }?;
         // SAFETY: as above.
         let values = unsafe { list("values", values, nValues) }?;
-        component.lifecycle.set(references, Type::Real, values)
+        let references = component.lifecycle.elements(references)?;
+        component.lifecycle.set(&references, Type::Real, values)
     })
 }
 
@@ -73,22 +77,27 @@ pub unsafe extern "C" fn fmi3SetInt64(
         // SAFETY: as above.
         let values = unsafe { list("values", values, nValues) }?;
         let values: Vec<f64> = values.iter().map(|value| *value as f64).collect();
-        component.lifecycle.set(references, Type::Enumeration, &values)
+        let references = component.lifecycle.elements(references)?;
+        component.lifecycle.set(&references, Type::Enumeration, &values)
     })
 }
 
-/// References and places for as many values.
+/// References of entries, those of arrays by element, and places for as many values.
 unsafe fn read<'a, T: Copy>(
+    lifecycle: &Lifecycle,
     references: *const u32,
     count: usize,
     values: *mut T,
     places_given: usize,
-) -> Result<(&'a [u32], Places<T>), Refusal> {
-    if count != places_given {
-        return Err(Refusal::Length { references: count, values: places_given });
-    }
+) -> Result<(Cow<'a, [u32]>, Places<T>), Refusal> {
     // SAFETY: NULL or valid, by the promise of the border.
-    unsafe { Ok((list("valueReferences", references, count)?, Places::new("values", values, count)?)) }
+    let references = lifecycle.elements(unsafe { list("valueReferences", references, count) }?)?;
+    if references.len() != places_given {
+        return Err(Refusal::Length { references: references.len(), values: places_given });
+    }
+    // SAFETY: as above.
+    let places = unsafe { Places::new("values", values, places_given) }?;
+    Ok((references, places))
 }
 
 /// Functions for types that no variable has: correct only for an empty list.

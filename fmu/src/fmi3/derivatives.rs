@@ -4,7 +4,7 @@ use super::instances::call;
 use crate::border::Status;
 use crate::border::arguments::{Places, list, list_mut};
 use crate::border::instance::Instance;
-use crate::lifecycle::{Direction, Refusal};
+use crate::lifecycle::{Direction, Lifecycle, Refusal};
 
 macro_rules! products {
     ($($(#[$doc:meta])* $function:ident = $direction:expr;)*) => {$(
@@ -27,10 +27,11 @@ macro_rules! products {
                 let (unknowns, knowns, seed) = unsafe {
                     (list("unknowns", unknowns, nUnknowns)?, list("knowns", knowns, nKnowns)?, list("seed", seed, nSeed)?)
                 };
+                let (unknowns, knowns) = (component.lifecycle.elements(unknowns)?, component.lifecycle.elements(knowns)?);
                 let mut result = vec![0.0; nSensitivity.min(unknowns.len().max(knowns.len()) + 1)];
                 // SAFETY: as above.
                 let places = unsafe { Places::new("sensitivity", sensitivity, nSensitivity) }?;
-                component.lifecycle.partial($direction, unknowns, knowns, seed, &mut result)?;
+                component.lifecycle.partial($direction, &unknowns, &knowns, seed, &mut result)?;
                 result.iter().enumerate().for_each(|(place, value)| places.put(place, *value));
                 Ok(())
             })
@@ -56,19 +57,38 @@ pub unsafe extern "C" fn fmi3GetOutputDerivatives(
     nValues: usize,
 ) -> Status {
     call(instance, "fmi3GetOutputDerivatives", |component| {
-        if nValueReferences != nValues {
-            return Err(Refusal::Length { references: nValueReferences, values: nValues });
-        }
         // SAFETY: NULL or valid, by the promise of the border.
-        let (references, orders, values) = unsafe {
-            (
-                list("valueReferences", valueReferences, nValueReferences)?,
-                list("orders", orders, nValueReferences)?,
-                Places::new("values", values, nValues)?,
-            )
+        let (references, orders) = unsafe {
+            (list("valueReferences", valueReferences, nValueReferences)?, list("orders", orders, nValueReferences)?)
         };
-        component.lifecycle.output_derivatives(references, orders, &mut |place, value| values.put(place, value))
+        let (mut elements, mut element_orders) = (Vec::new(), Vec::new());
+        for (reference, order) in references.iter().zip(orders) {
+            elements.extend_from_slice(&component.lifecycle.elements(std::slice::from_ref(reference))?);
+            element_orders.resize(elements.len(), *order);
+        }
+        if elements.len() != nValues {
+            return Err(Refusal::Length { references: elements.len(), values: nValues });
+        }
+        // SAFETY: as above.
+        let values = unsafe { Places::new("values", values, nValues) }?;
+        let put = &mut |place, value| values.put(place, value);
+        component.lifecycle.output_derivatives(&elements, &element_orders, put)
     })
+}
+
+/// What the elements of a variable depend on: the element, and reference and element of another; elements from 1 on.
+fn dependencies(lifecycle: &Lifecycle, dependent: u32) -> Result<Vec<(usize, u32, usize)>, Refusal> {
+    let elements = lifecycle.elements(std::slice::from_ref(&dependent))?.len();
+    let arrays = &lifecycle.description().arrays;
+    let known: Vec<(u32, usize)> = lifecycle
+        .dependencies(dependent)?
+        .into_iter()
+        .map(|reference| {
+            let (shown, place) = arrays.shown(reference as usize);
+            (shown as u32, place + 1)
+        })
+        .collect();
+    Ok((1..=elements).flat_map(|k| known.iter().map(move |(reference, place)| (k, *reference, *place))).collect())
 }
 
 /// `fmi3GetNumberOfVariableDependencies`.
@@ -81,7 +101,7 @@ pub unsafe extern "C" fn fmi3GetNumberOfVariableDependencies(
     call(instance, "fmi3GetNumberOfVariableDependencies", |component| {
         // SAFETY: NULL or valid, by the promise of the border.
         let place = unsafe { Places::new("nDependencies", nDependencies, 1) }?;
-        place.put(0, component.lifecycle.dependencies(valueReference)?.len());
+        place.put(0, dependencies(&component.lifecycle, valueReference)?.len());
         Ok(())
     })
 }
@@ -89,7 +109,7 @@ pub unsafe extern "C" fn fmi3GetNumberOfVariableDependencies(
 /// `fmi3DependencyKind`: `fmi3Dependent`, no particular structure.
 const DEPENDENT: i32 = 5;
 
-/// `fmi3GetVariableDependencies`: every variable is a scalar, whose one element has the index 1.
+/// `fmi3GetVariableDependencies`.
 #[unsafe(no_mangle)]
 #[allow(clippy::too_many_arguments)]
 pub unsafe extern "C" fn fmi3GetVariableDependencies(
@@ -102,16 +122,21 @@ pub unsafe extern "C" fn fmi3GetVariableDependencies(
     nDependencies: usize,
 ) -> Status {
     call(instance, "fmi3GetVariableDependencies", |component| {
-        let found = component.lifecycle.dependencies(dependent)?;
+        let found = dependencies(&component.lifecycle, dependent)?;
         if found.len() != nDependencies {
             return Err(Refusal::Count { what: "dependencies", given: nDependencies, expected: found.len() });
         }
         // SAFETY: NULL or valid, by the promise of the border; each array is the importer's own.
-        unsafe {
-            list_mut("elementIndicesOfDependent", elementIndicesOfDependent, nDependencies)?.fill(1);
-            list_mut("independents", independents, nDependencies)?.copy_from_slice(&found);
-            list_mut("elementIndicesOfIndependents", elementIndicesOfIndependents, nDependencies)?.fill(1);
+        let (elements, references, places) = unsafe {
             list_mut("dependencyKinds", dependencyKinds, nDependencies)?.fill(DEPENDENT);
+            (
+                list_mut("elementIndicesOfDependent", elementIndicesOfDependent, nDependencies)?,
+                list_mut("independents", independents, nDependencies)?,
+                list_mut("elementIndicesOfIndependents", elementIndicesOfIndependents, nDependencies)?,
+            )
+        };
+        for (k, (element, reference, place)) in found.into_iter().enumerate() {
+            (elements[k], references[k], places[k]) = (element, reference, place);
         }
         Ok(())
     })

@@ -2,6 +2,7 @@
 
 use super::{Interface, Lifecycle, Phase, Refusal};
 use bekker_modeldescription::xml::{Causality, Entry, Kind, Variability, indicator_name};
+use std::borrow::Cow;
 
 /// Type of the values that a function of the standard works on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,6 +97,28 @@ impl Lifecycle {
             equations.event_indicators(&mut indicators)?;
         }
         Ok(indicators)
+    }
+
+    /// The references of the entries that an importer's references stand for: an array's elements in its place.
+    ///
+    /// # Errors
+    /// [`Refusal::Reference`] for an element of an array, which has no reference of its own.
+    pub fn elements<'a>(&self, references: &'a [u32]) -> Result<Cow<'a, [u32]>, Refusal> {
+        let arrays = &self.model.description().arrays;
+        if arrays.is_empty() {
+            return Ok(Cow::Borrowed(references));
+        }
+        let mut all = Vec::with_capacity(references.len());
+        for &reference in references {
+            match arrays.elements(reference as usize) {
+                Some(elements) => all.extend(elements.iter().map(|element| *element as u32)),
+                None if arrays.hides(reference as usize) => {
+                    return Err(Refusal::Reference { reference, largest: self.largest() });
+                }
+                None => all.push(reference),
+            }
+        }
+        Ok(Cow::Owned(all))
     }
 
     /// The largest value reference.

@@ -57,10 +57,10 @@ pub enum Refusal {
     /// An output is asked for before it has been computed.
     #[error("`{0}` is an output and has no value before initialization")]
     NotComputed(String),
-    /// Numbers of references and of values differ.
-    #[error("{references} value references but {values} values; every variable is a scalar")]
+    /// Numbers of referenced elements and of values differ.
+    #[error("the references stand for {references} values, but {values} are given")]
     Length {
-        /// How many references.
+        /// How many elements.
         references: usize,
         /// How many values.
         values: usize,

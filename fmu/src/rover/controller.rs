@@ -69,7 +69,7 @@ impl Controller {
         let outputs = inputs.end..entries.len();
         let values: Vec<f64> = entries.iter().map(|entry| entry.start).collect();
         let (tuned, applied) = (model.clone(), values[parameters.clone()].to_vec());
-        let description = Arc::new(description(&model, Kind::Controller, run.period(), text, entries));
+        let description = Arc::new(description(&model, Kind::Controller, run.period(), text, entries)?);
         Ok(Self { description, model, tuned, applied, run, mode, values, parameters, inputs, outputs, time: 0.0 })
     }
 

@@ -59,28 +59,52 @@ impl Kind {
             _ => Self::RoverWithController,
         }
     }
+}
 
-    /// The kind that a model file asks for, if it does.
+/// The section `[fmu]` of a packed model file: what of the model the FMU offers, and how.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Offer {
+    /// What of the model; the usual kind where missing.
+    pub kind: Option<Kind>,
+    /// Whether FMI 3.0 shows the same quantity of every wheel, link or obstacle as one array, see
+    /// [`Arrays`](bekker_modeldescription::xml::Arrays).
+    pub arrays: bool,
+}
+
+impl Offer {
+    /// What a model file asks for.
     ///
     /// # Errors
-    /// A sentence where the file is not TOML or the kind unknown.
-    pub fn of(text: &str) -> Result<Option<Self>, String> {
-        #[derive(Default, Deserialize)]
-        #[serde(deny_unknown_fields)]
-        struct Section {
-            kind: Option<Kind>,
-        }
+    /// A sentence where the file is not TOML or the section has something unknown.
+    pub fn of(text: &str) -> Result<Self, String> {
         #[derive(Deserialize)]
         struct File {
             #[serde(default)]
-            fmu: Section,
+            fmu: Offer,
         }
         let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
-        Ok(file.fmu.kind)
+        Ok(file.fmu)
     }
 
-    /// `text`, the model file of `model`, with this kind in it. The usual kind is not written.
-    pub(super) fn written(self, model: &Model, text: String) -> String {
-        if self == Self::usual(model) { text } else { format!("{text}\n[fmu]\nkind = \"{}\"\n", self.word()) }
+    /// `text`, the model file of `model`, with this offer in it. What is usual is not written.
+    pub(super) fn written(self, model: &Model, mut text: String) -> String {
+        let kind = self.kind.filter(|kind| *kind != Kind::usual(model));
+        if kind.is_some() || self.arrays {
+            text += "\n[fmu]\n";
+        }
+        if let Some(kind) = kind {
+            text += &format!("kind = \"{}\"\n", kind.word());
+        }
+        if self.arrays {
+            text += "arrays = true\n";
+        }
+        text
+    }
+}
+
+impl From<Kind> for Offer {
+    fn from(kind: Kind) -> Self {
+        Self { kind: Some(kind), ..Self::default() }
     }
 }

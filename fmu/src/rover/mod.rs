@@ -6,7 +6,8 @@
 //! | [`Kind::Controller`] | measurements, by the names of the signals, and `velocity_command` | `wheel[k].torque_command` |
 //! | [`Kind::RoverWithController`] | those of the model | signals |
 //!
-//! Without a key `[fmu] kind` in the model file, a model without a controller is a rover, any other the third.
+//! Without a key `[fmu] kind` in the model file, a model without a controller is a rover, any other the third. With
+//! `[fmu] arrays = true` FMI 3.0 has `wheels.slip[2]` in the place of `wheel[1].slip` and `wheel[2].slip`.
 //!
 //! A rover and a controller of the same model file, wired name by name and stepped by the control period, the controller
 //! first, are the third to the last bit: the controller decides at the start of its step, on what is measured then, and
@@ -34,12 +35,12 @@ mod plant;
 mod state;
 mod tuning;
 
-pub use kind::Kind;
+pub use kind::{Kind, Offer};
 
 use crate::model::Model;
 use bekker::model::Model as RoverModel;
 use bekker_modeldescription::Lookup;
-use bekker_modeldescription::xml::{Description, Entry, Experiment, identifier};
+use bekker_modeldescription::xml::{Arrays, Description, Entry, Experiment, identifier};
 use controller::Controller;
 use plant::Rover;
 use std::path::Path;
@@ -66,7 +67,7 @@ pub fn load(folder: &Path) -> Result<Box<dyn Model>, String> {
 /// A sentence where the text is no valid model, or has not what its kind needs.
 pub fn parse(text: &str) -> Result<Box<dyn Model>, String> {
     let model = RoverModel::from_toml(text, None).map_err(|error| error.to_string())?;
-    Ok(match Kind::of(text)?.unwrap_or_else(|| Kind::usual(&model)) {
+    Ok(match Offer::of(text)?.kind.unwrap_or_else(|| Kind::usual(&model)) {
         Kind::Controller => Box::new(Controller::new(model, text)?),
         kind => Box::new(Rover::new(model, kind, text)?),
     })
@@ -77,15 +78,15 @@ pub fn parse(text: &str) -> Result<Box<dyn Model>, String> {
 /// # Errors
 /// A sentence where the model does not start.
 pub fn describe(model: &RoverModel) -> Result<(String, Description), String> {
-    describe_as(model, Kind::usual(model))
+    describe_as(model, Offer::default())
 }
 
-/// As [`describe`], for an FMU of this kind.
+/// As [`describe`], for an FMU that offers this.
 ///
 /// # Errors
 /// A sentence where the model does not start, or has not what the kind needs.
-pub fn describe_as(model: &RoverModel, kind: Kind) -> Result<(String, Description), String> {
-    let text = kind.written(model, model.to_toml().map_err(|error| error.to_string())?);
+pub fn describe_as(model: &RoverModel, offer: impl Into<Offer>) -> Result<(String, Description), String> {
+    let text = offer.into().written(model, model.to_toml().map_err(|error| error.to_string())?);
     let mut read = RoverModel::from_toml(&text, None).map_err(|error| error.to_string())?;
     if read.list() != model.clone().list() || read.control.kind != model.control.kind {
         return Err("its TOML does not read back as the same model".to_owned());
@@ -94,9 +95,16 @@ pub fn describe_as(model: &RoverModel, kind: Kind) -> Result<(String, Descriptio
     Ok((text, description))
 }
 
-fn description(model: &RoverModel, kind: Kind, inner_step: f64, text: &str, entries: Vec<Entry>) -> Description {
+fn description(
+    model: &RoverModel,
+    kind: Kind,
+    inner_step: f64,
+    text: &str,
+    entries: Vec<Entry>,
+) -> Result<Description, String> {
     let step = (USUAL_STEP / inner_step).round().max(1.0) * inner_step;
-    Description {
+    let arrays = if Offer::of(text)?.arrays { Arrays::of(&entries) } else { Arrays::default() };
+    Ok(Description {
         name: model.name.clone(),
         identifier: identifier(&model.name),
         description: format!("{}: {}", model.name, kind.about()),
@@ -109,5 +117,6 @@ fn description(model: &RoverModel, kind: Kind, inner_step: f64, text: &str, entr
         log_categories: crate::LOG_CATEGORIES,
         content: text.to_owned(),
         entries,
-    }
+        arrays,
+    })
 }

@@ -90,7 +90,7 @@ impl Rover {
         let (states, derivatives) = (group(states), group(derivatives));
         let references = References { parameters, inputs, signals, measured, event, states, derivatives };
         let values: Vec<f64> = entries.iter().map(|entry| entry.start).collect();
-        let description = Arc::new(description(&model, kind, run.step_size(), text, entries));
+        let description = Arc::new(description(&model, kind, run.step_size(), text, entries)?);
         let mut rover = Self {
             description,
             before: vec![0.0; references.signals.len()],

@@ -2,11 +2,11 @@
 #![allow(dead_code, clippy::unwrap_used)]
 
 use bekker::model::Model;
-use bekker_fmu::Kind;
 use bekker_fmu::fmi2::{
     self, fmi2EnterInitializationMode, fmi2ExitInitializationMode, fmi2Instantiate, fmi2SetupExperiment,
 };
 use bekker_fmu::fmi3::*;
+use bekker_fmu::{Kind, Offer};
 use bekker_modeldescription::xml::Description;
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_void};
@@ -78,11 +78,16 @@ impl Fmu {
 
     /// What `kind` says of a model.
     pub fn of_kind(model: &Model, kind: Kind) -> Self {
+        Self::offering(model, kind)
+    }
+
+    /// What an FMU with this offer has.
+    pub fn offering(model: &Model, offer: impl Into<Offer>) -> Self {
         static COUNT: AtomicU32 = AtomicU32::new(0);
         let number = COUNT.fetch_add(1, Ordering::Relaxed);
         let folder = std::env::temp_dir().join(format!("bekker-fmu-{}-{number}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        let (text, description) = bekker_fmu::describe_as(model, kind).unwrap();
+        let (text, description) = bekker_fmu::describe_as(model, offer).unwrap();
         std::fs::write(folder.join("model.toml"), text).unwrap();
         Self { folder, description }
     }

@@ -19,8 +19,8 @@ pub(super) fn write(description: &Description, abilities: &Abilities, token: &st
         log_categories(xml, description);
         xml.empty("DefaultExperiment", &experiment(description));
         xml.element("ModelVariables", &vec![], |xml| {
-            for (reference, entry) in description.entries.iter().enumerate() {
-                variable(xml, reference, entry);
+            for (reference, entry) in description.shown() {
+                variable(xml, description, reference, entry);
             }
             indicators(xml, description, abilities);
         });
@@ -176,10 +176,10 @@ pub(super) fn log_categories(xml: &mut Xml, description: &Description) {
     });
 }
 
-fn variable(xml: &mut Xml, reference: usize, entry: &Entry) {
+fn variable(xml: &mut Xml, description: &Description, reference: usize, entry: &Entry) {
     let v = &entry.variable;
     let mut attributes = vec![
-        ("name", v.name.clone()),
+        ("name", description.arrays.name(reference, entry)),
         ("valueReference", reference.to_string()),
         ("description", v.doc.to_string()),
         ("causality", entry.causality.word().to_owned()),
@@ -191,7 +191,10 @@ fn variable(xml: &mut Xml, reference: usize, entry: &Entry) {
             attributes.extend(quantity(&v.unit).map(|name| ("declaredType", name.to_owned())));
             attributes.extend(real_attributes(entry));
             attributes.extend(entry.derivative_of.map(|state| ("derivative", state.to_string())));
-            xml.empty("Float64", &attributes);
+            match description.arrays.elements(reference) {
+                None => xml.empty("Float64", &attributes),
+                Some(elements) => array(xml, description, attributes, elements),
+            }
         }
         Kind::Enumeration { name, .. } => {
             attributes.push(("declaredType", name.to_owned()));
@@ -199,6 +202,15 @@ fn variable(xml: &mut Xml, reference: usize, entry: &Entry) {
             xml.empty("Enumeration", &attributes);
         }
     }
+}
+
+/// An array of constant size, with the start values of its elements.
+fn array<'a>(xml: &mut Xml, description: &Description, mut attributes: Attributes<'a>, elements: &[usize]) {
+    let starts = elements.iter().map(|reference| number(description.entries[*reference].start)).collect::<Vec<_>>();
+    attributes.iter_mut().filter(|(name, _)| *name == "start").for_each(|(_, start)| *start = starts.join(" "));
+    xml.element("Float64", &attributes, |xml| {
+        xml.empty("Dimension", &vec![("start", elements.len().to_string())]);
+    });
 }
 
 /// Whether the importer sets the variable, so that it has a start value.
@@ -248,7 +260,7 @@ fn indicators(xml: &mut Xml, description: &Description, abilities: &Abilities) {
 /// Without `dependencies` a tool must assume that each depends on everything, which is true.
 fn structure(xml: &mut Xml, description: &Description, abilities: &Abilities) {
     let mut list = |element: &str, belongs: &dyn Fn(usize, &Entry) -> bool| {
-        for (reference, entry) in description.entries.iter().enumerate() {
+        for (reference, entry) in description.shown() {
             if belongs(reference, entry) {
                 xml.empty(element, &vec![("valueReference", reference.to_string())]);
             }

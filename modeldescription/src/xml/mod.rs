@@ -4,6 +4,7 @@
 //! [`Description::fmi2`] writes it as FMI 2.0, [`Description::fmi3`] as FMI 3.0
 //! (<https://fmi-standard.org/docs/3.0.2/>).
 
+mod arrays;
 mod entry;
 mod fmi2;
 mod fmi3;
@@ -13,6 +14,7 @@ mod system;
 mod terminals;
 mod writer;
 
+pub use arrays::Arrays;
 pub use entry::{Causality, Entry, Item, Kind, Variability};
 pub use system::{Component, system};
 
@@ -61,6 +63,8 @@ pub struct Description {
     pub content: String,
     /// Variables; the first is the independent one, and the place in the list is the value reference.
     pub entries: Vec<Entry>,
+    /// Entries that FMI 3.0 shows together; FMI 2.0 has no arrays.
+    pub arrays: Arrays,
 }
 
 /// What a model can do beyond values and steps, as the capability flags of the standard tell it.
@@ -110,6 +114,11 @@ pub enum DescriptionError {
 }
 
 impl Description {
+    /// References and entries as FMI 3.0 shows them: of an array the first element.
+    pub(crate) fn shown(&self) -> impl Iterator<Item = (usize, &Entry)> {
+        self.entries.iter().enumerate().filter(|(reference, _)| !self.arrays.hides(*reference))
+    }
+
     /// The variable called `name`.
     #[must_use]
     pub fn find(&self, name: &str) -> Option<&Entry> {

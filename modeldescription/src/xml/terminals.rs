@@ -1,7 +1,7 @@
 //! `terminalsAndIcons.xml` of FMI 3.0: which variables belong together, and the place of the icon.
 
 use super::writer::Xml;
-use super::{Causality, Description, Entry};
+use super::{Causality, Description};
 
 /// Edge of the icon in the units of its coordinate system.
 const EDGE: &str = "100";
@@ -28,7 +28,8 @@ pub(super) fn write(description: &Description) -> String {
 
 struct Group<'a> {
     name: &'a str,
-    members: Vec<(&'a str, &'a Entry)>,
+    /// Name in the terminal and name of the variable.
+    members: Vec<(String, String)>,
 }
 
 /// Name of the terminal of variables that belong to no numbered part.
@@ -36,18 +37,18 @@ const WHOLE: &str = "rover";
 
 fn groups(description: &Description) -> Vec<Group<'_>> {
     let mut groups: Vec<Group> = Vec::new();
-    for entry in &description.entries {
+    for (reference, entry) in description.shown() {
         if !matches!(entry.causality, Causality::Input | Causality::Output) {
             continue;
         }
-        let name = entry.variable.name.as_str();
-        let (group, member) = match name.split_once("].") {
-            Some((part, member)) => (&name[..part.len() + 1], member),
-            None => (WHOLE, name),
+        let (name, shown) = (entry.variable.name.as_str(), description.arrays.name(reference, entry));
+        let (group, member) = match name.split_once("].").filter(|_| shown == name) {
+            Some((part, member)) => (&name[..part.len() + 1], member.to_owned()),
+            None => (WHOLE, shown.clone()),
         };
         match groups.iter_mut().find(|other| other.name == group) {
-            Some(found) => found.members.push((member, entry)),
-            None => groups.push(Group { name: group, members: vec![(member, entry)] }),
+            Some(found) => found.members.push((member, shown)),
+            None => groups.push(Group { name: group, members: vec![(member, shown)] }),
         }
     }
     groups
@@ -56,10 +57,10 @@ fn groups(description: &Description) -> Vec<Group<'_>> {
 fn terminal(xml: &mut Xml, group: &Group) {
     let attributes = vec![("name", group.name.into()), ("matchingRule", "bus".into())];
     xml.element("Terminal", &attributes, |xml| {
-        for (member, entry) in &group.members {
+        for (member, variable) in &group.members {
             let attributes = vec![
-                ("variableName", entry.variable.name.clone()),
-                ("memberName", (*member).to_owned()),
+                ("variableName", variable.clone()),
+                ("memberName", member.clone()),
                 ("variableKind", "signal".to_owned()),
             ];
             xml.empty("TerminalMemberVariable", &attributes);
