@@ -4,9 +4,9 @@ Velocity control and rough-terrain control (RTC) drive the two-wheeled rover ove
 stated soil (K = 30 mm) and a firmer one (K = 10 mm). Each drive is two FMUs of FMI 2.0, wired by the names of their
 variables and stepped by the control period: the controller decides on what is measured, the rover moves on.
 
-    python examples/fmpy_chapter4.py [--cli PATH]
+    python examples/fmpy_chapter4.py [--cli PATH] [--plot FILE]
 
-needs FMPy and NumPy, and for the FMUs the Python package `bekker` or, with --cli, the command line.
+needs FMPy and NumPy, for the FMUs the Python package `bekker` or, with --cli, the command line, and for --plot matplotlib.
 """
 
 import argparse
@@ -14,7 +14,7 @@ import math
 import shutil
 import subprocess
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import fmpy
@@ -69,6 +69,7 @@ class Drive:
     energy_per_metre: float  # J/m
     slip: float
     speed: float  # m/s
+    trace: dict[str, list[float]] = field(repr=False)  # by step: x (m), mean slip, torque of each wheel (N m), energy (J)
 
 
 def drive(folder: Path, preset: str, shear_modulus: float, speed: float) -> Drive:
@@ -83,21 +84,26 @@ def drive(folder: Path, preset: str, shear_modulus: float, speed: float) -> Driv
     slips = [f"wheel[{k}].slip" for k in WHEELS]
     controller.set({"velocity_command": speed})
     (start,) = rover.get(["x"])
-    slip, steps, x = 0.0, 0, start
+    watched = ["x", "electrical_energy", *slips, *torques]
+    trace: dict[str, list[float]] = {name: [] for name in ("x", "slip", "rear", "front", "energy")}
+    steps, x = 0, start
     while x - start < LENGTH and steps * controller.step < TIME_LIMIT and not rover.ended():
         time = steps * controller.step
         controller.set(dict(zip(measured, rover.get(sources), strict=True)))
         controller.fmu.doStep(time, controller.step)
         rover.set(dict(zip(torques, controller.get(torques), strict=True)))
         rover.fmu.doStep(time, controller.step)
-        x, *now = rover.get(["x", *slips])
-        slip += sum(now) / len(now)
+        x, energy, rear_slip, front_slip, rear, front = rover.get(watched)
+        row = (x - start, (rear_slip + front_slip) / 2.0, rear, front, energy)
+        for column, value in zip(trace.values(), row, strict=True):
+            column.append(value)
         steps += 1
     time = steps * controller.step
     heat, energy = rover.get(["dissipated_energy", "electrical_energy"])
     controller.free()
     rover.free()
-    return Drive(heat / time, energy / time, energy / (x - start), slip / steps, (x - start) / time)
+    slip = sum(trace["slip"]) / steps
+    return Drive(heat / time, energy / time, energy / (x - start), slip, (x - start) / time, trace)
 
 
 def drive_at(folder: Path, preset: str, shear_modulus: float, wanted: float) -> Drive:
@@ -109,6 +115,29 @@ def drive_at(folder: Path, preset: str, shear_modulus: float, wanted: float) -> 
             return here
         a, b, there = b, b + (wanted - here.speed) * (b - a) / (here.speed - there.speed), here
     raise RuntimeError(f"{preset} does not reach {wanted} m/s")
+
+
+def plot(drives: dict[str, Drive], file: str) -> None:
+    """Slip, torques and energy along the course."""
+    import matplotlib.pyplot as plt
+
+    figure, (slip, torque, energy) = plt.subplots(3, 1, figsize=(7.5, 7.0), sharex=True, layout="constrained")
+    for (label, drive), colour in zip(drives.items(), ("#c44e52", "#2b6ca3", "#7f7f7f"), strict=True):
+        x = drive.trace["x"]
+        slip.plot(x, [100.0 * value for value in drive.trace["slip"]], color=colour, label=label, linewidth=1.2)
+        torque.plot(x, drive.trace["rear"], color=colour, linewidth=1.2)
+        torque.plot(x, drive.trace["front"], color=colour, linewidth=1.2, linestyle=":")
+        energy.plot(x, drive.trace["energy"], color=colour, linewidth=1.2)
+    slip.set_ylabel("mean slip, %")
+    slip.set_ylim(0.0, 100.0)
+    slip.legend(frameon=False, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    torque.set_ylabel("torque, N m\nrear (line), front (dots)")
+    energy.set_ylabel("electrical energy, J")
+    energy.set_xlabel("way, m")
+    for axes in (slip, torque, energy):
+        axes.grid(alpha=0.3)
+        axes.spines[["top", "right"]].set_visible(False)
+    figure.savefig(file, metadata={"Date": None} if file.endswith(".svg") else None)
 
 
 def write_fmus(folder: Path, cli: str | None) -> None:
@@ -128,16 +157,20 @@ def write_fmus(folder: Path, cli: str | None) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--cli", help="the program `bekker`, which makes the FMUs in place of the Python package")
-    cli = parser.parse_args().cli
+    parser.add_argument("--plot", metavar="FILE", help="draws the drives on the stated soil")
+    arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
-        write_fmus(folder, cli)
+        write_fmus(folder, arguments.cli)
         print(f"{'':36}{'windings, W':>12}{'electric, W':>12}{'J/m':>8}{'slip, %':>9}{'cm/s':>7}")
         for shear_modulus in (0.03, 0.01):
             velocity = drive(folder, "gentle_velocity", shear_modulus, SPEED)
             rtc = drive(folder, "gentle_rtc", shear_modulus, SPEED)
             equal = drive_at(folder, "gentle_velocity", shear_modulus, rtc.speed)
             soil = f"K = {1e3 * shear_modulus:.0f} mm"
+            if arguments.plot and shear_modulus == 0.03:
+                drives = {"velocity control": velocity, "RTC": rtc, "velocity control at RTC's speed": equal}
+                plot(drives, arguments.plot)
             rows = {f"velocity control, {soil}": velocity, f"RTC, {soil}": rtc, "  velocity control at that speed": equal}
             for label, row in rows.items():
                 print(
