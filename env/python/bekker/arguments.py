@@ -1,6 +1,7 @@
 """Arguments that the single and the vector environment share, and what follows from them once."""
 
 import json
+import pickle
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypedDict
@@ -111,7 +112,9 @@ class Setup:
         # The task's values belong to its own vehicle.
         for name, value in {**(self.task.parameters if model is None else {}), **given.get("parameters", {})}.items():
             assign(own, name, value)
-        return own
+        # As a file keeps it, without numbers that nothing reads: then a pickle is the same model in all of its parts.
+        kept: Model = pickle.loads(pickle.dumps(own))
+        return kept
 
     def _own_scale(self, model: ModelLike | None, given: Arguments) -> float:
         own = self.task.action_scale
