@@ -216,3 +216,30 @@ def test_property_without_autoreset_a_step_after_the_end_is_refused() -> None:
         env.step(np.zeros((2, 2)))
     with pytest.raises(gymnasium.error.ResetNeeded, match=r"\[0, 1\] have ended"):
         env.step(np.zeros((2, 2)))
+
+
+def test_agreement_gymnasium_steps_single_environments_in_forked_processes_to_the_same() -> None:
+    ours = vector(num_envs=2, **DIGGING)
+    theirs = gymnasium.make_vec(
+        "bekker/Rover-v0", num_envs=2, vectorization_mode="async", vector_kwargs={"context": "fork"}, **DIGGING
+    )
+    try:
+        assert_same(ours.reset(seed=2), theirs.reset(seed=2))
+        for action in actions_of(ours, 10):
+            assert_same(ours.step(action), theirs.step(action))
+    finally:
+        theirs.close()
+
+
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+def test_agreement_gymnasium_wrappers_count_our_episodes(mode: AutoresetMode) -> None:
+    env = vector(num_envs=2, autoreset_mode=mode, max_episode_steps=10)
+    counted = gymnasium.wrappers.vector.RecordEpisodeStatistics(env)
+    counted.reset(seed=0)
+    returns, lengths = np.zeros(2), []
+    for action in actions_of(env, 10):
+        _, rewards, _, _, infos = counted.step(action)
+        returns += rewards
+    final = infos["final_info"]["episode"] if mode == AutoresetMode.SAME_STEP and "episode" not in infos else infos["episode"]
+    lengths = final["l"].tolist()
+    assert lengths == [10, 10] and final["r"] == pytest.approx(returns, rel=1e-12)  # sums in another precision

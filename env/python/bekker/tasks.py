@@ -122,10 +122,10 @@ TASKS: dict[str, Task] = {
         ),
         Task(
             name="SlopeClimb",
-            purpose="Climb three metres of slope on sand and do not dig in: too little torque slides back, too much spins "
-            "the wheels into the soil.",
-            physics="The two-wheeled rover on a plane. Uphill the rear wheel carries more, so equal torques waste the "
-            "front wheel's grip; the steepest slopes come close to what this sand carries.",
+            purpose="Climb three metres of slope on sand within the time, and do not dig in: where the sand is weak and the "
+            "slope steep, wheels that all turn at one constant speed get stuck.",
+            physics="The two-wheeled rover on a plane, its drives holding wheel speeds. Uphill the rear wheel carries more, so "
+            "that equal speeds waste the front wheel's grip; the steepest slopes come close to what this sand carries.",
             success="Three metres along x, which ends the episode.",
             goal=Reach(3.0),
             seconds=20.0,
