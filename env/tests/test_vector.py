@@ -19,6 +19,8 @@ DIGGING: dict[str, Any] = {
     "action_scale": 12.0,
     "randomise": {"soil.cohesion": (300.0, 2000.0), "x0": (-1.0, 1.0)},
     "max_episode_steps": LIMIT,
+    "measured": True,
+    "parameters": {"sensor.pitch_noise": 0.01, "sensor.torque_noise": 0.05, "sensor.wheel_speed_resolution": 0.05},
 }
 
 
@@ -162,11 +164,7 @@ def test_property_snapshots_go_on_to_the_same_bits() -> None:
 
 @pytest.mark.parametrize("how", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
 def test_property_copies_and_pickles_go_on_to_the_same_bits(how: Any) -> None:
-    arguments: dict[str, Any] = {
-        "measured": True,
-        "parameters": {"sensor.pitch_noise": 0.01, "sensor.torque_noise": 0.05, "multi_pass.growth": 0.2},
-        **DIGGING,
-    }
+    arguments = DIGGING | {"parameters": DIGGING["parameters"] | {"multi_pass.growth": 0.2, "winding_heat.time_constant": 2.0}}
     alone = gymnasium.make("bekker/Rover-v0", **arguments)
     many = vector(num_envs=3, **arguments)
     for env in (alone, many):
