@@ -279,7 +279,7 @@ class Mechanics:
         """What ``info`` has but for the values drawn, one entry or row a rover, new arrays."""
         numbers = self._numbers
         return {
-            "time": np.array([self.batch.time(k) for k in range(self.count)]),
+            "time": self.batch.times(),
             "x": numbers.signals[:, self._x].copy(),
             "distance": self.distance,
             "status": STATUSES[numbers.states],
