@@ -45,6 +45,22 @@ impl<S: From<f64>> Default for Surface<S> {
     }
 }
 
+impl<S: Copy> Surface<S> {
+    /// The same over another scalar.
+    pub(crate) fn map<T>(&self, f: &dyn Fn(S) -> T) -> Surface<T> {
+        Surface {
+            exit_ratio: f(self.exit_ratio),
+            arc: f(self.arc),
+            arm: f(self.arm),
+            shear_radius: f(self.shear_radius),
+            cohesion_gain: f(self.cohesion_gain),
+            friction_gain: f(self.friction_gain),
+            grip: f(self.grip),
+            resistance: f(self.resistance),
+        }
+    }
+}
+
 impl<S: Scalar> Surface<S> {
     /// A smooth rigid rim with this exit ratio.
     #[must_use]
