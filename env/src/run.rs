@@ -23,9 +23,17 @@ impl Run {
         Self { core, values: Vec::new(), broken: false }
     }
 
+    /// The core's run, for a batch.
+    pub fn taken(&self) -> PyResult<CoreRun> {
+        if self.broken {
+            return Err(broke());
+        }
+        Ok(self.core.clone())
+    }
+
     fn advance(&mut self, py: Python<'_>, steps: u64) -> PyResult<Status> {
         if self.broken {
-            return Err(SimulationError::new_err("this run broke in an earlier step, start a new one"));
+            return Err(broke());
         }
         let (core, values) = (&mut self.core, &self.values);
         let outcome = py.detach(|| {
@@ -37,6 +45,10 @@ impl Run {
         self.broken = outcome.is_err();
         Ok(outcome??)
     }
+}
+
+fn broke() -> PyErr {
+    SimulationError::new_err("this run broke in an earlier step, start a new one")
 }
 
 /// Which part of a step failed: bad inputs are the caller's, the rest is the simulation's.
