@@ -14,7 +14,7 @@ use crate::contact::Forces;
 use crate::rover::dynamics::{DynamicsError, Evaluation, WheelEvaluation};
 use crate::rover::linear::{Factors, Matrix, Vector, add_outer, add_scaled, dot, zeros};
 use crate::rover::{Rover, State};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, beside};
 use crate::signals::{Command, Drive};
 use crate::snapshot::moving;
 
@@ -71,6 +71,7 @@ pub(crate) struct Integrator<S = f64> {
 }
 
 moving!(Integrator { now } { ahead, predicted, first, second, condensed });
+beside!(Integrator { now } { ahead, predicted, first, second, condensed });
 
 impl<S: Scalar> Integrator<S> {
     pub fn new(rover: &Rover<S>, state: &State<S>) -> Self {
@@ -88,7 +89,12 @@ impl<S: Scalar> Integrator<S> {
     }
 
     /// Evaluates the right-hand side at `state`: needed before the first step and after a new command.
-    pub fn evaluate(&mut self, rover: &Rover<S>, state: &mut State<S>, command: &Command) -> Result<(), DynamicsError> {
+    pub fn evaluate<C: Copy + Into<S>>(
+        &mut self,
+        rover: &Rover<S>,
+        state: &mut State<S>,
+        command: &Command<C>,
+    ) -> Result<(), DynamicsError> {
         self.now.update(rover, state, command)?;
         // Where the speed is imposed the spin is no free state; keep it in step with the body.
         for (wheel, evaluation) in state.wheels.iter_mut().zip(&self.now.wheels) {
@@ -97,12 +103,18 @@ impl<S: Scalar> Integrator<S> {
         Ok(())
     }
 
-    /// Brings the wheels to newly imposed speeds at once: the drives' impulses turn the bodies that carry
+    /// Brings the wheels to newly imposed speeds at once, where the mask says so: the drives' impulses turn the bodies that carry
     /// them the other way, so that M du = sum a I (d omega - a du). `now` must hold the evaluation at `state`.
     ///
     /// # Errors
     /// [`DynamicsError`].
-    pub fn impose(&self, rover: &Rover<S>, state: &mut State<S>, command: &Command) -> Result<(), DynamicsError> {
+    pub fn impose<C: Copy + Into<S>>(
+        &self,
+        rover: &Rover<S>,
+        state: &mut State<S>,
+        command: &Command<C>,
+        mask: S::Mask,
+    ) -> Result<(), DynamicsError> {
         if command.drive != Drive::Speed {
             return Ok(());
         }
@@ -111,10 +123,12 @@ impl<S: Scalar> Integrator<S> {
         for (wheel, &speed) in self.now.wheels.iter().zip(&command.values) {
             let inertia = rover.wheel.inertia;
             add_outer(&mut matrix, inertia, &wheel.turn, &wheel.turn, n);
-            add_scaled(&mut impulse, inertia * (S::from(speed) - wheel.speed), &wheel.turn, n);
+            add_scaled(&mut impulse, inertia * (speed.into() - wheel.speed), &wheel.turn, n);
         }
         let change = Factors::new(&matrix, n).ok_or(DynamicsError::NotFinite)?.solve(&impulse);
-        state.rate.iter_mut().zip(change).for_each(|(rate, change)| *rate += change);
+        for (rate, change) in state.rate.iter_mut().zip(change) {
+            *rate = S::select(mask, *rate + change, *rate);
+        }
         Ok(())
     }
 
@@ -122,11 +136,11 @@ impl<S: Scalar> Integrator<S> {
     ///
     /// # Errors
     /// [`DynamicsError`]; `state` is then left as it was before the step.
-    pub fn step(
+    pub fn step<C: Copy + Into<S>>(
         &mut self,
         rover: &Rover<S>,
         state: &mut State<S>,
-        command: &Command,
+        command: &Command<C>,
         h: f64,
     ) -> Result<(), DynamicsError> {
         self.stages(rover, state, command, h)?;
@@ -141,9 +155,7 @@ impl<S: Scalar> Integrator<S> {
         std::mem::swap(state, &mut self.predicted);
         for (wheel, evaluation) in state.wheels.iter_mut().zip(&self.now.wheels) {
             wheel.spin = evaluation.spin;
-            if evaluation.sinkage.value() > 0.0 {
-                wheel.track.extend(evaluation.foot_x);
-            }
+            wheel.track.extend(evaluation.foot_x, evaluation.sinkage.over(0.0));
         }
         Ok(())
     }
@@ -152,11 +164,22 @@ impl<S: Scalar> Integrator<S> {
     ///
     /// # Errors
     /// [`DynamicsError`].
-    pub fn stages(
+    pub fn stages<C: Copy + Into<S>>(
         &mut self,
         rover: &Rover<S>,
         state: &State<S>,
-        command: &Command,
+        command: &Command<C>,
+        h: f64,
+    ) -> Result<(), DynamicsError> {
+        S::wide(|| self.stages_side_by_side(rover, state, command, h))
+    }
+
+    #[inline(always)]
+    fn stages_side_by_side<C: Copy + Into<S>>(
+        &mut self,
+        rover: &Rover<S>,
+        state: &State<S>,
+        command: &Command<C>,
         h: f64,
     ) -> Result<(), DynamicsError> {
         let gh = GAMMA * h;
@@ -167,7 +190,7 @@ impl<S: Scalar> Integrator<S> {
         self.first.add_to(&mut self.predicted, h);
         self.ahead.update(rover, &self.predicted, command)?;
         self.second.set(rover, &self.predicted, &self.ahead);
-        self.second.add_scaled(&self.first, -2.0);
+        self.second.add_scaled(&self.first, -2.0, rover.coordinates());
         self.second.solve(rover, &self.now, &self.condensed, &factors, command.drive, gh);
         Ok(())
     }
@@ -181,6 +204,7 @@ impl<S: Scalar> Integrator<S> {
     }
 
     /// Eliminates spins and memories and factors the matrix that is left.
+    #[inline(always)]
     fn condense(&mut self, rover: &Rover<S>, drive: Drive, gh: f64) -> Result<Factors<S>, DynamicsError> {
         let n = rover.coordinates();
         let mut matrix = self.now.system;
@@ -196,6 +220,7 @@ impl<S: Scalar> Integrator<S> {
 }
 
 /// Adds `- gamma h` times the slopes of one wheel's contact and drive to the condensed matrix.
+#[inline(always)]
 fn add_contact<S: Scalar>(
     matrix: &mut Matrix<S>,
     wheel: &WheelEvaluation<S>,
@@ -232,6 +257,7 @@ impl<S: Scalar> Condensed<S> {
         }
     }
 
+    #[inline(always)]
     fn new(rover: &Rover<S>, wheel: &WheelEvaluation<S>, drive: Drive, gh: f64) -> Self {
         let slopes = &wheel.touch.slopes;
         let hold_factor = (S::from(1.0) - slopes.rate_own * gh).recip();
@@ -272,6 +298,7 @@ impl<S: Scalar> Condensed<S> {
 
 impl<S: Scalar> Increment<S> {
     /// The time derivative of `state`, as evaluated.
+    #[inline(always)]
     fn set(&mut self, rover: &Rover<S>, state: &State<S>, evaluation: &Evaluation<S>) {
         self.position[..state.rate.len()].copy_from_slice(&state.rate);
         self.rate = evaluation.acceleration;
@@ -280,10 +307,11 @@ impl<S: Scalar> Increment<S> {
         }
     }
 
-    fn add_scaled(&mut self, other: &Self, factor: f64) {
+    #[inline(always)]
+    fn add_scaled(&mut self, other: &Self, factor: f64, n: usize) {
         let factor = S::from(factor);
-        add_scaled(&mut self.position, factor, &other.position, crate::rover::MAX_COORDINATES);
-        add_scaled(&mut self.rate, factor, &other.rate, crate::rover::MAX_COORDINATES);
+        add_scaled(&mut self.position, factor, &other.position, n);
+        add_scaled(&mut self.rate, factor, &other.rate, n);
         for (entry, other) in self.wheels.iter_mut().zip(&other.wheels) {
             for (a, b) in entry.iter_mut().zip(other) {
                 *a += *b * factor;
@@ -291,6 +319,7 @@ impl<S: Scalar> Increment<S> {
         }
     }
 
+    #[inline(always)]
     pub fn add_to(&self, state: &mut State<S>, factor: f64) {
         for (i, (position, rate)) in state.position.iter_mut().zip(&mut state.rate).enumerate() {
             *position += self.position[i] * factor;
@@ -304,6 +333,7 @@ impl<S: Scalar> Increment<S> {
     }
 
     /// Replaces this right-hand side r by the solution k of (I - gamma h A) k = r.
+    #[inline(always)]
     fn solve(
         &mut self,
         rover: &Rover<S>,

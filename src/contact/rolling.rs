@@ -6,6 +6,7 @@ use super::pieces::sums;
 use super::rim::{Rim, Shear};
 use super::surface::Surface;
 use crate::scalar::{Mask, Plain, Scalar, smooth_step, smooth_step_slope};
+use crate::scalar::beside;
 use crate::snapshot::moving;
 use crate::soil::Soil;
 use crate::wheel::Wheel;
@@ -32,6 +33,7 @@ pub struct Forces<S = f64> {
 }
 
 moving!(Forces { normal, drawbar, torque });
+beside!(Forces { normal, drawbar, torque });
 
 impl<S: Scalar> Forces<S> {
     /// No force.

@@ -14,6 +14,7 @@
 use super::rolling::{Forces, Rolling, norm, rolling_share, slip};
 use super::surface::Surface;
 use crate::scalar::{Mask, Scalar, smooth_step};
+use crate::scalar::beside;
 use crate::snapshot::moving;
 use crate::soil::Soil;
 use crate::wheel::Wheel;
@@ -35,6 +36,7 @@ pub struct Hold<S = f64> {
 }
 
 moving!(Hold { travel, turn });
+beside!(Hold { travel, turn });
 
 impl<S: From<f64>> Default for Hold<S> {
     fn default() -> Self {
@@ -113,6 +115,7 @@ pub struct Slopes<S = f64> {
 }
 
 moving!(Slopes { velocity, spin, travel, turn, damping, stiffness, rate_by_velocity, rate_by_spin, rate_own });
+beside!(Slopes { velocity, spin, travel, turn, damping, stiffness, rate_by_velocity, rate_by_spin, rate_own });
 
 /// Forces of a contact, the rates of its memory, and the slopes of both.
 #[derive(Clone, Copy, Debug)]
@@ -126,6 +129,7 @@ pub struct Touch<S = f64> {
 }
 
 moving!(Touch { forces, rate, slopes });
+beside!(Touch { forces, rate, slopes });
 
 /// Forces on a wheel in `motion` with this `surface` of its rim.
 #[inline(never)]

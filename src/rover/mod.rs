@@ -12,6 +12,7 @@ use crate::contact::Hold;
 use crate::effects::Effects;
 use crate::motor::Motor;
 use crate::scalar::Scalar;
+use crate::scalar::beside;
 use crate::snapshot::moving;
 use crate::soil::Soil;
 use crate::terrain::Terrain;
@@ -212,6 +213,7 @@ pub struct WheelState<S = f64> {
 }
 
 moving!(WheelState { spin, hold, winding_rise, track });
+beside!(WheelState { spin, hold, winding_rise, track });
 
 /// Moving data of a rover: everything that a step changes.
 #[derive(Clone, Debug, PartialEq)]
@@ -227,6 +229,7 @@ pub struct State<S = f64> {
 }
 
 moving!(State { position, rate, wheels, start_x });
+beside!(State { position, rate, wheels, start_x });
 
 impl<S: Scalar> State<S> {
     /// Takes the values of a state of the same rover over, without allocating.

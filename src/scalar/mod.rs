@@ -7,6 +7,7 @@
 //! any instruction set.
 
 mod arch;
+mod beside;
 pub mod functions;
 mod lanes;
 
@@ -16,6 +17,7 @@ use std::ops::{BitAnd, BitOr, Not};
 #[cfg(target_arch = "x86_64")]
 pub(crate) use arch::{Avx2, Avx512};
 pub(crate) use arch::{Arch, Arrays, WIDTH};
+pub(crate) use beside::{Beside, beside};
 pub(crate) use lanes::Lanes;
 
 /// Yes or no, for each of the numbers side by side.
