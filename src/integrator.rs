@@ -95,12 +95,33 @@ impl<S: Scalar> Integrator<S> {
         state: &mut State<S>,
         command: &Command<C>,
     ) -> Result<(), DynamicsError> {
-        self.now.update(rover, state, command)?;
+        self.ahead.update(rover, state, command)?;
+        std::mem::swap(&mut self.now, &mut self.ahead);
         // Where the speed is imposed the spin is no free state; keep it in step with the body.
         for (wheel, evaluation) in state.wheels.iter_mut().zip(&self.now.wheels) {
             wheel.spin = evaluation.spin;
         }
         Ok(())
+    }
+
+    /// Takes a new command over, where the mask says so: [`Integrator::impose`] and [`Integrator::evaluate`].
+    ///
+    /// # Errors
+    /// [`DynamicsError`]; nothing has changed then.
+    pub fn change<C: Copy + Into<S>>(
+        &mut self,
+        rover: &Rover<S>,
+        state: &mut State<S>,
+        command: &Command<C>,
+        mask: S::Mask,
+    ) -> Result<(), DynamicsError> {
+        self.predicted.copy_from(state);
+        let changed =
+            self.impose(rover, state, command, mask).and_then(|()| self.evaluate(rover, state, command));
+        if changed.is_err() {
+            state.copy_from(&self.predicted);
+        }
+        changed
     }
 
     /// Brings the wheels to newly imposed speeds at once, where the mask says so: the drives' impulses turn the bodies that carry

@@ -200,7 +200,7 @@ impl<R: Plain> Window<R> {
         }
         // Progress counts in the direction of driving: sliding back while driving on is being stuck.
         let way = x - self.start_x;
-        let progress = way.abs().negative_where((way * self.rim_progress).under(0.0));
+        let progress = way.abs().negative_where((way * self.rim_progress).bit(63));
         let stuck = full & progress.below(self.rim_travel * STUCK_SHARE);
         self.restart(full, x);
         stuck
@@ -266,6 +266,9 @@ impl<S: Scalar> Motion<S> {
 
     /// Takes a new command over where the mask says so; where it imposes other speeds, the impulse counts as work of the
     /// drives. Elsewhere the command must be the same as before.
+    ///
+    /// # Errors
+    /// [`DynamicsError`] of any; nothing has changed then.
     pub fn change_command<C: Copy + Into<S>>(
         &mut self,
         rover: &Rover<S>,
@@ -273,11 +276,11 @@ impl<S: Scalar> Motion<S> {
         mask: S::Mask,
     ) -> Result<(), DynamicsError> {
         S::wide(|| {
-            let before = self.integrator.now.mechanical_energy(rover, &self.state);
-            self.integrator.impose(rover, &mut self.state, command, mask)?;
-            self.integrator.evaluate(rover, &mut self.state, command)?;
-            let after = self.integrator.now.mechanical_energy(rover, &self.state);
-            self.energies.drive = S::select(mask, self.energies.drive + (after - before), self.energies.drive);
+            let Self { state, integrator, energies, .. } = self;
+            let before = integrator.now.mechanical_energy(rover, state);
+            integrator.change(rover, state, command, mask)?;
+            let after = integrator.now.mechanical_energy(rover, state);
+            energies.drive = S::select(mask, energies.drive + (after - before), energies.drive);
             Ok(())
         })
     }
@@ -391,7 +394,11 @@ impl<S: Scalar> Simulation<S> {
         Ok(self.status)
     }
 
-    fn apply(&mut self, command: &Command) -> Result<(), StepError> {
+    /// Takes `command` over; it holds from now on.
+    ///
+    /// # Errors
+    /// [`StepError`].
+    pub(crate) fn apply(&mut self, command: &Command) -> Result<(), StepError> {
         check_command(command, self.rover.wheels.len())?;
         if self.command != *command && self.status == Status::Running {
             self.change_command(command).map_err(|source| StepError::Dynamics { time: self.time(), source })?;
@@ -501,6 +508,22 @@ impl<S: Scalar> Simulation<S> {
         &self.motion.state
     }
 
+    /// What a step moves.
+    pub(crate) fn motion(&self) -> &Motion<S> {
+        &self.motion
+    }
+
+    /// Places for what another has reckoned: the motion, the steps made, the status, the true signals.
+    pub(crate) fn places(&mut self) -> Places<'_, S> {
+        let Self { motion, ticks, status, signals, command, .. } = self;
+        Places { motion, ticks, status, signals, command }
+    }
+
+    /// Whether what is recorded depends on the past.
+    pub(crate) fn lags(&self) -> bool {
+        self.recorder.lags()
+    }
+
     pub(crate) fn command(&self) -> &Command {
         &self.command
     }
@@ -514,6 +537,15 @@ impl<S: Scalar> Simulation<S> {
     pub fn drive(&self) -> Drive {
         self.command.drive
     }
+}
+
+/// Places of a simulation that another may write.
+pub(crate) struct Places<'a, S: Scalar> {
+    pub motion: &'a mut Motion<S>,
+    pub ticks: &'a mut u64,
+    pub status: &'a mut Status,
+    pub signals: &'a mut Signals<S>,
+    pub command: &'a mut Command,
 }
 
 /// Least height of the belly, a straight line between the outer wheels of the chassis, above the ground, m.

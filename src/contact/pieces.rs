@@ -238,19 +238,19 @@ impl<R: Plain> Displacement<R> {
     #[inline(always)]
     fn sign_changes(&self, mask: R::Mask) -> [R; 6] {
         let ends = self.turns.map(|theta| self.of(theta));
-        // theta_m takes its place among the passes, which come in order.
-        let mut angles = [self.theta_1, self.theta_m, self.theta_m, self.theta_m, self.theta_m, self.theta_2];
+        let mut angles = [self.theta_2; 6];
+        (angles[0], angles[1]) = (self.theta_1, self.theta_m);
         for part in 0..3 {
             let [from, to] = [ends[part], ends[part + 1]];
             let passes = mask & (from * to).under(0.0);
-            let mut pass = self.theta_2;
-            if passes.any() {
-                let place = self.pass(R::from(0.0), [self.turns[part], self.turns[part + 1]], from.below(to), passes);
-                pass = R::select(passes, place, pass);
+            if !passes.any() {
+                continue;
             }
-            let last = angles[part + 1];
-            angles[part + 1] = last.larger(pass);
-            angles[part + 2] = last.smaller(pass);
+            let place = self.pass(R::from(0.0), [self.turns[part], self.turns[part + 1]], from.below(to), passes);
+            let mut next = R::select(passes, place, self.theta_2);
+            for angle in &mut angles[1..5] {
+                (*angle, next) = (angle.larger(next), angle.smaller(next));
+            }
         }
         angles
     }

@@ -7,7 +7,7 @@
 //! same function of s in both and is computed once.
 
 use super::surface::Surface;
-use crate::scalar::{Mask, Plain, Scalar};
+use crate::scalar::{Mask, Scalar};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 

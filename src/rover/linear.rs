@@ -2,7 +2,6 @@
 //! order and a full set of functions that dual numbers share names with; this needs + - * / only).
 
 use crate::scalar::{Mask, Plain, Scalar};
-use num_dual::DualNum;
 use num_traits::Signed;
 use std::ops::{DivAssign, Mul};
 

@@ -5,7 +5,7 @@
 //! where they suffice over the reduced range; for the arc sine and the logarithm the minimax coefficients of FDLIBM
 //! (Sun Microsystems 1993).
 
-use super::{Mask, ROUNDING, Plain, Scalar};
+use super::{Mask, Plain, ROUNDING};
 use std::f64::consts::{FRAC_2_PI, LOG2_E};
 
 /// ln 2 in two parts; the first has 21 zero bits at its end, so that products with whole numbers are exact.

@@ -10,7 +10,6 @@ use super::TerrainError;
 use super::curve::{Curve, Sample};
 use super::several::Several;
 use crate::scalar::{Mask, Plain, Scalar};
-use num_traits::Signed;
 
 /// Point of the profile nearest to a wheel's centre, and the frame there.
 #[derive(Clone, Copy, Debug, PartialEq)]
