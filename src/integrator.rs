@@ -14,7 +14,7 @@ use crate::contact::Forces;
 use crate::rover::dynamics::{DynamicsError, Evaluation, WheelEvaluation};
 use crate::rover::linear::{Factors, Matrix, Vector, add_outer, add_scaled, dot, zeros};
 use crate::rover::{Rover, State};
-use crate::scalar::{Scalar, beside};
+use crate::scalar::{Scalar, always, beside};
 use crate::signals::{Command, Drive};
 use crate::snapshot::moving;
 
@@ -157,6 +157,7 @@ impl<S: Scalar> Integrator<S> {
     ///
     /// # Errors
     /// [`DynamicsError`]; `state` is then left as it was before the step.
+    #[inline(always)]
     pub fn step<C: Copy + Into<S>>(
         &mut self,
         rover: &Rover<S>,
@@ -192,7 +193,7 @@ impl<S: Scalar> Integrator<S> {
         command: &Command<C>,
         h: f64,
     ) -> Result<(), DynamicsError> {
-        S::wide(|| self.stages_side_by_side(rover, state, command, h))
+        S::wide(#[inline(always)] || self.stages_side_by_side(rover, state, command, h))
     }
 
     #[inline(always)]
@@ -217,6 +218,7 @@ impl<S: Scalar> Integrator<S> {
     }
 
     /// Warms the windings over the step of size `h` just made, where they warm.
+    #[inline(always)]
     pub fn warm(&mut self, rover: &Rover<S>, state: &mut State<S>, h: f64) {
         if rover.effects.winding_heat.acts() {
             // The evaluation at the start of the step is what was swapped out.
@@ -282,9 +284,12 @@ impl<S: Scalar> Condensed<S> {
     fn new(rover: &Rover<S>, wheel: &WheelEvaluation<S>, drive: Drive, gh: f64) -> Self {
         let slopes = &wheel.touch.slopes;
         let hold_factor = (S::from(1.0) - slopes.rate_own * gh).recip();
-        let through_hold = |[travel, turn]: [S; 2]| {
-            slopes.travel.scaled(travel * hold_factor * gh).plus(slopes.turn.scaled(turn * hold_factor * gh))
-        };
+        let through_hold = always(
+            #[inline(always)]
+            |[travel, turn]: [S; 2]| {
+                slopes.travel.scaled(travel * hold_factor * gh).plus(slopes.turn.scaled(turn * hold_factor * gh))
+            },
+        );
         let by_velocity = slopes.velocity.plus(through_hold(slopes.rate_by_velocity));
         let by_spin = slopes.spin.plus(through_hold(slopes.rate_by_spin));
         let spin_factor = (rover.wheel.inertia + (by_spin.torque - wheel.drive_slope) * gh).recip();

@@ -4,7 +4,7 @@ use crate::integrator::Integrator;
 use crate::recording::Recorder;
 use crate::rover::dynamics::{DynamicsError, Evaluation, Powers};
 use crate::rover::{Rover, SettleError, State};
-use crate::scalar::{Mask, Plain, Scalar};
+use crate::scalar::{Mask, Plain, Scalar, always};
 use crate::signals::{Command, Drive, Signals};
 use crate::scalar::beside;
 use crate::snapshot::{Moving, Reader, SnapshotError, Writer, moving, moving_code};
@@ -275,7 +275,7 @@ impl<S: Scalar> Motion<S> {
         command: &Command<C>,
         mask: S::Mask,
     ) -> Result<(), DynamicsError> {
-        S::wide(|| {
+        S::wide(#[inline(always)] || {
             let Self { state, integrator, energies, .. } = self;
             let before = integrator.now.mechanical_energy(rover, state);
             integrator.change(rover, state, command, mask)?;
@@ -295,7 +295,7 @@ impl<S: Scalar> Motion<S> {
         command: &Command<C>,
         step_size: f64,
     ) -> Result<(), DynamicsError> {
-        S::wide(|| {
+        S::wide(#[inline(always)] || {
             let before = self.integrator.now.powers();
             self.integrator.step(rover, &mut self.state, command, step_size)?;
             self.integrator.warm(rover, &mut self.state, step_size);
@@ -307,11 +307,14 @@ impl<S: Scalar> Motion<S> {
 
     /// What the step just made has ended in.
     pub fn outcome(&mut self, rover: &Rover<S>, step_size: f64) -> Outcome<S::Mask> {
-        S::wide(|| {
+        S::wide(#[inline(always)] || {
             let radius = rover.true_wheel().radius.plain();
             let wheels = &self.integrator.now.wheels;
             let none = S::Mask::from_lanes(|_| false);
-            let sunk = wheels.iter().fold(none, |sunk, wheel| sunk | radius.at_most(wheel.sinkage.plain()));
+            let mut sunk = none;
+            for wheel in wheels {
+                sunk = sunk | radius.at_most(wheel.sinkage.plain());
+            }
             let speeds = wheels.iter().map(|wheel| wheel.speed.plain());
             Outcome {
                 tipped: self.state.position[2].plain().abs().over(TIPPED),
@@ -653,7 +656,7 @@ impl<S: Scalar> Energies<S> {
     /// Trapezoidal rule over one step: the order of the integrator.
     #[inline(always)]
     pub fn add(&mut self, before: &Powers<S>, after: &Powers<S>, h: f64) {
-        let mean = |a: S, b: S| (a + b) * (0.5 * h);
+        let mean = always(#[inline(always)] |a: S, b: S| (a + b) * (0.5 * h));
         self.dissipated += mean(before.dissipated, after.dissipated);
         self.electrical += mean(before.electrical, after.electrical);
         self.drive += mean(before.drive, after.drive);

@@ -232,7 +232,7 @@ impl<A: Arch> SideBySide<A> {
     /// The signals at the present time.
     fn write_signals(&mut self) {
         let Self { motion, rover, signals, .. } = self;
-        <Lanes<A> as crate::scalar::Scalar>::wide(|| {
+        <Lanes<A> as crate::scalar::Scalar>::wide(#[inline(always)] || {
             motion.integrator.now.write_signals(rover, &motion.state, &motion.energies, signals);
             rover.effects.record(motion.state.start_x, &mut signals.body, &mut signals.wheels);
         });

@@ -7,7 +7,7 @@
 
 use super::quadrature::{NODES_8, NODES_12, NODES_16};
 use super::rim::{Rim, Shear, Sums};
-use crate::scalar::{Mask, Plain, Scalar};
+use crate::scalar::{Mask, Plain, Scalar, always};
 use num_dual::DualNum;
 use num_traits::Signed;
 
@@ -45,7 +45,7 @@ impl Cuts {
 /// Sums over the whole contact.
 #[inline(never)]
 pub(super) fn sums<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
-    S::wide(|| sums_side_by_side(rim))
+    S::wide(#[inline(always)] || sums_side_by_side(rim))
 }
 
 #[inline(always)]
@@ -56,8 +56,10 @@ fn sums_side_by_side<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
     let change = displacement.largest_change();
     let grips = !rim.grip.under(1.0);
     let signs = displacement.changes_sign();
-    let [little, some] = [FEW_NODES, MORE_NODES].map(|limit| grips & !signs & change.at_most(limit.into()));
-    let [cut, cut_more] = [FEW_NODES_BOTH_SIGNS, MORE_NODES].map(|limit| grips & signs & change.at_most(limit.into()));
+    let [up_to_few, up_to_few_cut, up_to_more] =
+        [FEW_NODES, FEW_NODES_BOTH_SIGNS, MORE_NODES].map(#[inline(always)] |limit| change.at_most(limit.into()));
+    let (little, some) = (grips & !signs & up_to_few, grips & !signs & up_to_more);
+    let (cut, cut_more) = (grips & signs & up_to_few_cut, grips & signs & up_to_more);
     let mut sums = Sums::zero();
     if little.any() {
         sums.take(little, &whole(rim, &NODES_8));
@@ -124,7 +126,9 @@ fn many_cuts<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
 #[inline(always)]
 fn whole<S: Scalar>(rim: &Rim<S>, nodes: &[(f64, f64)]) -> Sums<S> {
     let mut sums = Sums::zero();
-    nodes.iter().for_each(|&(s, weight)| rim.add(&mut sums, s, weight));
+    for &(s, weight) in nodes {
+        rim.add(&mut sums, s, weight);
+    }
     sums
 }
 
@@ -154,9 +158,12 @@ fn between<S: Scalar>(rim: &Rim<S>, angles: [S::Plain; 6], nodes: &[(f64, f64)])
 fn add_piece<S: Scalar>(rim: &Rim<S>, sums: &mut Sums<S>, above: S::Plain, below: S::Plain, nodes: &[(f64, f64)]) {
     let [theta_1, theta_m, theta_2] = [rim.theta_1, rim.theta_m, rim.theta_2].map(S::plain);
     let front = theta_m.at_most(below);
-    let choose = |yes: S::Plain, no: S::Plain| S::Plain::select(front, yes, no);
+    let choose = always(#[inline(always)] |yes: S::Plain, no: S::Plain| S::Plain::select(front, yes, no));
     let (start, length) = (choose(theta_1, theta_2), choose(theta_1 - theta_m, theta_m - theta_2));
-    let s = |theta: S::Plain| ((theta - start).abs() / length).smaller(S::Plain::from(1.0)).sqrt();
+    let s = always(
+        #[inline(always)]
+        |theta: S::Plain| ((theta - start).abs() / length).smaller(S::Plain::from(1.0)).sqrt(),
+    );
     let (from, to) = (s(choose(above, below)), s(choose(below, above)));
     for &(node, weight) in nodes {
         rim.add_in(sums, front, from + (to - from) * node, (to - from) * weight);
@@ -192,11 +199,12 @@ impl<R: Plain> Displacement<R> {
         let mut turns = [theta_1, theta_1, theta_2, theta_2];
         if turns_back.any() {
             let turn = (shear_radius / ratio).arc_cosine();
-            let inside = |angle: R| turns_back & angle.below(theta_1) & theta_2.below(angle);
+            let inside =
+                always(#[inline(always)] |angle: R| turns_back & angle.below(theta_1) & theta_2.below(angle));
             turns[1] = R::select(inside(turn), turn, theta_1);
             turns[2] = R::select(inside(-turn), -turn, theta_2);
         }
-        let slope = |cos: R| (shear_radius - ratio * cos).abs();
+        let slope = always(#[inline(always)] |cos: R| (shear_radius - ratio * cos).abs());
         let cos_2 = if theta_2.is_exactly(0.0) { R::from(1.0) } else { theta_2.sine_cosine().1 };
         let steepest = rate * slope(cos_1).larger(slope(R::from(1.0))).larger(slope(cos_2));
         let (theta_s, sin_s) = (rim.theta_s.plain(), rim.sin_s.plain());
@@ -237,7 +245,8 @@ impl<R: Plain> Displacement<R> {
     /// that are not there. Of no meaning outside the mask.
     #[inline(always)]
     fn sign_changes(&self, mask: R::Mask) -> [R; 6] {
-        let ends = self.turns.map(|theta| self.of(theta));
+        let turns = &self.turns;
+        let ends = [self.of(turns[0]), self.of(turns[1]), self.of(turns[2]), self.of(turns[3])];
         let mut angles = [self.theta_2; 6];
         (angles[0], angles[1]) = (self.theta_1, self.theta_m);
         for part in 0..3 {

@@ -7,7 +7,7 @@
 //! same function of s in both and is computed once.
 
 use super::surface::Surface;
-use crate::scalar::{Mask, Scalar};
+use crate::scalar::{Mask, Scalar, always};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 
@@ -57,6 +57,7 @@ pub(super) struct Sums<S> {
 }
 
 impl<S: Scalar> Sums<S> {
+    #[inline(always)]
     pub fn zero() -> Self {
         let o = S::from(0.0);
         Self { sigma_cos: o, sigma_sin: o, tau_cos: o, tau_sin: o, tau: o, slope_cos: o, slope_sin: o, slope: o }
@@ -84,6 +85,7 @@ impl<S: Scalar> Sums<S> {
 }
 
 impl<S: Scalar> Rim<S> {
+    #[inline(always)]
     pub fn new(
         wheel: &Wheel<S>,
         soil: &Soil<S>,
@@ -164,7 +166,7 @@ impl<S: Scalar> Rim<S> {
         if !in_front.all() {
             let theta = self.theta_2 + rear * s2; // (2.6)
             let (sin, cos) = theta.sine_cosine();
-            let choose = |front: S, rear: S| S::select(in_front, front, rear);
+            let choose = always(#[inline(always)] |front: S, rear: S| S::select(in_front, front, rear));
             at = (choose(at.0, theta), choose(at.1, sin), choose(at.2, cos));
         }
         self.point(sums, at, load, S::select(in_front, front, rear) * S::from_plain(s * weight * 2.0));

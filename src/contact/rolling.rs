@@ -5,7 +5,7 @@
 use super::pieces::sums;
 use super::rim::{Rim, Shear};
 use super::surface::Surface;
-use crate::scalar::{Mask, Plain, Scalar, smooth_step, smooth_step_slope};
+use crate::scalar::{Mask, Plain, Scalar, always, smooth_step, smooth_step_slope};
 use crate::scalar::beside;
 use crate::snapshot::moving;
 use crate::soil::Soil;
@@ -38,10 +38,12 @@ beside!(Forces { normal, drawbar, torque });
 impl<S: Scalar> Forces<S> {
     /// No force.
     #[must_use]
+    #[inline(always)]
     pub fn zero() -> Self {
         Self::filled(S::from(0.0))
     }
 
+    #[inline(always)]
     fn filled(value: S) -> Self {
         Self { normal: value, drawbar: value, torque: value }
     }
@@ -59,15 +61,12 @@ impl<S: Scalar> Forces<S> {
         }
     }
 
-    /// The same over another scalar.
-    pub(crate) fn map<T>(self, f: &dyn Fn(S) -> T) -> Forces<T> {
-        Forces { normal: f(self.normal), drawbar: f(self.drawbar), torque: f(self.torque) }
-    }
-
+    #[inline(always)]
     pub(crate) fn scaled(self, factor: S) -> Self {
         Self { normal: self.normal * factor, drawbar: self.drawbar * factor, torque: self.torque * factor }
     }
 
+    #[inline(always)]
     pub(crate) fn plus(self, other: Self) -> Self {
         Self {
             normal: self.normal + other.normal,
@@ -99,6 +98,7 @@ pub(super) struct Rolling<S> {
 }
 
 impl<S: Scalar> Rolling<S> {
+    #[inline(always)]
     fn sliding(forces: Forces<S>) -> Self {
         Self { forces, by_velocity: Forces::zero(), by_spin: Forces::zero() }
     }
@@ -107,7 +107,8 @@ impl<S: Scalar> Rolling<S> {
     /// (-DP, -T).
     #[inline(always)]
     fn mirrored_where(self, mask: S::Mask) -> Self {
-        let slope = |s: Forces<S>| Forces { normal: s.normal.negative_where(mask), ..s };
+        let slope =
+            always(#[inline(always)] |s: Forces<S>| Forces { normal: s.normal.negative_where(mask), ..s });
         let Forces { normal, drawbar, torque } = self.forces;
         Self {
             forces: Forces { normal, drawbar: drawbar.negative_where(mask), torque: torque.negative_where(mask) },
@@ -266,7 +267,7 @@ impl<S: Scalar> Contact<'_, S> {
             return if rolls.all() { self.roll(velocity, spin) } else { self.slide(velocity, rim_speed) };
         }
         let (safe, odd) = (rolls & touches, touches & !rolls);
-        let choose = |x: S, other: f64| S::select(safe, x, S::from(other));
+        let choose = always(#[inline(always)] |x: S, other: f64| S::select(safe, x, S::from(other)));
         let (sinkage, depth) = (self.sinkage, self.wheel.radius * 1e-3);
         let ordinary = Contact { sinkage: S::select(safe, sinkage, depth), share: choose(self.share, 1.0), ..*self };
         let (mut rolling, mut pressure) = if safe.any() {
@@ -352,11 +353,14 @@ fn integrate<S: Scalar>(rim: &Rim<S>, wheel: &Wheel<S>, surface: &Surface<S>) ->
     let sums = sums(rim);
     let area = wheel.radius * surface.arc * wheel.width;
     let (lugs, arm) = (surface.shear_radius, wheel.radius * surface.arm);
-    let forces = |sigma_cos: S, sigma_sin: S, tau_cos: S, tau_sin: S, tau: S| Forces {
-        normal: area * (sigma_cos + tau_sin * lugs),  // (2.7)
-        drawbar: area * (tau_cos * lugs - sigma_sin), // (2.8)
-        torque: area * arm * tau * (lugs * lugs),     // (2.9)
-    };
+    let forces = always(
+        #[inline(always)]
+        |sigma_cos: S, sigma_sin: S, tau_cos: S, tau_sin: S, tau: S| Forces {
+            normal: area * (sigma_cos + tau_sin * lugs),  // (2.7)
+            drawbar: area * (tau_cos * lugs - sigma_sin), // (2.8)
+            torque: area * arm * tau * (lugs * lugs),     // (2.9)
+        },
+    );
     let zero = S::from(0.0);
     Integrals {
         forces: forces(sums.sigma_cos, sums.sigma_sin, sums.tau_cos, sums.tau_sin, sums.tau),

@@ -30,8 +30,14 @@ pub struct Surface<S = f64> {
 }
 
 impl<S: From<f64>> Default for Surface<S> {
+    #[inline(always)]
     fn default() -> Self {
-        let (zero, one) = (|| S::from(0.0), || S::from(1.0));
+        let (zero, one) = (
+            #[inline(always)]
+            || S::from(0.0),
+            #[inline(always)]
+            || S::from(1.0),
+        );
         Self {
             exit_ratio: zero(),
             arc: one(),

@@ -13,7 +13,7 @@
 
 use super::rolling::{Forces, Rolling, norm, rolling_share, slip};
 use super::surface::Surface;
-use crate::scalar::{Mask, Scalar, smooth_step};
+use crate::scalar::{Mask, Scalar, always, smooth_step};
 use crate::scalar::beside;
 use crate::snapshot::moving;
 use crate::soil::Soil;
@@ -47,11 +47,12 @@ impl<S: From<f64>> Default for Hold<S> {
 impl<S: Scalar> Hold<S> {
     /// The same direction with a length of at most 1.
     #[must_use]
+    #[inline(always)]
     pub fn bounded(self) -> Self {
         let length = norm(self.travel, self.turn);
         let short = length.at_most(S::from(1.0));
         let length = S::select(short, S::from(1.0), length);
-        let within = |x: S| S::select(short, x, x / length);
+        let within = always(#[inline(always)] |x: S| S::select(short, x, x / length));
         Self { travel: within(self.travel), turn: within(self.turn) }
     }
 }
@@ -86,7 +87,8 @@ impl<S: Scalar> Motion<S> {
     #[inline(always)]
     fn direction(&self, rim_speed: S, speed: S, distance: S) -> ([S; 2], S) {
         let scale = (distance + speed * HOLD_DAMPING_TIME).recip();
-        let along = |hold: S, velocity: S| (distance * hold + velocity * HOLD_DAMPING_TIME) * scale;
+        let along =
+            always(#[inline(always)] |hold: S, velocity: S| (distance * hold + velocity * HOLD_DAMPING_TIME) * scale);
         ([along(self.hold.travel, self.velocity), along(self.hold.turn, rim_speed)], scale)
     }
 }
@@ -134,7 +136,7 @@ beside!(Touch { forces, rate, slopes });
 /// Forces on a wheel in `motion` with this `surface` of its rim.
 #[inline(never)]
 pub fn touch<S: Scalar>(wheel: &Wheel<S>, soil: &Soil<S>, surface: &Surface<S>, motion: &Motion<S>) -> Touch<S> {
-    S::wide(|| touch_side_by_side(wheel, soil, surface, motion))
+    S::wide(#[inline(always)] || touch_side_by_side(wheel, soil, surface, motion))
 }
 
 #[inline(always)]
@@ -144,13 +146,15 @@ fn touch_side_by_side<S: Scalar>(wheel: &Wheel<S>, soil: &Soil<S>, surface: &Sur
     let speed = norm(motion.velocity, rim_speed);
     let moves = speed.over(0.0);
     let safe = S::select(moves, speed, S::from(1.0));
-    let heading = [motion.velocity, rim_speed].map(|v| S::select(moves, v / safe, S::from(0.0)));
+    let zero = S::from(0.0);
+    let heading = [S::select(moves, motion.velocity / safe, zero), S::select(moves, rim_speed / safe, zero)];
     let per_distance = distance.recip();
     let rate = Hold {
         travel: (motion.velocity - hold.travel * speed) * per_distance,
         turn: (rim_speed - hold.turn * speed) * per_distance,
     };
-    let by = |component: S, own: f64, along: S| (S::from(own) - component * along) * per_distance;
+    let by =
+        always(#[inline(always)] |component: S, own: f64, along: S| (S::from(own) - component * along) * per_distance);
     let mut slopes = Slopes {
         rate_by_velocity: [by(hold.travel, 1.0, heading[0]), by(hold.turn, 0.0, heading[0])],
         rate_by_spin: [by(hold.travel, 0.0, heading[1]) * wheel.radius, by(hold.turn, 1.0, heading[1]) * wheel.radius],
@@ -192,7 +196,7 @@ fn at_direction<S: Scalar>(
     let excess = rolling.forces.plus(symmetric.scaled(S::from(-1.0)));
     let is_there = length.over(0.0);
     let safe = S::select(is_there, length, S::from(1.0));
-    let along = |component: S| S::select(is_there, component / safe, S::from(0.0));
+    let along = always(#[inline(always)] |component: S| S::select(is_there, component / safe, S::from(0.0)));
     let mut direction = Rolling {
         forces: symmetric.plus(excess.scaled(length)),
         by_velocity: rolling.by_velocity.scaled(length).plus(excess.scaled(along(travel))),
@@ -207,6 +211,7 @@ fn at_direction<S: Scalar>(
 }
 
 impl<S: Scalar> Slopes<S> {
+    #[inline(always)]
     fn zero() -> Self {
         let (zero, none) = (S::from(0.0), Forces::zero());
         Self {
@@ -241,11 +246,14 @@ impl<S: Scalar> Slopes<S> {
     fn follow(&mut self, at: &Rolling<S>, direction: [S; 2], heading: [S; 2], (by_hold, by_motion): (S, S), radius: S) {
         self.travel = at.by_velocity.scaled(by_hold);
         self.turn = at.by_spin.scaled(by_hold);
-        let chain = |own: [f64; 2], along: S| {
-            at.by_velocity
-                .scaled((S::from(own[0]) - direction[0] * along) * by_motion)
-                .plus(at.by_spin.scaled((S::from(own[1]) - direction[1] * along) * by_motion))
-        };
+        let chain = always(
+            #[inline(always)]
+            |own: [f64; 2], along: S| {
+                at.by_velocity
+                    .scaled((S::from(own[0]) - direction[0] * along) * by_motion)
+                    .plus(at.by_spin.scaled((S::from(own[1]) - direction[1] * along) * by_motion))
+            },
+        );
         self.velocity = chain([1.0, 0.0], heading[0]);
         self.spin = chain([0.0, 1.0], heading[1]).scaled(radius);
     }

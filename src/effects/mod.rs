@@ -93,6 +93,7 @@ pub struct Local<S = f64> {
 impl<S: Scalar> Local<S> {
     /// A smooth rigid wheel.
     #[must_use]
+    #[inline(always)]
     pub fn new(wheel: Wheel<S>, soil: Soil<S>) -> Self {
         Self { wheel, soil, surface: Surface::default(), deflection: S::from(0.0) }
     }

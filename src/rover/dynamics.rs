@@ -195,7 +195,7 @@ impl<S: Scalar> Evaluation<S> {
         state: &State<S>,
         command: &Command<C>,
     ) -> Result<(), DynamicsError> {
-        S::wide(|| self.update_side_by_side(rover, state, command))
+        S::wide(#[inline(always)] || self.update_side_by_side(rover, state, command))
     }
 
     #[inline(always)]

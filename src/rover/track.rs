@@ -37,6 +37,7 @@ impl<S: Scalar> Track<S> {
 
     /// How far the ground at `x` counts as passed: 0 at the ends and outside, 1 well inside.
     #[must_use]
+    #[inline(always)]
     pub fn covers(&self, x: S) -> S {
         let inside = self.low.below(x) & x.below(self.high);
         if !inside.any() {
@@ -48,6 +49,7 @@ impl<S: Scalar> Track<S> {
 
 /// Number of wheels that have passed the ground at `x`. Each counts once, however often it came; a wheel counts on its
 /// own track once it has reversed by the length of a contact: while it goes on, it stands at its track's end.
+#[inline(always)]
 pub(super) fn passes<S: Scalar>(wheels: &[WheelState<S>], x: S) -> S {
     wheels.iter().fold(S::from(0.0), |sum, wheel| sum + wheel.track.covers(x))
 }

@@ -208,6 +208,13 @@ pub trait Plain: Scalar<Plain = Self> {
     }
 }
 
+/// The closure itself. An attribute `#[inline(always)]` may stand before an argument, not before a value of `let`; what is not
+/// inlined is not compiled for the instructions of [`Scalar::wide`].
+#[inline(always)]
+pub(crate) fn always<F>(f: F) -> F {
+    f
+}
+
 /// A number with `N` exact partial derivatives.
 pub type Dual<const N: usize> = DualSVec64<N>;
 

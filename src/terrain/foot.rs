@@ -42,6 +42,7 @@ const BISECTIONS: usize = 80;
 const OSCULATING: f64 = 1e-6;
 
 /// g and g' at a point of the profile.
+#[inline(always)]
 fn stationarity<S: Scalar>(sample: &Sample<S>, x: S, [centre_x, centre_z]: [S; 2]) -> (S, S) {
     let gap = centre_z - sample.height;
     let g = x - centre_x - gap * sample.slope;

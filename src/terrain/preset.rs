@@ -1,7 +1,7 @@
 //! Profiles by formula: slope, waves, ditch, step.
 
 use super::curve::{Curve, Sample, cut_at};
-use crate::scalar::{Mask, Scalar};
+use crate::scalar::{Mask, Scalar, always};
 use bekker_modeldescription::{Unit, parameters};
 use std::f64::consts::TAU;
 
@@ -57,7 +57,7 @@ impl<S: Scalar> Sample<S> {
     /// `self`, or level ground at `height` where the mask says so.
     #[inline(always)]
     fn or_level(self, mask: S::Mask, height: S) -> Self {
-        let choose = |level: S, own: S| S::select(mask, level, own);
+        let choose = always(#[inline(always)] |level: S, own: S| S::select(mask, level, own));
         Self {
             height: choose(height, self.height),
             slope: choose(S::from(0.0), self.slope),
