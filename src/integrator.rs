@@ -14,7 +14,7 @@ use crate::contact::Forces;
 use crate::rover::dynamics::{DynamicsError, Evaluation, WheelEvaluation};
 use crate::rover::linear::{Factors, Matrix, Vector, add_outer, add_scaled, dot, zeros};
 use crate::rover::{Rover, State};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, always, beside};
 use crate::signals::{Command, Drive};
 use crate::snapshot::moving;
 
@@ -71,6 +71,7 @@ pub(crate) struct Integrator<S = f64> {
 }
 
 moving!(Integrator { now } { ahead, predicted, first, second, condensed });
+beside!(Integrator { now } { ahead, predicted, first, second, condensed });
 
 impl<S: Scalar> Integrator<S> {
     pub fn new(rover: &Rover<S>, state: &State<S>) -> Self {
@@ -88,8 +89,14 @@ impl<S: Scalar> Integrator<S> {
     }
 
     /// Evaluates the right-hand side at `state`: needed before the first step and after a new command.
-    pub fn evaluate(&mut self, rover: &Rover<S>, state: &mut State<S>, command: &Command) -> Result<(), DynamicsError> {
-        self.now.update(rover, state, command)?;
+    pub fn evaluate<C: Copy + Into<S>>(
+        &mut self,
+        rover: &Rover<S>,
+        state: &mut State<S>,
+        command: &Command<C>,
+    ) -> Result<(), DynamicsError> {
+        self.ahead.update(rover, state, command)?;
+        std::mem::swap(&mut self.now, &mut self.ahead);
         // Where the speed is imposed the spin is no free state; keep it in step with the body.
         for (wheel, evaluation) in state.wheels.iter_mut().zip(&self.now.wheels) {
             wheel.spin = evaluation.spin;
@@ -97,12 +104,38 @@ impl<S: Scalar> Integrator<S> {
         Ok(())
     }
 
-    /// Brings the wheels to newly imposed speeds at once: the drives' impulses turn the bodies that carry
+    /// Takes a new command over, where the mask says so: [`Integrator::impose`] and [`Integrator::evaluate`].
+    ///
+    /// # Errors
+    /// [`DynamicsError`]; nothing has changed then.
+    pub fn change<C: Copy + Into<S>>(
+        &mut self,
+        rover: &Rover<S>,
+        state: &mut State<S>,
+        command: &Command<C>,
+        mask: S::Mask,
+    ) -> Result<(), DynamicsError> {
+        self.predicted.copy_from(state);
+        let changed =
+            self.impose(rover, state, command, mask).and_then(|()| self.evaluate(rover, state, command));
+        if changed.is_err() {
+            state.copy_from(&self.predicted);
+        }
+        changed
+    }
+
+    /// Brings the wheels to newly imposed speeds at once, where the mask says so: the drives' impulses turn the bodies that carry
     /// them the other way, so that M du = sum a I (d omega - a du). `now` must hold the evaluation at `state`.
     ///
     /// # Errors
     /// [`DynamicsError`].
-    pub fn impose(&self, rover: &Rover<S>, state: &mut State<S>, command: &Command) -> Result<(), DynamicsError> {
+    pub fn impose<C: Copy + Into<S>>(
+        &self,
+        rover: &Rover<S>,
+        state: &mut State<S>,
+        command: &Command<C>,
+        mask: S::Mask,
+    ) -> Result<(), DynamicsError> {
         if command.drive != Drive::Speed {
             return Ok(());
         }
@@ -111,10 +144,12 @@ impl<S: Scalar> Integrator<S> {
         for (wheel, &speed) in self.now.wheels.iter().zip(&command.values) {
             let inertia = rover.wheel.inertia;
             add_outer(&mut matrix, inertia, &wheel.turn, &wheel.turn, n);
-            add_scaled(&mut impulse, inertia * (S::from(speed) - wheel.speed), &wheel.turn, n);
+            add_scaled(&mut impulse, inertia * (speed.into() - wheel.speed), &wheel.turn, n);
         }
         let change = Factors::new(&matrix, n).ok_or(DynamicsError::NotFinite)?.solve(&impulse);
-        state.rate.iter_mut().zip(change).for_each(|(rate, change)| *rate += change);
+        for (rate, change) in state.rate.iter_mut().zip(change) {
+            *rate = S::select(mask, *rate + change, *rate);
+        }
         Ok(())
     }
 
@@ -122,11 +157,12 @@ impl<S: Scalar> Integrator<S> {
     ///
     /// # Errors
     /// [`DynamicsError`]; `state` is then left as it was before the step.
-    pub fn step(
+    #[inline(always)]
+    pub fn step<C: Copy + Into<S>>(
         &mut self,
         rover: &Rover<S>,
         state: &mut State<S>,
-        command: &Command,
+        command: &Command<C>,
         h: f64,
     ) -> Result<(), DynamicsError> {
         self.stages(rover, state, command, h)?;
@@ -141,9 +177,7 @@ impl<S: Scalar> Integrator<S> {
         std::mem::swap(state, &mut self.predicted);
         for (wheel, evaluation) in state.wheels.iter_mut().zip(&self.now.wheels) {
             wheel.spin = evaluation.spin;
-            if evaluation.sinkage.value() > 0.0 {
-                wheel.track.extend(evaluation.foot_x);
-            }
+            wheel.track.extend(evaluation.foot_x, evaluation.sinkage.over(0.0));
         }
         Ok(())
     }
@@ -152,11 +186,22 @@ impl<S: Scalar> Integrator<S> {
     ///
     /// # Errors
     /// [`DynamicsError`].
-    pub fn stages(
+    pub fn stages<C: Copy + Into<S>>(
         &mut self,
         rover: &Rover<S>,
         state: &State<S>,
-        command: &Command,
+        command: &Command<C>,
+        h: f64,
+    ) -> Result<(), DynamicsError> {
+        S::wide(#[inline(always)] || self.stages_side_by_side(rover, state, command, h))
+    }
+
+    #[inline(always)]
+    fn stages_side_by_side<C: Copy + Into<S>>(
+        &mut self,
+        rover: &Rover<S>,
+        state: &State<S>,
+        command: &Command<C>,
         h: f64,
     ) -> Result<(), DynamicsError> {
         let gh = GAMMA * h;
@@ -167,12 +212,13 @@ impl<S: Scalar> Integrator<S> {
         self.first.add_to(&mut self.predicted, h);
         self.ahead.update(rover, &self.predicted, command)?;
         self.second.set(rover, &self.predicted, &self.ahead);
-        self.second.add_scaled(&self.first, -2.0);
+        self.second.add_scaled(&self.first, -2.0, rover.coordinates());
         self.second.solve(rover, &self.now, &self.condensed, &factors, command.drive, gh);
         Ok(())
     }
 
     /// Warms the windings over the step of size `h` just made, where they warm.
+    #[inline(always)]
     pub fn warm(&mut self, rover: &Rover<S>, state: &mut State<S>, h: f64) {
         if rover.effects.winding_heat.acts() {
             // The evaluation at the start of the step is what was swapped out.
@@ -181,6 +227,7 @@ impl<S: Scalar> Integrator<S> {
     }
 
     /// Eliminates spins and memories and factors the matrix that is left.
+    #[inline(always)]
     fn condense(&mut self, rover: &Rover<S>, drive: Drive, gh: f64) -> Result<Factors<S>, DynamicsError> {
         let n = rover.coordinates();
         let mut matrix = self.now.system;
@@ -196,6 +243,7 @@ impl<S: Scalar> Integrator<S> {
 }
 
 /// Adds `- gamma h` times the slopes of one wheel's contact and drive to the condensed matrix.
+#[inline(always)]
 fn add_contact<S: Scalar>(
     matrix: &mut Matrix<S>,
     wheel: &WheelEvaluation<S>,
@@ -232,12 +280,16 @@ impl<S: Scalar> Condensed<S> {
         }
     }
 
+    #[inline(always)]
     fn new(rover: &Rover<S>, wheel: &WheelEvaluation<S>, drive: Drive, gh: f64) -> Self {
         let slopes = &wheel.touch.slopes;
         let hold_factor = (S::from(1.0) - slopes.rate_own * gh).recip();
-        let through_hold = |[travel, turn]: [S; 2]| {
-            slopes.travel.scaled(travel * hold_factor * gh).plus(slopes.turn.scaled(turn * hold_factor * gh))
-        };
+        let through_hold = always(
+            #[inline(always)]
+            |[travel, turn]: [S; 2]| {
+                slopes.travel.scaled(travel * hold_factor * gh).plus(slopes.turn.scaled(turn * hold_factor * gh))
+            },
+        );
         let by_velocity = slopes.velocity.plus(through_hold(slopes.rate_by_velocity));
         let by_spin = slopes.spin.plus(through_hold(slopes.rate_by_spin));
         let spin_factor = (rover.wheel.inertia + (by_spin.torque - wheel.drive_slope) * gh).recip();
@@ -272,6 +324,7 @@ impl<S: Scalar> Condensed<S> {
 
 impl<S: Scalar> Increment<S> {
     /// The time derivative of `state`, as evaluated.
+    #[inline(always)]
     fn set(&mut self, rover: &Rover<S>, state: &State<S>, evaluation: &Evaluation<S>) {
         self.position[..state.rate.len()].copy_from_slice(&state.rate);
         self.rate = evaluation.acceleration;
@@ -280,10 +333,11 @@ impl<S: Scalar> Increment<S> {
         }
     }
 
-    fn add_scaled(&mut self, other: &Self, factor: f64) {
+    #[inline(always)]
+    fn add_scaled(&mut self, other: &Self, factor: f64, n: usize) {
         let factor = S::from(factor);
-        add_scaled(&mut self.position, factor, &other.position, crate::rover::MAX_COORDINATES);
-        add_scaled(&mut self.rate, factor, &other.rate, crate::rover::MAX_COORDINATES);
+        add_scaled(&mut self.position, factor, &other.position, n);
+        add_scaled(&mut self.rate, factor, &other.rate, n);
         for (entry, other) in self.wheels.iter_mut().zip(&other.wheels) {
             for (a, b) in entry.iter_mut().zip(other) {
                 *a += *b * factor;
@@ -291,6 +345,7 @@ impl<S: Scalar> Increment<S> {
         }
     }
 
+    #[inline(always)]
     pub fn add_to(&self, state: &mut State<S>, factor: f64) {
         for (i, (position, rate)) in state.position.iter_mut().zip(&mut state.rate).enumerate() {
             *position += self.position[i] * factor;
@@ -304,6 +359,7 @@ impl<S: Scalar> Increment<S> {
     }
 
     /// Replaces this right-hand side r by the solution k of (I - gamma h A) k = r.
+    #[inline(always)]
     fn solve(
         &mut self,
         rover: &Rover<S>,

@@ -1,5 +1,6 @@
 //! What goes in and out of the rover: commands, true signals, measurements, references.
 
+use crate::scalar::beside;
 use crate::snapshot::{Moving, Reader, SnapshotError, Writer, load_all, load_grown, moving, moving_code, save_all};
 use bekker_modeldescription::{Parameters, Unit, Variable, parameters};
 
@@ -80,6 +81,25 @@ pub struct Signals<S = f64> {
     /// Signals of link 1..m; none for a rigid vehicle.
     pub links: Vec<LinkSignals<S>>,
 }
+
+beside!(BodySignals {
+    x,
+    z,
+    velocity,
+    pitch,
+    pitch_rate,
+    power,
+    electrical_power,
+    dissipated_energy,
+    electrical_energy,
+    drive_work,
+    soil_loss,
+    other_loss,
+    mechanical_energy,
+});
+beside!(WheelSignals { speed, slip, sinkage, normal_force, drawbar_pull, torque, current, contact_angle });
+beside!(LinkSignals { angle, rate });
+beside!(Signals { body, wheels, links });
 
 impl Moving for Signals {
     fn save(&self, to: &mut Writer) {

@@ -4,10 +4,12 @@ use crate::integrator::Integrator;
 use crate::recording::Recorder;
 use crate::rover::dynamics::{DynamicsError, Evaluation, Powers};
 use crate::rover::{Rover, SettleError, State};
-use crate::scalar::Scalar;
+use crate::scalar::{Mask, Plain, Scalar, always};
 use crate::signals::{Command, Drive, Signals};
+use crate::scalar::beside;
 use crate::snapshot::{Moving, Reader, SnapshotError, Writer, moving, moving_code};
 use crate::terrain::TerrainError;
+use num_traits::Signed;
 use std::fmt;
 
 /// Pitch beyond which the rover counts as tipped over, rad.
@@ -142,50 +144,185 @@ pub(crate) struct Energies<S> {
 }
 
 moving!(Energies<f64> { dissipated, electrical, drive, soil_loss, other_loss });
+beside!(Energies { dissipated, electrical, drive, soil_loss, other_loss });
 
 /// Progress since the present window of rim travel began.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Window {
-    start_x: f64,
+pub(crate) struct Window<R = f64> {
+    start_x: R,
     /// Path of the rims, mean over the wheels: without and with sign, m.
-    rim_travel: f64,
-    rim_progress: f64,
+    rim_travel: R,
+    rim_progress: R,
 }
 
 moving!(Window { start_x, rim_travel, rim_progress });
+beside!(Window { start_x, rim_travel, rim_progress });
 
-impl Window {
+impl<R: Plain> Window<R> {
     /// A window that begins at `x`.
-    pub fn at(x: f64) -> Self {
-        Self { start_x: x, ..Self::default() }
+    #[inline(always)]
+    pub fn at(x: R) -> Self {
+        Self { start_x: x, rim_travel: R::from(0.0), rim_progress: R::from(0.0) }
+    }
+
+    #[inline(always)]
+    fn restart(&mut self, mask: R::Mask, x: R) {
+        let zero = R::from(0.0);
+        self.start_x = R::select(mask, x, self.start_x);
+        self.rim_travel = R::select(mask, zero, self.rim_travel);
+        self.rim_progress = R::select(mask, zero, self.rim_progress);
     }
 
     /// Takes in one step that ended at `x` with these wheel `speeds`; whether it closes a window without progress.
+    #[inline(always)]
     pub fn stuck(
         &mut self,
-        x: f64,
-        speeds: impl ExactSizeIterator<Item = f64> + Clone,
-        radius: f64,
+        x: R,
+        speeds: impl ExactSizeIterator<Item = R> + Clone,
+        radius: R,
         step_size: f64,
-    ) -> bool {
+    ) -> R::Mask {
         let scale = radius * step_size / speeds.len() as f64;
-        let travel = speeds.clone().map(f64::abs).sum::<f64>() * scale;
-        let progress = speeds.sum::<f64>() * scale;
-        if progress * self.rim_progress < 0.0 && progress.abs() > 0.5 * travel {
-            // The wheels have reversed together: the way back is not lost progress.
-            *self = Self::at(x);
+        let (mut travel, mut progress) = (R::from(-0.0), R::from(-0.0));
+        for speed in speeds {
+            travel += speed.abs();
+            progress += speed;
         }
+        let (travel, progress) = (travel * scale, progress * scale);
+        // Where the wheels have reversed together, the way back is not lost progress.
+        let reversed = (progress * self.rim_progress).under(0.0) & (travel * 0.5).below(progress.abs());
+        self.restart(reversed, x);
         self.rim_travel += travel;
         self.rim_progress += progress;
-        if self.rim_travel < STUCK_WINDOW * radius {
-            return false;
+        let full = (radius * STUCK_WINDOW).at_most(self.rim_travel);
+        if !full.any() {
+            return full;
         }
         // Progress counts in the direction of driving: sliding back while driving on is being stuck.
         let way = x - self.start_x;
-        let progress = way.copysign(way * self.rim_progress);
-        let stuck = progress < STUCK_SHARE * self.rim_travel;
-        *self = Self::at(x);
+        let progress = way.abs().negative_where((way * self.rim_progress).bit(63));
+        let stuck = full & progress.below(self.rim_travel * STUCK_SHARE);
+        self.restart(full, x);
         stuck
+    }
+}
+
+/// What a step ended in.
+pub(crate) struct Outcome<M> {
+    tipped: M,
+    sunk: M,
+    belly: M,
+    stuck: M,
+}
+
+impl<M: Mask> Outcome<M> {
+    /// Where the run has ended.
+    #[inline(always)]
+    pub fn ended(&self) -> M {
+        self.tipped | self.sunk | self.belly | self.stuck
+    }
+
+    /// The status of number `k` of those side by side.
+    pub fn status(&self, k: usize) -> Status {
+        if self.tipped.lane(k) {
+            Status::Ended(Event::TippedOver)
+        } else if self.sunk.lane(k) {
+            Status::Ended(Event::SunkToAxle)
+        } else if self.belly.lane(k) {
+            Status::Ended(Event::BellyContact)
+        } else if self.stuck.lane(k) {
+            Status::Ended(Event::Stuck)
+        } else {
+            Status::Running
+        }
+    }
+}
+
+/// What an inner step moves, of one rover or of several side by side.
+#[derive(Clone, Debug)]
+pub(crate) struct Motion<S: Scalar = f64> {
+    pub state: State<S>,
+    pub integrator: Integrator<S>,
+    pub energies: Energies<S>,
+    pub window: Window<S::Plain>,
+}
+
+// Of the integrator's memory only the evaluation at the present state outlives a step.
+moving!(Motion<f64> { state, integrator, energies, window });
+beside!(Motion { state, integrator, energies, window });
+
+impl<S: Scalar> Motion<S> {
+    /// A rover in `state` under `command`.
+    pub fn new<C: Copy + Into<S>>(
+        rover: &Rover<S>,
+        mut state: State<S>,
+        command: &Command<C>,
+    ) -> Result<Self, DynamicsError> {
+        let mut integrator = Integrator::new(rover, &state);
+        integrator.evaluate(rover, &mut state, command)?;
+        let window = Window::at(state.position[0].plain());
+        Ok(Self { state, integrator, energies: Energies::zero(), window })
+    }
+
+    /// Takes a new command over where the mask says so; where it imposes other speeds, the impulse counts as work of the
+    /// drives. Elsewhere the command must be the same as before.
+    ///
+    /// # Errors
+    /// [`DynamicsError`] of any; nothing has changed then.
+    pub fn change_command<C: Copy + Into<S>>(
+        &mut self,
+        rover: &Rover<S>,
+        command: &Command<C>,
+        mask: S::Mask,
+    ) -> Result<(), DynamicsError> {
+        S::wide(#[inline(always)] || {
+            let Self { state, integrator, energies, .. } = self;
+            let before = integrator.now.mechanical_energy(rover, state);
+            integrator.change(rover, state, command, mask)?;
+            let after = integrator.now.mechanical_energy(rover, state);
+            energies.drive = S::select(mask, energies.drive + (after - before), energies.drive);
+            Ok(())
+        })
+    }
+
+    /// One inner step.
+    ///
+    /// # Errors
+    /// [`DynamicsError`] of any; nothing has moved then.
+    pub fn step<C: Copy + Into<S>>(
+        &mut self,
+        rover: &Rover<S>,
+        command: &Command<C>,
+        step_size: f64,
+    ) -> Result<(), DynamicsError> {
+        S::wide(#[inline(always)] || {
+            let before = self.integrator.now.powers();
+            self.integrator.step(rover, &mut self.state, command, step_size)?;
+            self.integrator.warm(rover, &mut self.state, step_size);
+            let after = self.integrator.now.powers();
+            self.energies.add(&before, &after, step_size);
+            Ok(())
+        })
+    }
+
+    /// What the step just made has ended in.
+    pub fn outcome(&mut self, rover: &Rover<S>, step_size: f64) -> Outcome<S::Mask> {
+        S::wide(#[inline(always)] || {
+            let radius = rover.true_wheel().radius.plain();
+            let wheels = &self.integrator.now.wheels;
+            let none = S::Mask::from_lanes(|_| false);
+            let mut sunk = none;
+            for wheel in wheels {
+                sunk = sunk | radius.at_most(wheel.sinkage.plain());
+            }
+            let speeds = wheels.iter().map(|wheel| wheel.speed.plain());
+            Outcome {
+                tipped: self.state.position[2].plain().abs().over(TIPPED),
+                sunk,
+                belly: belly_clearance(rover, &self.state).under(0.0),
+                stuck: self.window.stuck(self.state.position[0].plain(), speeds, radius, step_size),
+            }
+        })
     }
 }
 
@@ -194,22 +331,18 @@ impl Window {
 /// Over dual numbers every signal carries its derivatives in whatever the rover and its start were seeded with; events
 /// are decided on real parts.
 #[derive(Clone, Debug)]
-pub struct Simulation<S = f64> {
+pub struct Simulation<S: Scalar = f64> {
     rover: Rover<S>,
-    state: State<S>,
-    integrator: Integrator<S>,
+    motion: Motion<S>,
     command: Command,
     step_size: f64,
     ticks: u64,
-    energies: Energies<S>,
-    window: Window,
     status: Status,
     recorder: Recorder<S>,
     signals: Signals<S>,
 }
 
-// Of the integrator's memory only the evaluation at the present state outlives a step.
-moving!(Simulation { state, integrator, command, ticks, energies, window, status, recorder, signals } { rover, step_size });
+moving!(Simulation { motion, command, ticks, status, recorder, signals } { rover, step_size });
 
 impl<S: Scalar> Simulation<S> {
     /// A rover at rest above `x0` (m), settled on its soil, stepped by `step_size` (s).
@@ -225,27 +358,20 @@ impl<S: Scalar> Simulation<S> {
     ///
     /// # Errors
     /// [`StepError::StepSize`], [`StepError::Dynamics`].
-    pub fn from_state(rover: Rover<S>, mut state: State<S>, step_size: f64) -> Result<Self, StepError> {
+    pub fn from_state(rover: Rover<S>, state: State<S>, step_size: f64) -> Result<Self, StepError> {
         if !(step_size > 0.0 && step_size <= 0.02) {
             return Err(StepError::StepSize(step_size));
         }
         let command = Command::torque(vec![0.0; rover.wheels.len()]);
-        let mut integrator = Integrator::new(&rover, &state);
-        integrator
-            .evaluate(&rover, &mut state, &command)
-            .map_err(|source| StepError::Dynamics { time: 0.0, source })?;
-        let window = Window::at(state.position[0].value());
+        let motion = Motion::new(&rover, state, &command).map_err(|source| StepError::Dynamics { time: 0.0, source })?;
         let signals = Signals::of(rover.wheels.len(), rover.links.len());
         let recorder = Recorder::new(&rover.effects.sensor_lag, &signals, step_size);
         let mut simulation = Self {
             rover,
-            state,
-            integrator,
+            motion,
             command,
             step_size,
             ticks: 0,
-            energies: Energies::zero(),
-            window,
             status: Status::Running,
             recorder,
             signals,
@@ -271,7 +397,11 @@ impl<S: Scalar> Simulation<S> {
         Ok(self.status)
     }
 
-    fn apply(&mut self, command: &Command) -> Result<(), StepError> {
+    /// Takes `command` over; it holds from now on.
+    ///
+    /// # Errors
+    /// [`StepError`].
+    pub(crate) fn apply(&mut self, command: &Command) -> Result<(), StepError> {
         check_command(command, self.rover.wheels.len())?;
         if self.command != *command && self.status == Status::Running {
             self.change_command(command).map_err(|source| StepError::Dynamics { time: self.time(), source })?;
@@ -279,15 +409,10 @@ impl<S: Scalar> Simulation<S> {
         Ok(())
     }
 
-    /// Takes a new command over; where it imposes other speeds, the impulse counts as work of the drives.
     fn change_command(&mut self, command: &Command) -> Result<(), DynamicsError> {
-        let before = self.integrator.now.mechanical_energy(&self.rover, &self.state);
-        self.integrator.impose(&self.rover, &mut self.state, command)?;
+        self.motion.change_command(&self.rover, command, S::Mask::from_lanes(|_| true))?;
         self.command.drive = command.drive;
         self.command.values.copy_from_slice(&command.values);
-        self.integrator.evaluate(&self.rover, &mut self.state, &self.command)?;
-        let after = self.integrator.now.mechanical_energy(&self.rover, &self.state);
-        self.energies.drive += after - before;
         self.observe(Recorder::jump);
         Ok(())
     }
@@ -297,21 +422,19 @@ impl<S: Scalar> Simulation<S> {
     /// # Errors
     /// [`StepError::Dynamics`]; nothing is changed then.
     pub(crate) fn retune(&mut self, rover: Rover<S>) -> Result<(), StepError> {
-        let mut state = self.state.clone();
+        let mut state = self.motion.state.clone();
         let mut integrator = Integrator::new(&rover, &state);
         integrator
             .evaluate(&rover, &mut state, &self.command)
             .map_err(|source| StepError::Dynamics { time: self.time(), source })?;
-        (self.rover, self.state, self.integrator) = (rover, state, integrator);
+        (self.rover, self.motion.state, self.motion.integrator) = (rover, state, integrator);
         self.observe(Recorder::jump);
         self.refresh();
         Ok(())
     }
 
     fn step(&mut self) -> Result<(), StepError> {
-        let before = self.integrator.now.powers();
-        let stepped = self.integrator.step(&self.rover, &mut self.state, &self.command, self.step_size);
-        match stepped {
+        match self.motion.step(&self.rover, &self.command, self.step_size) {
             Ok(()) => {}
             Err(DynamicsError::Terrain { source: TerrainError::Left { .. }, .. }) => {
                 self.status = Status::Ended(Event::LeftTerrain);
@@ -320,29 +443,9 @@ impl<S: Scalar> Simulation<S> {
             Err(source) => return Err(StepError::Dynamics { time: self.time(), source }),
         }
         self.ticks += 1;
-        self.integrator.warm(&self.rover, &mut self.state, self.step_size);
-        let after = self.integrator.now.powers();
-        self.energies.add(&before, &after, self.step_size);
         self.observe(Recorder::step);
-        self.check_events();
+        self.status = self.motion.outcome(&self.rover, self.step_size).status(0);
         Ok(())
-    }
-
-    fn check_events(&mut self) {
-        let radius = self.rover.true_wheel().radius.value();
-        let wheels = &self.integrator.now.wheels;
-        let x = self.state.position[0].value();
-        if self.state.position[2].value().abs() > TIPPED {
-            self.status = Status::Ended(Event::TippedOver);
-        } else if wheels.iter().any(|wheel| wheel.sinkage.value() >= radius) {
-            self.status = Status::Ended(Event::SunkToAxle);
-        } else if belly_clearance(&self.rover, &self.state) < 0.0 {
-            self.status = Status::Ended(Event::BellyContact);
-        }
-        let speeds = wheels.iter().map(|wheel| wheel.speed.value());
-        if self.window.stuck(x, speeds, radius, self.step_size) && self.status == Status::Running {
-            self.status = Status::Ended(Event::Stuck);
-        }
     }
 
     /// Lets a recorder that lags take in the present signals.
@@ -361,8 +464,9 @@ impl<S: Scalar> Simulation<S> {
 
     /// Writes the signals from the present state, as sensors without memory see it.
     fn sense(&mut self) {
-        self.integrator.now.write_signals(&self.rover, &self.state, &self.energies, &mut self.signals);
-        self.rover.effects.record(self.state.start_x, &mut self.signals.body, &mut self.signals.wheels);
+        let Motion { state, integrator, energies, .. } = &self.motion;
+        integrator.now.write_signals(&self.rover, state, energies, &mut self.signals);
+        self.rover.effects.record(state.start_x, &mut self.signals.body, &mut self.signals.wheels);
     }
 
     /// Time since the start, s.
@@ -404,7 +508,23 @@ impl<S: Scalar> Simulation<S> {
     /// The moving data.
     #[must_use]
     pub fn state(&self) -> &State<S> {
-        &self.state
+        &self.motion.state
+    }
+
+    /// What a step moves.
+    pub(crate) fn motion(&self) -> &Motion<S> {
+        &self.motion
+    }
+
+    /// Places for what another has reckoned: the motion, the steps made, the status, the true signals.
+    pub(crate) fn places(&mut self) -> Places<'_, S> {
+        let Self { motion, ticks, status, signals, command, .. } = self;
+        Places { motion, ticks, status, signals, command }
+    }
+
+    /// Whether what is recorded depends on the past.
+    pub(crate) fn lags(&self) -> bool {
+        self.recorder.lags()
     }
 
     pub(crate) fn command(&self) -> &Command {
@@ -412,7 +532,7 @@ impl<S: Scalar> Simulation<S> {
     }
 
     pub(crate) fn energies(&self) -> Energies<S> {
-        self.energies
+        self.motion.energies
     }
 
     /// Whether the last command was torques or speeds.
@@ -422,20 +542,31 @@ impl<S: Scalar> Simulation<S> {
     }
 }
 
+/// Places of a simulation that another may write.
+pub(crate) struct Places<'a, S: Scalar> {
+    pub motion: &'a mut Motion<S>,
+    pub ticks: &'a mut u64,
+    pub status: &'a mut Status,
+    pub signals: &'a mut Signals<S>,
+    pub command: &'a mut Command,
+}
+
 /// Least height of the belly, a straight line between the outer wheels of the chassis, above the ground, m.
-pub(crate) fn belly_clearance<S: Scalar>(rover: &Rover<S>, state: &State<S>) -> f64 {
+#[inline(always)]
+pub(crate) fn belly_clearance<S: Scalar>(rover: &Rover<S>, state: &State<S>) -> S::Plain {
     const POINTS: usize = 7;
     let mounts = &rover.wheels;
-    let (rear, front) = (mounts[0].mount.x.value(), mounts[mounts.len() - 1].mount.x.value());
-    let (sin, cos) = state.position[2].value().sin_cos();
-    let belly = rover.body.belly_z.value();
-    let height = |i: usize| {
+    let (rear, front) = (mounts[0].mount.x.plain(), mounts[mounts.len() - 1].mount.x.plain());
+    let (sin, cos) = state.position[2].plain().sine_cosine();
+    let belly = rover.body.belly_z.plain();
+    let mut least = S::Plain::from(f64::INFINITY);
+    for i in 1..=POINTS {
         let along = rear + (front - rear) * i as f64 / (POINTS + 1) as f64;
-        let x = state.position[0].value() + cos * along - sin * belly;
-        let z = state.position[1].value() + sin * along + cos * belly;
-        z - rover.terrain.at(S::from(x)).height.value()
-    };
-    (1..=POINTS).map(height).fold(f64::INFINITY, f64::min)
+        let x = state.position[0].plain() + cos * along - sin * belly;
+        let z = state.position[1].plain() + sin * along + cos * belly;
+        least = least.smaller(z - rover.terrain.at(S::from_plain(x)).height.plain());
+    }
+    least
 }
 
 /// Refuses a command that does not fit a rover with this number of wheels.
@@ -451,6 +582,10 @@ pub(crate) fn check_command(command: &Command, wheels: usize) -> Result<(), Step
 
 /// Speed along the path, signed by its direction along x; its real part is `hypot`'s to the last bit.
 pub(crate) fn path_speed<S: Scalar>(vx: S, vz: S) -> S {
+    if S::Plain::LANES > 1 {
+        let (vx, vz) = (vx.plain(), vz.plain());
+        return S::from_plain(Plain::from_lanes(|k| path_speed(vx.lane(k), vz.lane(k))));
+    }
     let speed = vx.value().hypot(vz.value()).copysign(vx.value());
     if speed == 0.0 {
         return S::from(speed);
@@ -519,8 +654,9 @@ impl<S: Scalar> Energies<S> {
     }
 
     /// Trapezoidal rule over one step: the order of the integrator.
+    #[inline(always)]
     pub fn add(&mut self, before: &Powers<S>, after: &Powers<S>, h: f64) {
-        let mean = |a: S, b: S| (a + b) * (0.5 * h);
+        let mean = always(#[inline(always)] |a: S, b: S| (a + b) * (0.5 * h));
         self.dissipated += mean(before.dissipated, after.dissipated);
         self.electrical += mean(before.electrical, after.electrical);
         self.drive += mean(before.drive, after.drive);

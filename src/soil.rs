@@ -31,6 +31,7 @@ parameters! {
 
 impl<S: Scalar> Soil<S> {
     /// Bekker's modulus k_c/b + k_phi for a contact of width `width`, N/m^(n+2).
+    #[inline(always)]
     pub fn modulus(&self, width: S) -> S {
         self.k_c / width + self.k_phi
     }

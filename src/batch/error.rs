@@ -11,6 +11,9 @@ pub enum BatchError {
     /// No thread to step it.
     #[error("0 threads; expected one at least")]
     NoThreads,
+    /// Instructions that this processor does not have.
+    #[error("the kernel {0:?} is not on this processor; expected another, such as Kernel::best()")]
+    Kernel(super::Kernel),
     /// A run of another structure.
     #[error(
         "run {index} differs from the first in its inputs, its signals or its inner step; expected the same of all"

@@ -1,6 +1,11 @@
 //! Many runs stepped together: for learning, and for studies over soils, grounds and seeds.
 //!
-//! Each run goes on as it would alone: results depend neither on the number of threads nor on which runs share a batch.
+//! Each run goes on as it would alone, to the last bit: results depend neither on the number of threads nor on which runs
+//! share a batch, nor on the processor's instructions.
+//!
+//! Runs of one kind go eight at a time, number k of every quantity being that of run k ([`Kernel`] has the instruction
+//! sets). What only the single run handles makes a run go alone, in the same batch: the plant of rigid bodies, effects of
+//! the user's own, records that lag, and a step in which one of the eight leaves the ground or is not finite.
 //!
 //! ```
 //! use bekker::batch::Batch;
@@ -15,10 +20,13 @@
 //! ```
 
 mod error;
+mod group;
+mod kernel;
 mod pool;
 mod shard;
 
 pub use error::BatchError;
+pub use kernel::Kernel;
 
 use crate::model::{Inputs, Run, RunError};
 use crate::signals::Measurement;
@@ -69,6 +77,17 @@ impl Batch {
     /// [`BatchError::Empty`], [`BatchError::NoThreads`]; [`BatchError::Structure`] where runs differ in their inputs,
     /// their signals or their inner step.
     pub fn new(runs: Vec<Run>, threads: usize) -> Result<Self, BatchError> {
+        Self::on(runs, threads, Kernel::best())
+    }
+
+    /// The same on a certain [`Kernel`]; the bits are the same on each.
+    ///
+    /// # Errors
+    /// As [`Batch::new`], and [`BatchError::Kernel`] where this processor does not have it.
+    pub fn on(runs: Vec<Run>, threads: usize, kernel: Kernel) -> Result<Self, BatchError> {
+        if !kernel.is_there() {
+            return Err(BatchError::Kernel(kernel));
+        }
         let Some(first) = runs.first() else { return Err(BatchError::Empty) };
         if threads == 0 {
             return Err(BatchError::NoThreads);
@@ -82,7 +101,7 @@ impl Batch {
         let mut slots = runs.into_iter().map(Slot::new);
         let mut shards = Vec::new();
         while slots.len() > 0 {
-            shards.push(Box::new(Shard::new(slots.by_ref().take(share).collect())));
+            shards.push(Box::new(Shard::new(slots.by_ref().take(share).collect(), kernel)));
         }
         Ok(Self { pool: Pool::new(shards.len() - 1), shards, structure, statuses, broken: false })
     }
@@ -225,13 +244,14 @@ impl Batch {
         }
         self.statuses[index] = run.status();
         let share = self.shards[0].slots.len();
-        self.shards[index / share].slots[index % share] = Slot::new(run);
+        self.shards[index / share].replace(index % share, run);
         Ok(())
     }
 
     /// The run at a place, as a single run that goes on to the same bits.
     #[must_use]
     pub fn run(&self, index: usize) -> Run {
-        self.slot(index).run.clone()
+        let share = self.shards[0].slots.len();
+        self.shards[index / share].run(index % share)
     }
 }

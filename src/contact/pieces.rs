@@ -7,7 +7,9 @@
 
 use super::quadrature::{NODES_8, NODES_12, NODES_16};
 use super::rim::{Rim, Shear, Sums};
-use crate::scalar::Scalar;
+use crate::scalar::{Mask, Plain, Scalar, always};
+use num_dual::DualNum;
+use num_traits::Signed;
 
 /// Largest change of j/K in a zone for which 8 nodes stay within 1e-6 of N, with one sign of j.
 const FEW_NODES: f64 = 3.0;
@@ -19,6 +21,8 @@ const MORE_NODES: f64 = 8.0;
 const BUILT_UP: f64 = 12.0;
 /// Pieces at most: j has three monotone parts, each with at most three cuts, and the zones' three ends.
 const MOST_CUTS: usize = 12;
+/// Most numbers side by side.
+const MOST_LANES: usize = 8;
 /// Accuracy of a cut, rad; near a change of sign the error of the integral is of its square.
 const CUT: f64 = 1e-10;
 
@@ -39,149 +43,268 @@ impl Cuts {
 }
 
 /// Sums over the whole contact.
+#[inline(never)]
 pub(super) fn sums<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
+    S::wide(#[inline(always)] || sums_side_by_side(rim))
+}
+
+#[inline(always)]
+fn sums_side_by_side<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
     // A rim that slides fully may carry little load beside its pressure, of which the error is a part: 12 nodes.
     let (Shear::Ratio(ratio) | Shear::OnSurface(ratio)) = rim.shear else { return whole(rim, &NODES_12) };
-    let displacement = Displacement::new(rim, ratio.value());
+    let displacement = Displacement::new(rim, ratio.plain());
     let change = displacement.largest_change();
+    let grips = !rim.grip.under(1.0);
+    let signs = displacement.changes_sign();
+    let [up_to_few, up_to_few_cut, up_to_more] =
+        [FEW_NODES, FEW_NODES_BOTH_SIGNS, MORE_NODES].map(#[inline(always)] |limit| change.at_most(limit.into()));
+    let (little, some) = (grips & !signs & up_to_few, grips & !signs & up_to_more);
+    let (cut, cut_more) = (grips & signs & up_to_few_cut, grips & signs & up_to_more);
+    let mut sums = Sums::zero();
+    if little.any() {
+        sums.take(little, &whole(rim, &NODES_8));
+    }
+    let more = some & !little;
+    if more.any() {
+        sums.take(more, &whole(rim, &NODES_12));
+    }
+    if (cut | cut_more).any() {
+        let angles = displacement.sign_changes(cut | cut_more);
+        if cut.any() {
+            sums.take(cut, &between(rim, angles, &NODES_8));
+        }
+        let more = cut_more & !cut;
+        if more.any() {
+            sums.take(more, &between(rim, angles, &NODES_12));
+        }
+    }
+    let rest = !(some | cut_more);
+    if rest.any() {
+        each(rim, rest, &mut sums);
+    }
+    sums
+}
+
+/// The contacts that neither rule suits, one by one.
+#[inline(never)]
+fn each<S: Scalar>(rim: &Rim<S>, mask: S::Mask, sums: &mut Sums<S>) {
+    if S::Plain::LANES == 1 {
+        *sums = many_cuts(rim);
+        return;
+    }
+    let mut numbers = sums.values().map(|sum| std::array::from_fn::<f64, MOST_LANES, _>(|k| lane(sum, k)));
+    for k in (0..S::Plain::LANES).filter(|&k| mask.lane(k)) {
+        let one = many_cuts(&rim.map(&|x| lane(x, k)));
+        numbers.iter_mut().zip(one.values()).for_each(|(numbers, sum)| numbers[k] = sum);
+    }
+    for (sum, numbers) in sums.all().into_iter().zip(numbers) {
+        *sum = S::from_plain(Plain::from_lanes(|k| numbers[k]));
+    }
+}
+
+/// Number `k` of those side by side, the first where there are fewer.
+fn lane<S: Scalar>(x: S, k: usize) -> f64 {
+    x.plain().lane(if k < S::Plain::LANES { k } else { 0 })
+}
+
+/// A contact whose shear builds up within a small part of it, or meets what the rim transmits.
+fn many_cuts<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
+    let (Shear::Ratio(ratio) | Shear::OnSurface(ratio)) = rim.shear else { return whole(rim, &NODES_12) };
+    let displacement = Displacement::new(&rim.map(&|x| x.value()), ratio.value());
     if rim.grip.value() < 1.0 {
         // The shear has a kink where it meets what the rim transmits: 1 - exp(-|j|/K) = grip.
         let limit = -(1.0 - rim.grip.value()).ln();
         let limit = limit.min(BUILT_UP);
-        let nodes: &[(f64, f64)] = if change <= MORE_NODES { &NODES_12 } else { &NODES_16 };
+        let nodes: &[(f64, f64)] = if displacement.largest_change() <= MORE_NODES { &NODES_12 } else { &NODES_16 };
         return pieces(rim, &displacement.cuts(&[0.0, limit, -limit]), nodes);
     }
-    if displacement.changes_sign() {
-        return match change {
-            ..=FEW_NODES_BOTH_SIGNS => pieces(rim, &displacement.cuts(&[0.0]), &NODES_8),
-            ..=MORE_NODES => pieces(rim, &displacement.cuts(&[0.0]), &NODES_12),
-            _ => pieces(rim, &displacement.cuts(&[0.0, BUILT_UP, -BUILT_UP]), &NODES_16),
-        };
-    }
-    match change {
-        ..=FEW_NODES => whole(rim, &NODES_8),
-        ..=MORE_NODES => whole(rim, &NODES_12),
-        _ => pieces(rim, &displacement.cuts(&[BUILT_UP, -BUILT_UP]), &NODES_16),
-    }
+    let levels: &[f64] = if displacement.changes_sign() { &[0.0, BUILT_UP, -BUILT_UP] } else { &[BUILT_UP, -BUILT_UP] };
+    pieces(rim, &displacement.cuts(levels), &NODES_16)
 }
 
 /// Both zones at once: they share their normal stress.
+#[inline(always)]
 fn whole<S: Scalar>(rim: &Rim<S>, nodes: &[(f64, f64)]) -> Sums<S> {
     let mut sums = Sums::zero();
-    nodes.iter().for_each(|&(s, weight)| rim.add(&mut sums, s, weight, weight));
+    for &(s, weight) in nodes {
+        rim.add(&mut sums, s, weight);
+    }
     sums
 }
 
 /// Piece by piece, in the zones' own variable s.
 fn pieces<S: Scalar>(rim: &Rim<S>, cuts: &Cuts, nodes: &[(f64, f64)]) -> Sums<S> {
-    let (theta_1, theta_m, theta_2) = (rim.theta_1.value(), rim.theta_m.value(), rim.theta_2.value());
     let mut sums = Sums::zero();
     for piece in cuts.angles[..cuts.len].windows(2) {
-        let front = piece[1] >= theta_m;
-        let (start, length) = if front { (theta_1, theta_1 - theta_m) } else { (theta_2, theta_m - theta_2) };
-        let s = |theta: f64| ((theta - start).abs() / length).min(1.0).sqrt();
-        let (from, to) = if front { (s(piece[0]), s(piece[1])) } else { (s(piece[1]), s(piece[0])) };
-        for &(node, weight) in nodes {
-            let (at, weight) = (from + (to - from) * node, weight * (to - from));
-            if front { rim.add(&mut sums, at, weight, 0.0) } else { rim.add(&mut sums, at, 0.0, weight) }
+        add_piece(rim, &mut sums, piece[0].into(), piece[1].into(), nodes);
+    }
+    sums
+}
+
+/// Between each of `angles` and the next, which may be the same.
+#[inline(always)]
+fn between<S: Scalar>(rim: &Rim<S>, angles: [S::Plain; 6], nodes: &[(f64, f64)]) -> Sums<S> {
+    let mut sums = Sums::zero();
+    for piece in angles.windows(2) {
+        // Side by side, a piece of no length adds nothing.
+        if piece[1].below(piece[0]).any() {
+            add_piece(rim, &mut sums, piece[0], piece[1], nodes);
         }
     }
     sums
 }
 
-/// Shear displacement along the rim, in plain numbers: a cut moves no integral, so its derivatives do not matter.
-struct Displacement {
-    /// V/(r omega).
-    ratio: f64,
-    theta_1: f64,
-    theta_m: f64,
-    theta_2: f64,
-    /// Where the shear starts, its sine, and the radius of shear over that of the arc.
-    theta_s: f64,
-    sin_s: f64,
-    shear_radius: f64,
-    /// r/K.
-    rate: f64,
-    /// theta_1, the places where dj/dtheta = 0, theta_2: j is monotone between them.
-    turns: [f64; 4],
-    turns_len: usize,
-    /// Largest |dj/dtheta|/K.
-    steepest: f64,
+#[inline(always)]
+fn add_piece<S: Scalar>(rim: &Rim<S>, sums: &mut Sums<S>, above: S::Plain, below: S::Plain, nodes: &[(f64, f64)]) {
+    let [theta_1, theta_m, theta_2] = [rim.theta_1, rim.theta_m, rim.theta_2].map(S::plain);
+    let front = theta_m.at_most(below);
+    let choose = always(#[inline(always)] |yes: S::Plain, no: S::Plain| S::Plain::select(front, yes, no));
+    let (start, length) = (choose(theta_1, theta_2), choose(theta_1 - theta_m, theta_m - theta_2));
+    let s = always(
+        #[inline(always)]
+        |theta: S::Plain| ((theta - start).abs() / length).smaller(S::Plain::from(1.0)).sqrt(),
+    );
+    let (from, to) = (s(choose(above, below)), s(choose(below, above)));
+    for &(node, weight) in nodes {
+        rim.add_in(sums, front, from + (to - from) * node, (to - from) * weight);
+    }
 }
 
-impl Displacement {
-    fn new<S: Scalar>(rim: &Rim<S>, ratio: f64) -> Self {
-        let [theta_1, theta_m, theta_2, cos_1] = [rim.theta_1, rim.theta_m, rim.theta_2, rim.cos_1].map(|a| a.value());
-        let (rate, shear_radius) = (rim.shear_rate.value(), rim.shear_radius.value());
-        let (mut turns, mut turns_len) = ([theta_1; 4], 1);
+/// Shear displacement along the rim, in plain numbers: a cut moves no integral, so its derivatives do not matter.
+struct Displacement<R> {
+    /// V/(r omega).
+    ratio: R,
+    theta_1: R,
+    theta_m: R,
+    theta_2: R,
+    /// Where the shear starts, its sine, and the radius of shear over that of the arc.
+    theta_s: R,
+    sin_s: R,
+    shear_radius: R,
+    /// r/K.
+    rate: R,
+    /// theta_1, the places where dj/dtheta = 0 (or its end again), theta_2: j is monotone between them.
+    turns: [R; 4],
+    /// Largest |dj/dtheta|/K.
+    steepest: R,
+}
+
+impl<R: Plain> Displacement<R> {
+    #[inline(always)]
+    fn new<S: Scalar<Plain = R, Mask = R::Mask>>(rim: &Rim<S>, ratio: R) -> Self {
+        let [theta_1, theta_m, theta_2, cos_1] = [rim.theta_1, rim.theta_m, rim.theta_2, rim.cos_1].map(S::plain);
+        let (rate, shear_radius) = (rim.shear_rate.plain(), rim.shear_radius.plain());
         // dj/dtheta = -(r_s - r ratio cos theta) vanishes at +-acos(r_s/(r ratio)).
-        if ratio > shear_radius {
-            let turn = (shear_radius / ratio).acos();
-            for angle in [turn, -turn] {
-                if angle < theta_1 && angle > theta_2 {
-                    turns[turns_len] = angle;
-                    turns_len += 1;
-                }
-            }
+        let turns_back = shear_radius.below(ratio);
+        let mut turns = [theta_1, theta_1, theta_2, theta_2];
+        if turns_back.any() {
+            let turn = (shear_radius / ratio).arc_cosine();
+            let inside =
+                always(#[inline(always)] |angle: R| turns_back & angle.below(theta_1) & theta_2.below(angle));
+            turns[1] = R::select(inside(turn), turn, theta_1);
+            turns[2] = R::select(inside(-turn), -turn, theta_2);
         }
-        turns[turns_len] = theta_2;
-        let slope = |cos: f64| (shear_radius - ratio * cos).abs();
-        let steepest = rate * slope(cos_1).max(slope(1.0)).max(slope(theta_2.cos()));
-        let (theta_s, sin_s) = (rim.theta_s.value(), rim.sin_s.value());
-        let turns_len = turns_len + 1;
-        Self { ratio, theta_1, theta_m, theta_2, theta_s, sin_s, shear_radius, rate, turns, turns_len, steepest }
+        let slope = always(#[inline(always)] |cos: R| (shear_radius - ratio * cos).abs());
+        let cos_2 = if theta_2.is_exactly(0.0) { R::from(1.0) } else { theta_2.sine_cosine().1 };
+        let steepest = rate * slope(cos_1).larger(slope(R::from(1.0))).larger(slope(cos_2));
+        let (theta_s, sin_s) = (rim.theta_s.plain(), rim.sin_s.plain());
+        Self { ratio, theta_1, theta_m, theta_2, theta_s, sin_s, shear_radius, rate, turns, steepest }
     }
 
-    /// j/K.
-    fn at(&self, theta: f64) -> f64 {
-        self.rate * (self.shear_radius * (self.theta_s - theta) - self.ratio * (self.sin_s - theta.sin()))
+    /// j/K at an angle and its sine.
+    #[inline(always)]
+    fn at(&self, theta: R, sin: R) -> R {
+        self.rate * (self.shear_radius * (self.theta_s - theta) - self.ratio * (self.sin_s - sin))
+    }
+
+    /// j/K at an angle.
+    #[inline(always)]
+    fn of(&self, theta: R) -> R {
+        self.at(theta, theta.sine_cosine().0)
     }
 
     /// A bound on the change of j/K over either zone.
-    fn largest_change(&self) -> f64 {
-        self.steepest * (self.theta_1 - self.theta_m).max(self.theta_m - self.theta_2)
+    #[inline(always)]
+    fn largest_change(&self) -> R {
+        self.steepest * (self.theta_1 - self.theta_m).larger(self.theta_m - self.theta_2)
     }
 
     /// Whether j may change its sign: it does not where it is monotone from zero on. Lugs have begun to shear before
     /// theta_1, so that j is not zero there.
-    fn changes_sign(&self) -> bool {
-        self.turns_len > 2 || (self.shear_radius != 1.0 && self.at(self.theta_1) * self.at(self.theta_2) < 0.0)
+    #[inline(always)]
+    fn changes_sign(&self) -> R::Mask {
+        let turns = self.turns[1].below(self.theta_1) | self.theta_2.below(self.turns[2]);
+        if self.shear_radius.is_exactly(1.0) {
+            return turns;
+        }
+        let passes = (self.of(self.theta_1) * self.of(self.theta_2)).under(0.0);
+        turns | (!self.shear_radius.same(R::from(1.0)) & passes)
     }
 
+    /// The ends of the zones and the places where j passes zero, from theta_1 down to theta_2, which stands for those
+    /// that are not there. Of no meaning outside the mask.
+    #[inline(always)]
+    fn sign_changes(&self, mask: R::Mask) -> [R; 6] {
+        let turns = &self.turns;
+        let ends = [self.of(turns[0]), self.of(turns[1]), self.of(turns[2]), self.of(turns[3])];
+        let mut angles = [self.theta_2; 6];
+        (angles[0], angles[1]) = (self.theta_1, self.theta_m);
+        for part in 0..3 {
+            let [from, to] = [ends[part], ends[part + 1]];
+            let passes = mask & (from * to).under(0.0);
+            if !passes.any() {
+                continue;
+            }
+            let place = self.pass(R::from(0.0), [self.turns[part], self.turns[part + 1]], from.below(to), passes);
+            let mut next = R::select(passes, place, self.theta_2);
+            for angle in &mut angles[1..5] {
+                (*angle, next) = (angle.larger(next), angle.smaller(next));
+            }
+        }
+        angles
+    }
+
+    /// Where j/K passes `level` between the two angles, above and below, `rising` on the way down: Newton's method
+    /// within a shrinking bracket, where the mask says so.
+    #[inline(always)]
+    fn pass(&self, level: R, [above, below]: [R; 2], rising: R::Mask, mask: R::Mask) -> R {
+        let (mut low, mut high) = (below, above);
+        let mut theta = (low + high) * 0.5;
+        let mut active = mask;
+        for _ in 0..50 {
+            let (sin, cos) = theta.sine_cosine();
+            let value = self.at(theta, sin) - level;
+            let over = value.over(0.0);
+            let lower = (over & rising) | (!over & !rising);
+            low = R::select(lower, theta, low);
+            high = R::select(lower, high, theta);
+            let next = theta - value / (self.rate * (self.ratio * cos - self.shear_radius));
+            let inside = low.below(next) & next.below(high);
+            let next = R::select(inside, next, (low + high) * 0.5);
+            let arrived = (next - theta).abs().under(CUT);
+            theta = R::select(active, next, theta);
+            active = active & !arrived;
+            if !active.any() {
+                break;
+            }
+        }
+        theta
+    }
+}
+
+impl Displacement<f64> {
     /// The ends of the zones and the places where j/K passes one of the `levels`.
     fn cuts(&self, levels: &[f64]) -> Cuts {
         let mut cuts = Cuts { angles: [0.0; MOST_CUTS], len: 0 };
         [self.theta_1, self.theta_m, self.theta_2].into_iter().for_each(|theta| cuts.insert(theta));
-        for part in self.turns[..self.turns_len].windows(2) {
-            let ends = [self.at(part[0]), self.at(part[1])];
+        for part in self.turns.windows(2) {
+            let ends = [self.of(part[0]), self.of(part[1])];
             for level in levels {
                 if (ends[0] - level) * (ends[1] - level) < 0.0 {
-                    cuts.insert(self.pass(*level, part[0], part[1], ends[1] > ends[0]));
+                    cuts.insert(self.pass(*level, [part[0], part[1]], ends[1] > ends[0], true));
                 }
             }
         }
         cuts
-    }
-
-    /// Where j/K passes `level` between `above` and `below`, `rising` on the way down: Newton's method within a
-    /// shrinking bracket.
-    fn pass(&self, level: f64, above: f64, below: f64, rising: bool) -> f64 {
-        let (mut low, mut high) = (below, above);
-        let mut theta = 0.5 * (low + high);
-        for _ in 0..50 {
-            let value = self.at(theta) - level;
-            if (value > 0.0) == rising {
-                low = theta
-            } else {
-                high = theta
-            }
-            let next = theta - value / (self.rate * (self.ratio * theta.cos() - self.shear_radius));
-            let next = if next > low && next < high { next } else { 0.5 * (low + high) };
-            if (next - theta).abs() < CUT {
-                return next;
-            }
-            theta = next;
-        }
-        theta
     }
 }

@@ -7,7 +7,7 @@
 //! same function of s in both and is computed once.
 
 use super::surface::Surface;
-use crate::scalar::Scalar;
+use crate::scalar::{Mask, Scalar, always};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 
@@ -57,13 +57,35 @@ pub(super) struct Sums<S> {
 }
 
 impl<S: Scalar> Sums<S> {
+    #[inline(always)]
     pub fn zero() -> Self {
         let o = S::from(0.0);
         Self { sigma_cos: o, sigma_sin: o, tau_cos: o, tau_sin: o, tau: o, slope_cos: o, slope_sin: o, slope: o }
     }
+
+    /// Takes the sums of `other` over where the mask says so.
+    #[inline(always)]
+    pub fn take(&mut self, mask: S::Mask, other: &Self) {
+        for (mine, other) in self.all().into_iter().zip(other.values()) {
+            *mine = S::select(mask, other, *mine);
+        }
+    }
+
+    #[inline(always)]
+    pub fn values(&self) -> [S; 8] {
+        let Self { sigma_cos, sigma_sin, tau_cos, tau_sin, tau, slope_cos, slope_sin, slope } = *self;
+        [sigma_cos, sigma_sin, tau_cos, tau_sin, tau, slope_cos, slope_sin, slope]
+    }
+
+    #[inline(always)]
+    pub fn all(&mut self) -> [&mut S; 8] {
+        let Self { sigma_cos, sigma_sin, tau_cos, tau_sin, tau, slope_cos, slope_sin, slope } = self;
+        [sigma_cos, sigma_sin, tau_cos, tau_sin, tau, slope_cos, slope_sin, slope]
+    }
 }
 
 impl<S: Scalar> Rim<S> {
+    #[inline(always)]
     pub fn new(
         wheel: &Wheel<S>,
         soil: &Soil<S>,
@@ -75,9 +97,11 @@ impl<S: Scalar> Rim<S> {
         let (radius, exit_ratio) = (wheel.radius * surface.arc, surface.exit_ratio);
         let depth = sinkage / radius;
         // A wheel sunk to its axle is an event; the clamp only keeps the formula finite until then.
-        let theta_1 = (S::from(1.0) - depth.smaller(S::from(1.5))).acos();
-        let theta_2 = if exit_ratio.value() > 0.0 {
-            -(S::from(1.0) - (exit_ratio * depth).smaller(S::from(1.5))).acos()
+        let theta_1 = (S::from(1.0) - depth.smaller(S::from(1.5))).arc_cosine();
+        let exits = exit_ratio.over(0.0);
+        let theta_2 = if exits.any() {
+            let exit = -(S::from(1.0) - (exit_ratio * depth).smaller(S::from(1.5))).arc_cosine();
+            S::select(exits, exit, S::from(0.0))
         } else {
             S::from(0.0)
         };
@@ -87,18 +111,21 @@ impl<S: Scalar> Rim<S> {
             shear => shear,
         };
         let slip_size = match shear {
-            Shear::Ratio(ratio) | Shear::OnSurface(ratio) if ratio.value() <= 1.0 => S::from(1.0) - ratio,
-            Shear::Ratio(ratio) | Shear::OnSurface(ratio) => S::from(1.0) - ratio.recip(),
+            Shear::Ratio(ratio) | Shear::OnSurface(ratio) => {
+                let drives = ratio.at_most(S::from(1.0));
+                S::from(1.0) - S::select(drives, ratio, S::select(drives, S::from(1.0), ratio).recip())
+            }
             Shear::Full(_) => S::from(1.0),
         };
         let share = (soil.c1 + soil.c2 * slip_size * established).larger(S::from(0.05)).smaller(S::from(0.95));
-        let (sin_1, cos_1) = theta_1.sin_cos();
+        let (sin_1, cos_1) = theta_1.sine_cosine();
         let (theta_s, sin_s) = if surface.shear_radius.is_exactly(1.0) {
             (theta_1, sin_1)
         } else {
-            let theta_s = (cos_1 / surface.shear_radius).acos();
-            (theta_s, theta_s.sin())
+            let theta_s = (cos_1 / surface.shear_radius).arc_cosine();
+            (theta_s, theta_s.sine_cosine().0)
         };
+        let (sin_phi, cos_phi) = soil.friction_angle.sine_cosine();
         Self {
             shear,
             theta_1,
@@ -113,44 +140,59 @@ impl<S: Scalar> Rim<S> {
             modulus: soil.modulus(wheel.width),
             exponent: soil.exponent,
             cohesion: soil.cohesion * surface.cohesion_gain,
-            tan_phi: soil.friction_angle.tan() * surface.friction_gain,
+            tan_phi: sin_phi / cos_phi * surface.friction_gain,
             shear_rate: radius / soil.shear_modulus,
         }
     }
 
-    /// Adds the points of both zones at `s`, with their quadrature weights in s.
-    #[inline]
-    pub fn add(&self, sums: &mut Sums<S>, s: f64, front_weight: f64, rear_weight: f64) {
+    /// Adds the points of both zones at `s`, with the quadrature's weight in s.
+    #[inline(always)]
+    pub fn add(&self, sums: &mut Sums<S>, s: f64, weight: f64) {
         let s2 = s * s;
-        let front = self.theta_1 - self.theta_m;
+        let (front, rear) = (self.theta_1 - self.theta_m, self.theta_m - self.theta_2);
+        let (at_front, load) = self.load(S::from(s2), front);
+        self.point(sums, at_front, load, front * (2.0 * s * weight));
+        let theta = self.theta_2 + rear * s2; // (2.6): the same s, so the same sigma
+        let (sin, cos) = theta.sine_cosine();
+        self.point(sums, (theta, sin, cos), load, rear * (2.0 * s * weight));
+    }
+
+    /// Adds the point of one zone at `s`, the front one where `in_front` says so.
+    #[inline(always)]
+    pub fn add_in(&self, sums: &mut Sums<S>, in_front: S::Mask, s: S::Plain, weight: S::Plain) {
+        let s2 = S::from_plain(s * s);
+        let (front, rear) = (self.theta_1 - self.theta_m, self.theta_m - self.theta_2);
+        let (mut at, load) = self.load(s2, front);
+        if !in_front.all() {
+            let theta = self.theta_2 + rear * s2; // (2.6)
+            let (sin, cos) = theta.sine_cosine();
+            let choose = always(#[inline(always)] |front: S, rear: S| S::select(in_front, front, rear));
+            at = (choose(at.0, theta), choose(at.1, sin), choose(at.2, cos));
+        }
+        self.point(sums, at, load, S::select(in_front, front, rear) * S::from_plain(s * weight * 2.0));
+    }
+
+    /// The point of the front zone at s^2 with its sine and cosine; normal stress and strength there.
+    #[inline(always)]
+    fn load(&self, s2: S, front: S) -> ((S, S, S), (S, S)) {
         let theta = self.theta_1 - front * s2;
-        let (sin, cos) = theta.sin_cos();
+        let (sin, cos) = theta.sine_cosine();
         let depth = (self.radius * (cos - self.cos_1)).larger(S::from(0.0));
         let sigma = self.modulus * depth.power(self.exponent); // (2.5)
-        let strength = self.cohesion + sigma * self.tan_phi; // (2.1)
-        if front_weight > 0.0 {
-            self.point(sums, (theta, sin, cos), (sigma, strength), front * (2.0 * s * front_weight));
-        }
-        if rear_weight > 0.0 {
-            let rear = self.theta_m - self.theta_2;
-            let theta = self.theta_2 + rear * s2; // (2.6): the same s, so the same sigma
-            let (sin, cos) = theta.sin_cos();
-            self.point(sums, (theta, sin, cos), (sigma, strength), rear * (2.0 * s * rear_weight));
-        }
+        ((theta, sin, cos), (sigma, self.cohesion + sigma * self.tan_phi)) // (2.1)
     }
 
     /// Adds one point of the rim with the weight `d_theta`.
-    #[inline]
+    #[inline(always)]
     fn point(&self, sums: &mut Sums<S>, (theta, sin, cos): (S, S, S), (sigma, strength): (S, S), d_theta: S) {
         let (tau, slope) = match self.shear {
             Shear::Ratio(ratio) => {
                 // j/r = theta_1 - theta - V/(r omega) (sin theta_1 - sin theta)
                 let lift = self.sin_s - sin;
                 let j = self.theta_1 - theta - ratio * lift;
-                let decay = (-(j.abs() * self.shear_rate)).exp();
+                let decay = (-(j.abs() * self.shear_rate)).exponential();
                 let size = strength * (S::from(1.0) - decay);
-                let tau = if j.value() < 0.0 { -size } else { size };
-                (tau, -(strength * decay * self.shear_rate * lift))
+                (size.negative_where(j.under(0.0)), -(strength * decay * self.shear_rate * lift))
             }
             Shear::OnSurface(ratio) => self.on_surface(ratio, theta, sin, strength),
             Shear::Full(sign) => (strength * self.grip * sign, S::from(0.0)),
@@ -167,18 +209,41 @@ impl<S: Scalar> Rim<S> {
     }
 
     /// Shear stress and its slope with lugs or a limited grip.
-    #[inline(never)]
+    #[inline(always)]
     fn on_surface(&self, ratio: S, theta: S, sin: S, strength: S) -> (S, S) {
         // j/r = (r_s/r)(theta_s - theta) - V/(r omega) (sin theta_s - sin theta)
         let lift = self.sin_s - sin;
         let j = self.shear_radius * (self.theta_s - theta) - ratio * lift;
-        let decay = (-(j.abs() * self.shear_rate)).exp();
+        let decay = (-(j.abs() * self.shear_rate)).exponential();
         let built_up = S::from(1.0) - decay;
-        let (size, slope) = if built_up.value() > self.grip.value() {
-            (strength * self.grip, S::from(0.0))
-        } else {
-            (strength * built_up, -(strength * decay * self.shear_rate * lift))
-        };
-        (if j.value() < 0.0 { -size } else { size }, slope)
+        let slips = self.grip.below(built_up);
+        let size = strength * S::select(slips, self.grip, built_up);
+        let slope = S::select(slips, S::from(0.0), -(strength * decay * self.shear_rate * lift));
+        (size.negative_where(j.under(0.0)), slope)
+    }
+
+    /// The same over another scalar.
+    pub fn map<T: Scalar>(&self, f: &dyn Fn(S) -> T) -> Rim<T> {
+        Rim {
+            shear: match self.shear {
+                Shear::Ratio(ratio) => Shear::Ratio(f(ratio)),
+                Shear::OnSurface(ratio) => Shear::OnSurface(f(ratio)),
+                Shear::Full(sign) => Shear::Full(sign),
+            },
+            theta_1: f(self.theta_1),
+            theta_m: f(self.theta_m),
+            theta_2: f(self.theta_2),
+            cos_1: f(self.cos_1),
+            theta_s: f(self.theta_s),
+            sin_s: f(self.sin_s),
+            shear_radius: f(self.shear_radius),
+            grip: f(self.grip),
+            radius: f(self.radius),
+            modulus: f(self.modulus),
+            exponent: f(self.exponent),
+            cohesion: f(self.cohesion),
+            tan_phi: f(self.tan_phi),
+            shear_rate: f(self.shear_rate),
+        }
     }
 }

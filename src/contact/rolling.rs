@@ -5,7 +5,8 @@
 use super::pieces::sums;
 use super::rim::{Rim, Shear};
 use super::surface::Surface;
-use crate::scalar::{Scalar, smooth_step, smooth_step_slope};
+use crate::scalar::{Mask, Plain, Scalar, always, smooth_step, smooth_step_slope};
+use crate::scalar::beside;
 use crate::snapshot::moving;
 use crate::soil::Soil;
 use crate::wheel::Wheel;
@@ -32,14 +33,17 @@ pub struct Forces<S = f64> {
 }
 
 moving!(Forces { normal, drawbar, torque });
+beside!(Forces { normal, drawbar, torque });
 
 impl<S: Scalar> Forces<S> {
     /// No force.
     #[must_use]
+    #[inline(always)]
     pub fn zero() -> Self {
         Self::filled(S::from(0.0))
     }
 
+    #[inline(always)]
     fn filled(value: S) -> Self {
         Self { normal: value, drawbar: value, torque: value }
     }
@@ -48,10 +52,21 @@ impl<S: Scalar> Forces<S> {
         Self { normal: self.normal, drawbar: -self.drawbar, torque: -self.torque }
     }
 
+    #[inline(always)]
+    pub(super) fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
+        Self {
+            normal: S::select(mask, yes.normal, no.normal),
+            drawbar: S::select(mask, yes.drawbar, no.drawbar),
+            torque: S::select(mask, yes.torque, no.torque),
+        }
+    }
+
+    #[inline(always)]
     pub(crate) fn scaled(self, factor: S) -> Self {
         Self { normal: self.normal * factor, drawbar: self.drawbar * factor, torque: self.torque * factor }
     }
 
+    #[inline(always)]
     pub(crate) fn plus(self, other: Self) -> Self {
         Self {
             normal: self.normal + other.normal,
@@ -83,28 +98,68 @@ pub(super) struct Rolling<S> {
 }
 
 impl<S: Scalar> Rolling<S> {
+    #[inline(always)]
     fn sliding(forces: Forces<S>) -> Self {
         Self { forces, by_velocity: Forces::zero(), by_spin: Forces::zero() }
     }
 
-    /// The same contact seen from the other side: (V, omega) -> (-V, -omega), (DP, T) -> (-DP, -T).
-    fn mirrored(self) -> Self {
-        let slope = |s: Forces<S>| Forces { normal: -s.normal, drawbar: s.drawbar, torque: s.torque };
-        Self { forces: self.forces.mirrored(), by_velocity: slope(self.by_velocity), by_spin: slope(self.by_spin) }
+    /// The same contact seen from the other side where the mask says so: (V, omega) -> (-V, -omega), (DP, T) ->
+    /// (-DP, -T).
+    #[inline(always)]
+    fn mirrored_where(self, mask: S::Mask) -> Self {
+        let slope =
+            always(#[inline(always)] |s: Forces<S>| Forces { normal: s.normal.negative_where(mask), ..s });
+        let Forces { normal, drawbar, torque } = self.forces;
+        Self {
+            forces: Forces { normal, drawbar: drawbar.negative_where(mask), torque: torque.negative_where(mask) },
+            by_velocity: slope(self.by_velocity),
+            by_spin: slope(self.by_spin),
+        }
     }
+
+    #[inline(always)]
+    fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
+        Self {
+            forces: Forces::select(mask, yes.forces, no.forces),
+            by_velocity: Forces::select(mask, yes.by_velocity, no.by_velocity),
+            by_spin: Forces::select(mask, yes.by_spin, no.by_spin),
+        }
+    }
+
+    /// One side by side from one for each place of the mask; what stands elsewhere stays.
+    fn put(&mut self, mask: S::Mask, mut one: impl FnMut(usize) -> Rolling<f64>) {
+        for k in (0..S::Plain::LANES).filter(|&k| mask.lane(k)) {
+            let one = one(k);
+            for (mine, one) in [
+                (&mut self.forces, one.forces),
+                (&mut self.by_velocity, one.by_velocity),
+                (&mut self.by_spin, one.by_spin),
+            ] {
+                put(&mut mine.normal, k, one.normal);
+                put(&mut mine.drawbar, k, one.drawbar);
+                put(&mut mine.torque, k, one.torque);
+            }
+        }
+    }
+}
+
+/// Puts number `k` of those side by side.
+fn put<S: Scalar>(place: &mut S, k: usize, x: f64) {
+    let old = place.plain();
+    *place = S::from_plain(Plain::from_lanes(|i| if i == k { x } else { old.lane(i) }));
 }
 
 /// Slip of a wheel: 1 - V/(r omega) where |r omega| >= |V| (driving), r omega/V - 1 otherwise (skid);
 /// 0 at standstill (both speeds under 1e-6 m/s, where the ratio is noise).
 #[must_use]
+#[inline(always)]
 pub fn slip<S: Scalar>(velocity: S, rim_speed: S) -> S {
-    if velocity.value().abs() < STANDSTILL && rim_speed.value().abs() < STANDSTILL {
-        S::from(0.0)
-    } else if rim_speed.value().abs() >= velocity.value().abs() {
-        S::from(1.0) - velocity / rim_speed
-    } else {
-        rim_speed / velocity - 1.0
-    }
+    let (size, rim) = (velocity.abs(), rim_speed.abs());
+    let stands = size.under(STANDSTILL) & rim.under(STANDSTILL);
+    let drives = size.at_most(rim);
+    let one = S::from(1.0);
+    let ratio = S::select(drives, velocity, rim_speed) / S::select(stands, one, S::select(drives, rim_speed, velocity));
+    S::select(stands, S::from(0.0), (one - ratio).negative_where(!drives))
 }
 
 /// Forces on a wheel sunk by `sinkage` (m, along the normal) whose centre moves at `velocity` (m/s, along
@@ -151,13 +206,16 @@ pub fn rolling_on<S: Scalar>(
 }
 
 /// Length of a vector, and 0 with zero slope at the origin.
+#[inline(always)]
 pub(super) fn norm<S: Scalar>(x: S, y: S) -> S {
     let squared = x * x + y * y;
-    if squared.value() > 0.0 { squared.sqrt() } else { S::from(0.0) }
+    let is_there = squared.over(0.0);
+    S::select(is_there, S::select(is_there, squared, S::from(1.0)).sqrt(), S::from(0.0))
 }
 
 /// [`rolling()`] with the slopes of the forces, in a contact of which only the `share` (0..1) of the slip
 /// is established: it sets theta_m. Also the normal force of the pressure alone, N.
+#[inline(always)]
 pub(super) fn rolling_share<S: Scalar>(
     wheel: &Wheel<S>,
     soil: &Soil<S>,
@@ -167,17 +225,19 @@ pub(super) fn rolling_share<S: Scalar>(
     spin: S,
     share: S,
 ) -> (Rolling<S>, S) {
-    if sinkage.value() <= 0.0 {
-        return (Rolling::sliding(Forces::zero()), S::from(0.0));
+    let none = (Rolling::sliding(Forces::zero()), S::from(0.0));
+    let touches = sinkage.over(0.0);
+    if !touches.any() {
+        return none;
     }
+    let zero = S::from(0.0);
+    let backward = velocity.below(zero) | (!(velocity.below(zero) | zero.below(velocity)) & spin.below(zero));
+    // The contact is mirrored: evaluate with (-V, -omega) and negate DP and T.
+    let (velocity, spin) = (velocity.negative_where(backward), spin.negative_where(backward));
     let contact = Contact { wheel, soil, surface, sinkage, share };
-    let backward = velocity.value() < 0.0 || (velocity.value() == 0.0 && spin.value() < 0.0);
-    if backward {
-        // The contact is mirrored: evaluate with (-V, -omega) and negate DP and T.
-        let (rolling, pressure) = contact.forward(-velocity, -spin);
-        return (rolling.mirrored(), pressure);
-    }
-    contact.forward(velocity, spin)
+    let (rolling, pressure) = contact.forward(velocity, spin, touches);
+    let rolling = rolling.mirrored_where(backward);
+    (Rolling::select(touches, rolling, none.0), S::select(touches, pressure, none.1))
 }
 
 /// A contact whose motion varies.
@@ -190,25 +250,69 @@ struct Contact<'a, S> {
 }
 
 impl<S: Scalar> Contact<'_, S> {
+    #[inline(always)]
     fn at(&self, shear: Shear<S>) -> Integrals<S> {
         let rim = Rim::new(self.wheel, self.soil, self.surface, self.sinkage, shear, self.share);
         integrate(&rim, self.wheel, self.surface)
     }
 
-    /// Forces for `velocity >= 0`.
-    fn forward(&self, velocity: S, spin: S) -> (Rolling<S>, S) {
+    /// Forces for `velocity >= 0` where the wheel touches. Side by side, wheels that roll forward are reckoned together
+    /// and the others one by one.
+    #[inline(always)]
+    fn forward(&self, velocity: S, spin: S, touches: S::Mask) -> (Rolling<S>, S) {
         let rim_speed = self.wheel.radius * spin;
-        if rim_speed.value() > 0.0 && velocity.value() / rim_speed.value() < LOCKED_RATIO {
-            let ratio = velocity / rim_speed;
-            let integrals = self.at(Shear::Ratio(ratio));
-            let rolling = Rolling {
-                forces: integrals.forces,
-                by_velocity: integrals.by_ratio.scaled(rim_speed.recip()),
-                by_spin: integrals.by_ratio.scaled(-(ratio / spin)),
-            };
-            return (rolling, integrals.pressure);
+        // The quotient counts where the rim turns forward only, else it may be anything.
+        let rolls = rim_speed.over(0.0) & (velocity / rim_speed).under(LOCKED_RATIO);
+        if S::Plain::LANES == 1 {
+            return if rolls.all() { self.roll(velocity, spin) } else { self.slide(velocity, rim_speed) };
         }
-        // The rim slides forward over the soil, which shears against it.
+        let (safe, odd) = (rolls & touches, touches & !rolls);
+        let choose = always(#[inline(always)] |x: S, other: f64| S::select(safe, x, S::from(other)));
+        let (sinkage, depth) = (self.sinkage, self.wheel.radius * 1e-3);
+        let ordinary = Contact { sinkage: S::select(safe, sinkage, depth), share: choose(self.share, 1.0), ..*self };
+        let (mut rolling, mut pressure) = if safe.any() {
+            ordinary.roll(choose(velocity, 1.0), S::select(safe, spin, self.wheel.radius.recip()))
+        } else {
+            (Rolling::sliding(Forces::zero()), S::from(0.0))
+        };
+        if odd.any() {
+            self.slide_each(velocity, spin, odd, &mut rolling, &mut pressure);
+        }
+        (rolling, pressure)
+    }
+
+    /// Of those side by side the ones that slide, one by one.
+    #[inline(never)]
+    fn slide_each(&self, velocity: S, spin: S, odd: S::Mask, rolling: &mut Rolling<S>, pressure: &mut S) {
+        let mut pressures = [0.0; 8];
+        rolling.put(odd, |k| {
+            let f = |x: S| x.plain().lane(k);
+            let (wheel, soil, surface) = (self.wheel.map(&f), self.soil.map(&f), self.surface.map(&f));
+            let (sinkage, share) = (f(self.sinkage), f(self.share));
+            let one = Contact { wheel: &wheel, soil: &soil, surface: &surface, sinkage, share };
+            let (rolling, pressure) = one.forward(f(velocity), f(spin), true);
+            pressures[k % 8] = pressure;
+            rolling
+        });
+        (0..S::Plain::LANES).filter(|&k| odd.lane(k)).for_each(|k| put(pressure, k, pressures[k % 8]));
+    }
+
+    /// Forces of a rim that turns the way it moves.
+    #[inline(always)]
+    fn roll(&self, velocity: S, spin: S) -> (Rolling<S>, S) {
+        let rim_speed = self.wheel.radius * spin;
+        let ratio = velocity / rim_speed;
+        let integrals = self.at(Shear::Ratio(ratio));
+        let rolling = Rolling {
+            forces: integrals.forces,
+            by_velocity: integrals.by_ratio.scaled(rim_speed.recip()),
+            by_spin: integrals.by_ratio.scaled(-(ratio / spin)),
+        };
+        (rolling, integrals.pressure)
+    }
+
+    /// Forces of one rim that slides forward over the soil, which shears against it.
+    fn slide(&self, velocity: S, rim_speed: S) -> (Rolling<S>, S) {
         let sliding = self.at(Shear::Full(-1.0));
         if rim_speed.value() >= 0.0 {
             return (Rolling::sliding(sliding.forces), sliding.pressure);
@@ -244,15 +348,19 @@ struct Integrals<S> {
 }
 
 /// The integrals (2.7)-(2.9) over one rim, and their slopes in V/(r omega).
+#[inline(always)]
 fn integrate<S: Scalar>(rim: &Rim<S>, wheel: &Wheel<S>, surface: &Surface<S>) -> Integrals<S> {
     let sums = sums(rim);
     let area = wheel.radius * surface.arc * wheel.width;
     let (lugs, arm) = (surface.shear_radius, wheel.radius * surface.arm);
-    let forces = |sigma_cos: S, sigma_sin: S, tau_cos: S, tau_sin: S, tau: S| Forces {
-        normal: area * (sigma_cos + tau_sin * lugs),  // (2.7)
-        drawbar: area * (tau_cos * lugs - sigma_sin), // (2.8)
-        torque: area * arm * tau * (lugs * lugs),     // (2.9)
-    };
+    let forces = always(
+        #[inline(always)]
+        |sigma_cos: S, sigma_sin: S, tau_cos: S, tau_sin: S, tau: S| Forces {
+            normal: area * (sigma_cos + tau_sin * lugs),  // (2.7)
+            drawbar: area * (tau_cos * lugs - sigma_sin), // (2.8)
+            torque: area * arm * tau * (lugs * lugs),     // (2.9)
+        },
+    );
     let zero = S::from(0.0);
     Integrals {
         forces: forces(sums.sigma_cos, sums.sigma_sin, sums.tau_cos, sums.tau_sin, sums.tau),

@@ -30,8 +30,14 @@ pub struct Surface<S = f64> {
 }
 
 impl<S: From<f64>> Default for Surface<S> {
+    #[inline(always)]
     fn default() -> Self {
-        let (zero, one) = (|| S::from(0.0), || S::from(1.0));
+        let (zero, one) = (
+            #[inline(always)]
+            || S::from(0.0),
+            #[inline(always)]
+            || S::from(1.0),
+        );
         Self {
             exit_ratio: zero(),
             arc: one(),
@@ -41,6 +47,22 @@ impl<S: From<f64>> Default for Surface<S> {
             friction_gain: one(),
             grip: one(),
             resistance: zero(),
+        }
+    }
+}
+
+impl<S: Copy> Surface<S> {
+    /// The same over another scalar.
+    pub(crate) fn map<T>(&self, f: &dyn Fn(S) -> T) -> Surface<T> {
+        Surface {
+            exit_ratio: f(self.exit_ratio),
+            arc: f(self.arc),
+            arm: f(self.arm),
+            shear_radius: f(self.shear_radius),
+            cohesion_gain: f(self.cohesion_gain),
+            friction_gain: f(self.friction_gain),
+            grip: f(self.grip),
+            resistance: f(self.resistance),
         }
     }
 }

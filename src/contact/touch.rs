@@ -13,7 +13,8 @@
 
 use super::rolling::{Forces, Rolling, norm, rolling_share, slip};
 use super::surface::Surface;
-use crate::scalar::{Scalar, smooth_step};
+use crate::scalar::{Mask, Scalar, always, smooth_step};
+use crate::scalar::beside;
 use crate::snapshot::moving;
 use crate::soil::Soil;
 use crate::wheel::Wheel;
@@ -35,6 +36,7 @@ pub struct Hold<S = f64> {
 }
 
 moving!(Hold { travel, turn });
+beside!(Hold { travel, turn });
 
 impl<S: From<f64>> Default for Hold<S> {
     fn default() -> Self {
@@ -45,9 +47,13 @@ impl<S: From<f64>> Default for Hold<S> {
 impl<S: Scalar> Hold<S> {
     /// The same direction with a length of at most 1.
     #[must_use]
+    #[inline(always)]
     pub fn bounded(self) -> Self {
         let length = norm(self.travel, self.turn);
-        if length.value() <= 1.0 { self } else { Self { travel: self.travel / length, turn: self.turn / length } }
+        let short = length.at_most(S::from(1.0));
+        let length = S::select(short, S::from(1.0), length);
+        let within = always(#[inline(always)] |x: S| S::select(short, x, x / length));
+        Self { travel: within(self.travel), turn: within(self.turn) }
     }
 }
 
@@ -70,6 +76,7 @@ impl<S: Scalar> Motion<S> {
     /// Slip as far as it is established: that of the direction e, times its length. In motion this is the
     /// slip; at standstill, where slip is 0/0, it stays what the contact remembers, without noise.
     #[must_use]
+    #[inline(always)]
     pub fn established_slip(&self, wheel: &Wheel<S>, soil: &Soil<S>) -> S {
         let rim_speed = wheel.radius * self.spin;
         let [travel, turn] = self.direction(rim_speed, norm(self.velocity, rim_speed), soil.hold_displacement).0;
@@ -77,9 +84,11 @@ impl<S: Scalar> Motion<S> {
     }
 
     /// The direction e at which the stresses are taken, and 1/(d + t |v|).
+    #[inline(always)]
     fn direction(&self, rim_speed: S, speed: S, distance: S) -> ([S; 2], S) {
         let scale = (distance + speed * HOLD_DAMPING_TIME).recip();
-        let along = |hold: S, velocity: S| (distance * hold + velocity * HOLD_DAMPING_TIME) * scale;
+        let along =
+            always(#[inline(always)] |hold: S, velocity: S| (distance * hold + velocity * HOLD_DAMPING_TIME) * scale);
         ([along(self.hold.travel, self.velocity), along(self.hold.turn, rim_speed)], scale)
     }
 }
@@ -108,6 +117,7 @@ pub struct Slopes<S = f64> {
 }
 
 moving!(Slopes { velocity, spin, travel, turn, damping, stiffness, rate_by_velocity, rate_by_spin, rate_own });
+beside!(Slopes { velocity, spin, travel, turn, damping, stiffness, rate_by_velocity, rate_by_spin, rate_own });
 
 /// Forces of a contact, the rates of its memory, and the slopes of both.
 #[derive(Clone, Copy, Debug)]
@@ -121,39 +131,57 @@ pub struct Touch<S = f64> {
 }
 
 moving!(Touch { forces, rate, slopes });
+beside!(Touch { forces, rate, slopes });
 
 /// Forces on a wheel in `motion` with this `surface` of its rim.
+#[inline(never)]
 pub fn touch<S: Scalar>(wheel: &Wheel<S>, soil: &Soil<S>, surface: &Surface<S>, motion: &Motion<S>) -> Touch<S> {
+    S::wide(#[inline(always)] || touch_side_by_side(wheel, soil, surface, motion))
+}
+
+#[inline(always)]
+fn touch_side_by_side<S: Scalar>(wheel: &Wheel<S>, soil: &Soil<S>, surface: &Surface<S>, motion: &Motion<S>) -> Touch<S> {
     let distance = soil.hold_displacement;
     let (hold, rim_speed) = (motion.hold, wheel.radius * motion.spin);
     let speed = norm(motion.velocity, rim_speed);
-    let heading =
-        if speed.value() > 0.0 { [motion.velocity / speed, rim_speed / speed] } else { [S::from(0.0), S::from(0.0)] };
+    let moves = speed.over(0.0);
+    let safe = S::select(moves, speed, S::from(1.0));
+    let zero = S::from(0.0);
+    let heading = [S::select(moves, motion.velocity / safe, zero), S::select(moves, rim_speed / safe, zero)];
     let per_distance = distance.recip();
     let rate = Hold {
         travel: (motion.velocity - hold.travel * speed) * per_distance,
         turn: (rim_speed - hold.turn * speed) * per_distance,
     };
-    let by = |component: S, own: f64, along: S| (S::from(own) - component * along) * per_distance;
+    let by =
+        always(#[inline(always)] |component: S, own: f64, along: S| (S::from(own) - component * along) * per_distance);
     let mut slopes = Slopes {
         rate_by_velocity: [by(hold.travel, 1.0, heading[0]), by(hold.turn, 0.0, heading[0])],
         rate_by_spin: [by(hold.travel, 0.0, heading[1]) * wheel.radius, by(hold.turn, 1.0, heading[1]) * wheel.radius],
         rate_own: -(speed * per_distance),
         ..Slopes::zero()
     };
-    if motion.sinkage.value() <= 0.0 {
-        return Touch { forces: Forces::zero(), rate, slopes };
+    let touches = motion.sinkage.over(0.0);
+    let none = Touch { forces: Forces::zero(), rate, slopes };
+    if !touches.any() {
+        return none;
     }
     let ([travel, turn], scale) = motion.direction(rim_speed, speed, distance);
     let direction = at_direction(wheel, soil, surface, motion.sinkage, travel, turn);
     slopes.follow(&direction, [travel, turn], heading, (distance * scale, scale * HOLD_DAMPING_TIME), wheel.radius);
     let mut touch = Touch { forces: direction.forces, rate, slopes };
     add_damping(&mut touch, soil, motion);
+    if touches.all() {
+        return touch;
+    }
+    touch.forces = Forces::select(touches, touch.forces, none.forces);
+    touch.slopes = touch.slopes.select(touches, &none.slopes);
     touch
 }
 
 /// Forces at the direction (travel, turn) of length at most 1, with their slopes in both components
 /// (the slope in the spin standing for that in `turn`).
+#[inline(always)]
 fn at_direction<S: Scalar>(
     wheel: &Wheel<S>,
     soil: &Soil<S>,
@@ -166,7 +194,9 @@ fn at_direction<S: Scalar>(
     let (rolling, pressure) = rolling_share(wheel, soil, surface, sinkage, travel, turn / wheel.radius, length);
     let symmetric = Forces { normal: pressure, drawbar: S::from(0.0), torque: S::from(0.0) };
     let excess = rolling.forces.plus(symmetric.scaled(S::from(-1.0)));
-    let along = |component: S| if length.value() > 0.0 { component / length } else { S::from(0.0) };
+    let is_there = length.over(0.0);
+    let safe = S::select(is_there, length, S::from(1.0));
+    let along = always(#[inline(always)] |component: S| S::select(is_there, component / safe, S::from(0.0)));
     let mut direction = Rolling {
         forces: symmetric.plus(excess.scaled(length)),
         by_velocity: rolling.by_velocity.scaled(length).plus(excess.scaled(along(travel))),
@@ -181,6 +211,7 @@ fn at_direction<S: Scalar>(
 }
 
 impl<S: Scalar> Slopes<S> {
+    #[inline(always)]
     fn zero() -> Self {
         let (zero, none) = (S::from(0.0), Forces::zero());
         Self {
@@ -196,30 +227,46 @@ impl<S: Scalar> Slopes<S> {
         }
     }
 
+    /// Of those with forces, `self` where the mask says so; both have the same rates.
+    #[inline(always)]
+    fn select(self, mask: S::Mask, none: &Self) -> Self {
+        Self {
+            velocity: Forces::select(mask, self.velocity, none.velocity),
+            spin: Forces::select(mask, self.spin, none.spin),
+            travel: Forces::select(mask, self.travel, none.travel),
+            turn: Forces::select(mask, self.turn, none.turn),
+            damping: S::select(mask, self.damping, none.damping),
+            stiffness: S::select(mask, self.stiffness, none.stiffness),
+            ..self
+        }
+    }
+
     /// Chain rule from the direction e to the memory h and the motion v: de = (d dh + t (dv - e d|v|))/(d + t |v|).
+    #[inline(always)]
     fn follow(&mut self, at: &Rolling<S>, direction: [S; 2], heading: [S; 2], (by_hold, by_motion): (S, S), radius: S) {
         self.travel = at.by_velocity.scaled(by_hold);
         self.turn = at.by_spin.scaled(by_hold);
-        let chain = |own: [f64; 2], along: S| {
-            at.by_velocity
-                .scaled((S::from(own[0]) - direction[0] * along) * by_motion)
-                .plus(at.by_spin.scaled((S::from(own[1]) - direction[1] * along) * by_motion))
-        };
+        let chain = always(
+            #[inline(always)]
+            |own: [f64; 2], along: S| {
+                at.by_velocity
+                    .scaled((S::from(own[0]) - direction[0] * along) * by_motion)
+                    .plus(at.by_spin.scaled((S::from(own[1]) - direction[1] * along) * by_motion))
+            },
+        );
         self.velocity = chain([1.0, 0.0], heading[0]);
         self.spin = chain([0.0, 1.0], heading[1]).scaled(radius);
     }
 }
 
 /// Damping along the normal, which never makes the normal force negative.
+#[inline(always)]
 fn add_damping<S: Scalar>(touch: &mut Touch<S>, soil: &Soil<S>, motion: &Motion<S>) {
     let coefficient = soil.damping * smooth_step(motion.sinkage / DAMPING_DEPTH);
     // Near n + 1/2, the power of Bekker's own approximation (4.18); only the integrator uses it.
     touch.slopes.stiffness = (soil.exponent + 0.5) * touch.forces.normal.larger(S::from(0.0)) / motion.sinkage;
     let normal = touch.forces.normal - coefficient * motion.normal_velocity;
-    if normal.value() > 0.0 {
-        touch.forces.normal = normal;
-        touch.slopes.damping = -coefficient;
-    } else {
-        touch.forces.normal = S::from(0.0);
-    }
+    let presses = normal.over(0.0);
+    touch.forces.normal = S::select(presses, normal, S::from(0.0));
+    touch.slopes.damping = S::select(presses, -coefficient, touch.slopes.damping);
 }

@@ -1,7 +1,7 @@
 //! Soil that a wheel pushes ahead.
 
 use super::{Effect, Local, Place};
-use crate::scalar::Scalar;
+use crate::scalar::{Mask, Scalar};
 use bekker_modeldescription::{Unit, parameters};
 use std::f64::consts::FRAC_PI_4;
 
@@ -27,11 +27,12 @@ impl<S: Scalar> Bulldozing<S> {
 
 impl<S: Scalar> Effect<S> for Bulldozing<S> {
     fn surface(&self, place: &Place<S>, local: &mut Local<S>) {
-        if self.share.is_exactly(0.0) || place.sinkage.value() <= 0.0 {
+        let sunk = place.sinkage.over(0.0);
+        if self.share.is_exactly(0.0) || !sunk.any() {
             return;
         }
-        let soil = &local.soil;
-        local.surface.resistance +=
-            self.resistance(place.sinkage, local.wheel.width, soil.cohesion, soil.friction_angle);
+        let (soil, before) = (&local.soil, local.surface.resistance);
+        let resistance = self.resistance(place.sinkage, local.wheel.width, soil.cohesion, soil.friction_angle);
+        local.surface.resistance = S::select(sunk, before + resistance, before);
     }
 }

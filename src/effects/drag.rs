@@ -1,7 +1,7 @@
 //! Horizontal resistances at the chassis reference point.
 
 use super::{BodyMotion, Effect};
-use crate::scalar::Scalar;
+use crate::scalar::{Mask, Scalar};
 use bekker_modeldescription::{Unit, parameters};
 
 /// Speed over which the resistance changes its sign, m/s.
@@ -35,9 +35,10 @@ impl<S: Scalar> Effect<S> for Drag<S> {
 
 impl<S: Scalar> Effect<S> for Tether<S> {
     fn body_force(&self, motion: &BodyMotion<S>) -> Option<S> {
-        if self.stiffness.is_exactly(0.0) || motion.travelled.value() <= 0.0 {
+        let pulls = motion.travelled.over(0.0);
+        if self.stiffness.is_exactly(0.0) || !pulls.any() {
             return None;
         }
-        Some(-(self.stiffness * motion.travelled))
+        Some(S::select(pulls, -(self.stiffness * motion.travelled), S::from(0.0)))
     }
 }

@@ -1,7 +1,7 @@
 //! A wheel that flattens under its load.
 
 use super::{Effect, Local, Place};
-use crate::scalar::Scalar;
+use crate::scalar::{Mask, Scalar};
 use bekker_modeldescription::{Unit, parameters};
 
 /// Newton's method in the logarithm converges in 5 to 8 steps; this only bounds the loop.
@@ -32,11 +32,13 @@ impl<S: Scalar> FlexibleWheel<S> {
         let scale =
             wheel.width * local.soil.modulus(wheel.width) * (wheel.radius * 2.0).sqrt() / (exponent * 0.5 + 1.0);
         let mut z = total;
+        let mut goes_on = total.over(0.0);
         for _ in 0..MAX_STEPS {
             let deflection = self.compliance * scale * z.power(power);
             let step = (z + deflection - total) / (z + power * deflection);
-            z *= (-step).exp();
-            if step.value().abs() < CONVERGED {
+            z = S::select(goes_on, z * (-step).exponential(), z);
+            goes_on = goes_on & !step.abs().under(CONVERGED);
+            if !goes_on.any() {
                 break;
             }
         }
@@ -46,12 +48,14 @@ impl<S: Scalar> FlexibleWheel<S> {
 
 impl<S: Scalar> Effect<S> for FlexibleWheel<S> {
     fn surface(&self, place: &Place<S>, local: &mut Local<S>) {
-        if self.compliance.is_exactly(0.0) || place.sinkage.value() <= 0.0 {
+        let sunk = place.sinkage.over(0.0);
+        if self.compliance.is_exactly(0.0) || !sunk.any() {
             return;
         }
-        let sinkage = self.sinkage(place.sinkage, local);
-        local.deflection += place.sinkage - sinkage;
-        let growth = place.sinkage / sinkage;
+        let total = S::select(sunk, place.sinkage, local.wheel.radius);
+        let sinkage = self.sinkage(total, local);
+        local.deflection = S::select(sunk, local.deflection + (total - sinkage), local.deflection);
+        let growth = S::select(sunk, total / sinkage, S::from(1.0));
         local.surface.arc *= growth;
         if !self.arm_share.is_exactly(0.0) {
             local.surface.arm *= self.arm_share * (growth - 1.0) + 1.0;

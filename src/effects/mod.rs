@@ -93,6 +93,7 @@ pub struct Local<S = f64> {
 impl<S: Scalar> Local<S> {
     /// A smooth rigid wheel.
     #[must_use]
+    #[inline(always)]
     pub fn new(wheel: Wheel<S>, soil: Soil<S>) -> Self {
         Self { wheel, soil, surface: Surface::default(), deflection: S::from(0.0) }
     }
@@ -238,6 +239,7 @@ macro_rules! effects {
         /// Sums of the hooks over the library and the user's own effects.
         impl<S: Scalar> Effects<S> {
             /// What a contact sees of wheel, soil and rim.
+            #[inline(always)]
             pub(crate) fn contact(&self, place: &Place<S>, local: &mut Local<S>) -> Result<(), ExpressionFailure> {
                 $(self.$id.contact(place, local);)*
                 self.custom.contact(place, local)?;
@@ -246,10 +248,12 @@ macro_rules! effects {
             }
 
             /// Whether an effect needs to know which ground has been passed.
+            #[inline(always)]
             pub(crate) fn remember(&self) -> bool {
                 false $(|| self.$id.remembers())*
             }
 
+            #[inline(always)]
             pub(crate) fn forces(
                 &self,
                 place: &Place<S>,
@@ -260,24 +264,29 @@ macro_rules! effects {
                 self.custom.forces(place, forces)
             }
 
+            #[inline(always)]
             pub(crate) fn wheel(&self, wheel: &mut Wheel<S>) {
                 $(self.$id.wheel(wheel);)*
             }
 
+            #[inline(always)]
             pub(crate) fn recorded_radius(&self, mut radius: S) -> S {
                 $(self.$id.recorded_radius(&mut radius);)*
                 radius
             }
 
+            #[inline(always)]
             pub(crate) fn chassis(&self, body: &mut Body<S>) {
                 $(self.$id.chassis(body);)*
             }
 
+            #[inline(always)]
             pub(crate) fn motor(&self, winding_rise: S, motor: &mut Motor<S>) {
                 $(self.$id.motor(winding_rise, motor);)*
             }
 
             /// Product of the gains; `None` where there is none.
+            #[inline(always)]
             pub(crate) fn torque_gain(&self) -> Option<S> {
                 let mut product: Option<S> = None;
                 $(if let Some(gain) = self.$id.torque_gain() {
@@ -286,6 +295,7 @@ macro_rules! effects {
                 product
             }
 
+            #[inline(always)]
             pub(crate) fn joint_friction(&self, rate: S) -> S {
                 let mut sum = S::from(0.0);
                 $(if let Some(coefficient) = self.$id.joint_friction(rate) {
@@ -299,6 +309,7 @@ macro_rules! effects {
             }
 
             /// Friction torque of a drive and its slope in the wheel speed.
+            #[inline(always)]
             pub(crate) fn drive_friction(&self, speed: S) -> Result<(S, S), ExpressionFailure> {
                 let mut sum = self.custom.drive_friction(speed)?;
                 $(if let Some((torque, slope)) = self.$id.drive_friction(speed) {
@@ -309,6 +320,7 @@ macro_rules! effects {
             }
 
             /// Limits `torque`; returns the slope in the wheel speed of the limit that binds, 0 where none does.
+            #[inline(always)]
             pub(crate) fn motor_torque(&self, motor: &Motor<S>, speed: S, torque: &mut S) -> S {
                 let mut slope = S::from(0.0);
                 $(if let Some(limited) = self.$id.motor_torque(motor, speed, torque) {
@@ -317,6 +329,7 @@ macro_rules! effects {
                 slope
             }
 
+            #[inline(always)]
             pub(crate) fn body_force(&self, motion: &BodyMotion<S>) -> Result<S, ExpressionFailure> {
                 let mut sum = self.custom.body_force(motion)?;
                 $(if let Some(force) = self.$id.body_force(motion) {

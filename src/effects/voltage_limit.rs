@@ -2,7 +2,7 @@
 
 use super::Effect;
 use crate::motor::Motor;
-use crate::scalar::Scalar;
+use crate::scalar::{Mask, Scalar};
 use bekker_modeldescription::{Unit, parameters};
 
 /// Share of the reachable torque above which the limit is near.
@@ -36,7 +36,7 @@ impl<S: Scalar> Effect<S> for VoltageLimit<S> {
         *torque = torque.smaller(most).larger(least);
         // The integrator is told of the slope before the limit binds: a step may run into it, and the slope it
         // is told changes nothing in the order of its error.
-        let near = *torque > most * NEAR || *torque < least * NEAR || most.value() < 0.0 || least.value() > 0.0;
-        near.then(|| -(constant * constant / motor.resistance))
+        let near = (most * NEAR).below(*torque) | torque.below(least * NEAR) | most.under(0.0) | least.over(0.0);
+        near.any().then(|| S::select(near, -(constant * constant / motor.resistance), S::from(0.0)))
     }
 }

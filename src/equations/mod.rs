@@ -22,7 +22,7 @@ pub use states::{BodyStates, EnergyStates, JointStates, States, WheelStates, der
 use crate::motor;
 use crate::rover::dynamics::{DynamicsError, Evaluation};
 use crate::rover::{Rover, State};
-use crate::scalar::{Dual, Scalar};
+use crate::scalar::{Dual, Plain, Scalar};
 use crate::signals::{Command, Drive, Signals};
 use crate::simulation::{Energies, Event, Simulation, TIPPED, Window, belly_clearance};
 use crate::snapshot::{Moving, Reader, SnapshotError, Writer, moving};
@@ -237,7 +237,7 @@ impl<S: Scalar> Equations<S> {
         [
             (Event::TippedOver, TIPPED - self.state.position[2].value().abs()),
             (Event::SunkToAxle, least(&|wheel| radius - wheel.sinkage.value())),
-            (Event::BellyContact, belly_clearance(&self.rover, &self.state)),
+            (Event::BellyContact, belly_clearance(&self.rover, &self.state).lane(0)),
             (Event::LeftTerrain, ground),
         ]
     }

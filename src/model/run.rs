@@ -5,8 +5,8 @@ use super::origin::Origin;
 use super::{AnyPlant, ControlKind, Model};
 use crate::control::{ControlError, Rtc};
 use crate::sensors::SensorSuite;
-use crate::signals::{Command, Measurement, Reference, Signals};
-use crate::simulation::{Status, StepError};
+use crate::signals::{Command, Drive, Measurement, Reference, Signals};
+use crate::simulation::{Simulation, Status, StepError};
 use bekker_modeldescription::{Lookup, ParameterError, Parameters, Unit, Variable, join, parameters};
 
 /// A control period must be a whole number of inner steps, to this relative tolerance (a decimal
@@ -252,13 +252,59 @@ impl Run {
             if since == 0 {
                 self.decide()?;
             }
-            let some = if self.controller.is_some() { left.min(self.period - since) } else { left };
-            let some = self.sensing.map_or(some, |every| some.min(every - self.simulation.ticks() % every));
+            let some = self.until_decision(left);
             status = self.simulation.advance(&self.command, some)?;
             left -= some;
             self.sense();
         }
         Ok(status)
+    }
+
+    /// Inner steps before the next decision or reading of sensors, at most `left`.
+    fn until_decision(&self, left: u64) -> u64 {
+        let ticks = self.simulation.ticks();
+        let some = if self.controller.is_some() { left.min(self.period - ticks % self.period) } else { left };
+        self.sensing.map_or(some, |every| some.min(every - ticks % every))
+    }
+
+    /// The command that holds now, and for how many inner steps, of `left`: what [`Run::advance`] begins with.
+    pub(crate) fn decided(&mut self, left: u64) -> Result<(&Command, u64), RunError> {
+        if self.simulation.ticks().is_multiple_of(self.period) {
+            self.decide()?;
+        }
+        let until = self.until_decision(left);
+        Ok((&self.command, until))
+    }
+
+    /// Gives the plant the command that holds now.
+    pub(crate) fn apply_command(&mut self) -> Result<(), RunError> {
+        if let AnyPlant::JointCoordinates(simulation) = &mut self.simulation {
+            simulation.apply(&self.command)?;
+        }
+        Ok(())
+    }
+
+    /// What is commanded: torques or speeds.
+    pub(crate) fn drive(&self) -> Drive {
+        self.command.drive
+    }
+
+    /// The plant in joint coordinates, where it is this one.
+    pub(crate) fn in_joint_coordinates(&self) -> Option<&Simulation> {
+        match &self.simulation {
+            AnyPlant::JointCoordinates(simulation) => Some(simulation),
+            #[cfg(feature = "rigid")]
+            AnyPlant::RigidBodies(_) => None,
+        }
+    }
+
+    /// The same, to be written.
+    pub(crate) fn in_joint_coordinates_mut(&mut self) -> Option<&mut Simulation> {
+        match &mut self.simulation {
+            AnyPlant::JointCoordinates(simulation) => Some(simulation),
+            #[cfg(feature = "rigid")]
+            AnyPlant::RigidBodies(_) => None,
+        }
     }
 
     /// Reads the sensors every `period` seconds, from now on, where no controller does: [`Run::measurement`] then shows what
@@ -277,7 +323,8 @@ impl Run {
         Ok(())
     }
 
-    fn sense(&mut self) {
+    /// Reads the sensors where it is time and no controller does.
+    pub(crate) fn sense(&mut self) {
         if self.sensing.is_some_and(|every| self.simulation.ticks().is_multiple_of(every)) {
             self.sensors.read(self.simulation.time(), self.simulation.signals(), &mut self.measurement);
         }

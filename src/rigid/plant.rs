@@ -140,7 +140,7 @@ impl RigidBodies {
     /// Takes a new command over; where it imposes other speeds, the impulse counts as work of the drives.
     fn change_command(&mut self, command: &Command) -> Result<(), DynamicsError> {
         let before = self.integrator.now.mechanical_energy(&self.rover, &self.state);
-        self.integrator.impose(&self.rover, &mut self.state, command)?;
+        self.integrator.impose(&self.rover, &mut self.state, command, true)?;
         self.command.drive = command.drive;
         self.command.values.copy_from_slice(&command.values);
         self.integrator.evaluate(&self.rover, &mut self.state, &self.command)?;
@@ -222,7 +222,7 @@ impl RigidBodies {
         for (wheel, evaluation) in self.state.wheels.iter_mut().zip(&self.integrator.now.wheels) {
             wheel.spin = evaluation.spin;
             if evaluation.sinkage > 0.0 {
-                wheel.track.extend(evaluation.foot_x);
+                wheel.track.extend(evaluation.foot_x, true);
             }
         }
         Ok(())
@@ -236,11 +236,11 @@ impl RigidBodies {
         frames.update(&self.rover, &self.state.position, &self.state.rate);
         for (load, wheel) in self.wheel_contacts.iter().zip(&self.rover.wheels) {
             let centre = frames.point(&self.rover, wheel.body, [wheel.mount.x, wheel.mount.z]);
-            add_scaled(&mut force, 1.0, &centre.along(load.force), n);
+            add_scaled(&mut force, 1.0, &centre.along(load.force, n), n);
         }
         for (body, load) in self.body_contacts.iter().enumerate() {
             let centre = frames.point(&self.rover, body, self.world.centre(body));
-            add_scaled(&mut force, 1.0, &centre.along(load.force), n);
+            add_scaled(&mut force, 1.0, &centre.along(load.force, n), n);
             add_scaled(&mut force, load.moment, &turn_jacobian(&self.rover, body), n);
         }
         for evaluation in [&mut self.integrator.now, &mut self.integrator.ahead] {

@@ -9,6 +9,7 @@ use crate::effects::{BodyMotion, ExpressionFailure, Local, Place};
 use crate::motor::{self, Motor};
 use crate::scalar::Scalar;
 use crate::signals::{Command, Drive};
+use crate::scalar::beside;
 use crate::snapshot::moving;
 use crate::terrain::TerrainError;
 
@@ -62,6 +63,26 @@ pub(crate) struct WheelEvaluation<S> {
 }
 
 moving!(WheelEvaluation<f64> {
+    touch,
+    normal,
+    tangent,
+    turn,
+    velocity,
+    normal_velocity,
+    spin,
+    speed,
+    slip,
+    sinkage,
+    contact_angle,
+    motor,
+    foot_x,
+    motor_torque,
+    rim_torque,
+    current,
+    drive_slope,
+});
+
+beside!(WheelEvaluation {
     touch,
     normal,
     tangent,
@@ -136,6 +157,18 @@ moving!(Evaluation<f64> {
     resistance,
 } { outside });
 
+beside!(Evaluation {
+    frames,
+    mass,
+    system,
+    wheels,
+    acceleration,
+    joint_friction,
+    potential,
+    other_loss,
+    resistance,
+} { outside });
+
 impl<S: Scalar> Evaluation<S> {
     pub fn new(rover: &Rover<S>) -> Self {
         let wheels =
@@ -154,8 +187,19 @@ impl<S: Scalar> Evaluation<S> {
         }
     }
 
-    /// Evaluates the right-hand side at `state` under `command`, plain or with derivatives.
+    /// Evaluates the right-hand side at `state` under `command`, plain, with derivatives, or side by side: then an error
+    /// says that one of them at least has one.
     pub fn update<C: Copy + Into<S>>(
+        &mut self,
+        rover: &Rover<S>,
+        state: &State<S>,
+        command: &Command<C>,
+    ) -> Result<(), DynamicsError> {
+        S::wide(#[inline(always)] || self.update_side_by_side(rover, state, command))
+    }
+
+    #[inline(always)]
+    fn update_side_by_side<C: Copy + Into<S>>(
         &mut self,
         rover: &Rover<S>,
         state: &State<S>,
@@ -165,7 +209,9 @@ impl<S: Scalar> Evaluation<S> {
         self.frames.update(rover, &state.position, &state.rate);
         let mut force = zeros();
         self.add_bodies(rover, state, &mut force)?;
-        self.system = self.mass;
+        for (row, mass) in self.system.iter_mut().zip(&self.mass).take(n) {
+            row[..n].copy_from_slice(&mass[..n]);
+        }
         for k in 0..rover.wheels.len() {
             self.touch_ground(rover, state, (command.drive, command.values[k].into()), k)?;
             let wheel = &mut self.wheels[k];
@@ -191,16 +237,19 @@ impl<S: Scalar> Evaluation<S> {
         }
         let factors = Factors::new(&self.system, n).ok_or(DynamicsError::NotFinite)?;
         self.acceleration = factors.solve(&force);
-        if !self.acceleration[..n].iter().all(|a| a.value().is_finite()) {
+        if !self.acceleration[..n].iter().all(|a| a.plain().all_finite()) {
             return Err(DynamicsError::NotFinite);
         }
         self.finish_drives(rover, command.drive)
     }
 
     /// Weight, inertia and joint friction of chassis and links, and forces on the chassis.
+    #[inline(always)]
     fn add_bodies(&mut self, rover: &Rover<S>, state: &State<S>, force: &mut Vector<S>) -> Result<(), DynamicsError> {
         let n = rover.coordinates();
-        self.mass = [zeros(); super::MAX_COORDINATES];
+        for row in self.mass.iter_mut().take(n) {
+            row[..n].fill(S::from(0.0));
+        }
         self.potential = S::from(0.0);
         self.other_loss = S::from(0.0);
         let body = rover.true_body();
@@ -222,6 +271,7 @@ impl<S: Scalar> Evaluation<S> {
         Ok(())
     }
 
+    #[inline(always)]
     fn add_mass(
         &mut self,
         rover: &Rover<S>,
@@ -243,6 +293,7 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Contact of wheel `k` with the ground, and the torque of its drive where that is commanded.
+    #[inline(always)]
     fn touch_ground(
         &mut self,
         rover: &Rover<S>,
@@ -255,9 +306,9 @@ impl<S: Scalar> Evaluation<S> {
         let foot =
             rover.terrain.foot(centre.position).map_err(|source| DynamicsError::Terrain { wheel: k + 1, source })?;
         let wheel = &mut self.wheels[k];
-        wheel.normal = centre.along(foot.normal);
-        wheel.tangent = centre.along(foot.tangent);
         let n = state.rate.len();
+        wheel.normal = centre.along(foot.normal, n);
+        wheel.tangent = centre.along(foot.tangent, n);
         let mut rate = zeros();
         rate[..n].copy_from_slice(&state.rate);
         wheel.velocity = dot(&wheel.tangent, &rate, n);
@@ -309,6 +360,7 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Torques and currents that follow from the accelerations.
+    #[inline(always)]
     fn finish_drives(&mut self, rover: &Rover<S>, drive: Drive) -> Result<(), DynamicsError> {
         let n = rover.coordinates();
         for wheel in &mut self.wheels {
@@ -323,6 +375,7 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Angular acceleration of a wheel whose drive torque is commanded.
+    #[inline(always)]
     pub fn spin_rate(&self, rover: &Rover<S>, k: usize) -> S {
         let torque = self.wheels[k].rim_torque - self.wheels[k].touch.forces.torque;
         let torque = self.outside.as_ref().map_or(torque, |outside| torque + outside.torque[k]);
@@ -330,6 +383,7 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Powers of the drives and of the soil.
+    #[inline(always)]
     pub fn powers(&self) -> Powers<S> {
         let zero = S::from(0.0);
         let other_loss = self.other_loss;
@@ -347,6 +401,7 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Warms the windings over `h` seconds, at whose start `before` held, and renews what depends on them.
+    #[inline(always)]
     pub fn warm(&mut self, rover: &Rover<S>, before: &Self, state: &mut State<S>, h: f64) {
         for ((wheel, before), moving) in self.wheels.iter_mut().zip(&before.wheels).zip(&mut state.wheels) {
             let mean = (before.winding_power() + wheel.winding_power()) * 0.5;
@@ -358,6 +413,7 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Kinetic and potential energy, J.
+    #[inline(always)]
     pub fn mechanical_energy(&self, rover: &Rover<S>, state: &State<S>) -> S {
         let n = rover.coordinates();
         let mut twice = S::from(0.0);
@@ -398,6 +454,7 @@ impl<S: Scalar> WheelEvaluation<S> {
         }
     }
     /// Power dissipated in the winding, W (4.6).
+    #[inline(always)]
     pub fn winding_power(&self) -> S {
         self.motor.resistance * self.current * self.current
     }

@@ -7,6 +7,7 @@
 use super::Rover;
 use super::linear::{Vector, zeros};
 use crate::scalar::Scalar;
+use crate::scalar::beside;
 use crate::snapshot::moving;
 
 /// A body's place at one instant.
@@ -25,6 +26,7 @@ pub(crate) struct Frame<S> {
 }
 
 moving!(Frame<f64> { origin, reference, cos, sin, rate, bias });
+beside!(Frame { origin, reference, cos, sin, rate, bias });
 
 /// A point fixed on a body: place, bias acceleration, and its Jacobian in the generalised coordinates.
 #[derive(Clone, Copy, Debug)]
@@ -42,6 +44,7 @@ pub(crate) struct Frames<S> {
 }
 
 moving!(Frames<f64> { frames });
+beside!(Frames { frames });
 
 impl<S: Scalar> Frames<S> {
     pub fn new(rover: &Rover<S>) -> Self {
@@ -51,9 +54,10 @@ impl<S: Scalar> Frames<S> {
     }
 
     /// Places all bodies.
+    #[inline(always)]
     pub fn update(&mut self, rover: &Rover<S>, position: &[S], rate: &[S]) {
         let zero = S::from(0.0);
-        let (sin, cos) = position[2].sin_cos();
+        let (sin, cos) = position[2].sine_cosine();
         self.frames[0] = Frame {
             origin: [position[0], position[1]],
             reference: [zero; 2],
@@ -69,18 +73,19 @@ impl<S: Scalar> Frames<S> {
             let parent = self.frames[link.parent];
             let (origin, bias) = parent.carry(reference);
             angles[j + 1] = angles[link.parent] + position[3 + j];
-            let (sin, cos) = angles[j + 1].sin_cos();
+            let (sin, cos) = angles[j + 1].sine_cosine();
             self.frames[j + 1] = Frame { origin, reference, cos, sin, rate: parent.rate + rate[3 + j], bias };
         }
     }
 
     /// The point of `body` that lies at `reference` when all angles are zero.
+    #[inline(always)]
     pub fn point(&self, rover: &Rover<S>, body: usize, reference: [S; 2]) -> Point<S> {
         let (position, bias) = self.frames[body].carry(reference);
         let (mut jacobian_x, mut jacobian_z) = (zeros(), zeros());
         jacobian_x[0] = S::from(1.0);
         jacobian_z[1] = S::from(1.0);
-        for_each_turn(rover, body, |turning, coordinate| {
+        for_each_turn(rover, body, #[inline(always)] |turning, coordinate| {
             let pivot = self.frames[turning].origin;
             // Nose up turns (dx, dz) into (-dz, dx).
             jacobian_x[coordinate] = pivot[1] - position[1];
@@ -90,6 +95,7 @@ impl<S: Scalar> Frames<S> {
     }
 
     /// Angular rate of a body, nose up, rad/s.
+    #[inline(always)]
     pub fn rate(&self, body: usize) -> S {
         self.frames[body].rate
     }
@@ -97,6 +103,7 @@ impl<S: Scalar> Frames<S> {
 
 impl<S: Scalar> Frame<S> {
     /// Place and bias acceleration of the point that lies at `reference` when all angles are zero.
+    #[inline(always)]
     fn carry(&self, reference: [S; 2]) -> ([S; 2], [S; 2]) {
         let (dx, dz) = (reference[0] - self.reference[0], reference[1] - self.reference[1]);
         let (x, z) = (self.cos * dx - self.sin * dz, self.sin * dx + self.cos * dz);
@@ -106,13 +113,15 @@ impl<S: Scalar> Frame<S> {
 }
 
 /// Jacobian of a body's angle: 1 for the pitch and for every joint between it and the chassis.
+#[inline(always)]
 pub(crate) fn turn_jacobian<S: Scalar>(rover: &Rover<S>, body: usize) -> Vector<S> {
     let mut jacobian = zeros();
-    for_each_turn(rover, body, |_, coordinate| jacobian[coordinate] = S::from(1.0));
+    for_each_turn(rover, body, #[inline(always)] |_, coordinate| jacobian[coordinate] = S::from(1.0));
     jacobian
 }
 
 /// Calls `f` with every body from `body` down to the chassis and the coordinate that turns it.
+#[inline(always)]
 fn for_each_turn<S>(rover: &Rover<S>, body: usize, mut f: impl FnMut(usize, usize)) {
     let mut turning = body;
     loop {
@@ -125,10 +134,11 @@ fn for_each_turn<S>(rover: &Rover<S>, body: usize, mut f: impl FnMut(usize, usiz
 }
 
 impl<S: Scalar> Point<S> {
-    /// Jacobian of the component along `direction`.
-    pub fn along(&self, direction: [S; 2]) -> Vector<S> {
+    /// Jacobian of the component along `direction` in the first `n` coordinates.
+    #[inline(always)]
+    pub fn along(&self, direction: [S; 2], n: usize) -> Vector<S> {
         let mut row = zeros();
-        for (i, entry) in row.iter_mut().enumerate() {
+        for (i, entry) in row.iter_mut().enumerate().take(n) {
             *entry = direction[0] * self.jacobian_x[i] + direction[1] * self.jacobian_z[i];
         }
         row

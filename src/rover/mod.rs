@@ -12,6 +12,7 @@ use crate::contact::Hold;
 use crate::effects::Effects;
 use crate::motor::Motor;
 use crate::scalar::Scalar;
+use crate::scalar::beside;
 use crate::snapshot::moving;
 use crate::soil::Soil;
 use crate::terrain::Terrain;
@@ -136,6 +137,7 @@ impl<S: Scalar> Rover<S> {
     }
 
     /// The wheel as it is: that of the data sheet, changed by the effects.
+    #[inline(always)]
     pub(crate) fn true_wheel(&self) -> Wheel<S> {
         let mut wheel = self.wheel;
         self.effects.wheel(&mut wheel);
@@ -143,6 +145,7 @@ impl<S: Scalar> Rover<S> {
     }
 
     /// The chassis as it is.
+    #[inline(always)]
     pub(crate) fn true_body(&self) -> Body<S> {
         let mut body = self.body;
         self.effects.chassis(&mut body);
@@ -212,6 +215,7 @@ pub struct WheelState<S = f64> {
 }
 
 moving!(WheelState { spin, hold, winding_rise, track });
+beside!(WheelState { spin, hold, winding_rise, track });
 
 /// Moving data of a rover: everything that a step changes.
 #[derive(Clone, Debug, PartialEq)]
@@ -227,9 +231,11 @@ pub struct State<S = f64> {
 }
 
 moving!(State { position, rate, wheels, start_x });
+beside!(State { position, rate, wheels, start_x });
 
 impl<S: Scalar> State<S> {
     /// Takes the values of a state of the same rover over, without allocating.
+    #[inline(always)]
     pub(crate) fn copy_from(&mut self, other: &Self) {
         self.position.copy_from_slice(&other.position);
         self.rate.copy_from_slice(&other.rate);

@@ -1,7 +1,8 @@
 //! Which ground a wheel has passed.
 
 use super::WheelState;
-use crate::scalar::{Scalar, smooth_step};
+use crate::scalar::{Mask, Scalar, smooth_step};
+use crate::scalar::beside;
 use crate::snapshot::moving;
 
 /// Distance inside the end of a track over which its ground turns from fresh to passed, m: about the length of a
@@ -18,6 +19,7 @@ pub struct Track<S = f64> {
 }
 
 moving!(Track { low, high });
+beside!(Track { low, high });
 
 impl<S: From<f64>> Default for Track<S> {
     fn default() -> Self {
@@ -26,24 +28,28 @@ impl<S: From<f64>> Default for Track<S> {
 }
 
 impl<S: Scalar> Track<S> {
-    /// Takes the foot's place over.
-    pub(crate) fn extend(&mut self, x: S) {
-        self.low = self.low.smaller(x);
-        self.high = self.high.larger(x);
+    /// Takes the foot's place over where it is in contact.
+    #[inline(always)]
+    pub(crate) fn extend(&mut self, x: S, covers: S::Mask) {
+        self.low = S::select(covers, self.low.smaller(x), self.low);
+        self.high = S::select(covers, self.high.larger(x), self.high);
     }
 
     /// How far the ground at `x` counts as passed: 0 at the ends and outside, 1 well inside.
     #[must_use]
+    #[inline(always)]
     pub fn covers(&self, x: S) -> S {
-        if x.value() <= self.low.value() || x.value() >= self.high.value() {
+        let inside = self.low.below(x) & x.below(self.high);
+        if !inside.any() {
             return S::from(0.0);
         }
-        smooth_step((x - self.low) / EDGE) * smooth_step((self.high - x) / EDGE)
+        S::select(inside, smooth_step((x - self.low) / EDGE) * smooth_step((self.high - x) / EDGE), S::from(0.0))
     }
 }
 
 /// Number of wheels that have passed the ground at `x`. Each counts once, however often it came; a wheel counts on its
 /// own track once it has reversed by the length of a contact: while it goes on, it stands at its track's end.
+#[inline(always)]
 pub(super) fn passes<S: Scalar>(wheels: &[WheelState<S>], x: S) -> S {
     wheels.iter().fold(S::from(0.0), |sum, wheel| sum + wheel.track.covers(x))
 }

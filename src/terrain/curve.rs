@@ -26,6 +26,11 @@ pub(super) trait Curve<S: Scalar> {
         f64::INFINITY
     }
 
+    /// A bound on |d2z/dx2| for all x, side by side.
+    fn most_bend(&self) -> S {
+        S::from(f64::INFINITY)
+    }
+
     /// Where to cut `from..to` in two; best at a jump of the curvature.
     fn cut(&self, from: f64, to: f64) -> f64 {
         0.5 * (from + to)

@@ -8,7 +8,8 @@
 
 use super::TerrainError;
 use super::curve::{Curve, Sample};
-use crate::scalar::Scalar;
+use super::several::Several;
+use crate::scalar::{Mask, Plain, Scalar};
 
 /// Point of the profile nearest to a wheel's centre, and the frame there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,6 +42,7 @@ const BISECTIONS: usize = 80;
 const OSCULATING: f64 = 1e-6;
 
 /// g and g' at a point of the profile.
+#[inline(always)]
 fn stationarity<S: Scalar>(sample: &Sample<S>, x: S, [centre_x, centre_z]: [S; 2]) -> (S, S) {
     let gap = centre_z - sample.height;
     let g = x - centre_x - gap * sample.slope;
@@ -72,13 +74,12 @@ pub(super) fn foot<S: Scalar>(
 ///
 /// # Errors
 /// As [`foot`].
-#[inline]
+#[inline(always)]
 pub(super) fn on_plane<S: Scalar>(angle: S, centre: [S; 2]) -> Result<Foot<S>, TerrainError> {
-    let (sin, cos) = angle.sin_cos();
+    let (sin, cos) = angle.sine_cosine();
     let [x, z] = centre;
     let distance = z * cos - x * sin;
-    let within = distance.value().abs() <= FAR;
-    if !within {
+    if !distance.abs().at_most(S::from(FAR)).all() {
         let [x, z] = [x.value(), z.value()];
         if !(x.is_finite() && z.is_finite()) {
             return Err(TerrainError::NotFinite { x, z });
@@ -90,7 +91,7 @@ pub(super) fn on_plane<S: Scalar>(angle: S, centre: [S; 2]) -> Result<Foot<S>, T
 }
 
 /// The frame at a point of the profile, seen from `centre`.
-#[inline]
+#[inline(always)]
 pub(super) fn frame<S: Scalar>(x: S, sample: &Sample<S>, centre: [S; 2]) -> Foot<S> {
     let cos = (sample.slope * sample.slope + 1.0).sqrt().recip();
     let sin = sample.slope * cos;
@@ -117,7 +118,8 @@ fn nearest(curve: &impl Curve<f64>, centre: [f64; 2]) -> Result<(f64, Sample<f64
         return Err(TerrainError::TooFar { x, clearance, limit: FAR });
     }
     let side = if clearance < 0.0 { -1.0 } else { 1.0 };
-    let newton = newton(curve, centre, below);
+    let (foot, sample, arrived) = newton(curve, centre, below, true);
+    let newton = arrived.then_some((foot, sample));
     if let Some((foot, sample)) = newton {
         let reach = length(foot - x, z - sample.height);
         let same_side = (z - sample.height) * clearance >= 0.0;
@@ -135,24 +137,79 @@ fn nearest(curve: &impl Curve<f64>, centre: [f64; 2]) -> Result<(f64, Sample<f64
     Ok(search.best.unwrap_or((x, below)))
 }
 
-/// Newton's method from below the centre; none where it leaves the interval that holds the nearest point.
-#[inline]
-fn newton(curve: &impl Curve<f64>, centre: [f64; 2], below: Sample<f64>) -> Option<(f64, Sample<f64>)> {
+/// Newton's method from below the centre, where the mask says so; also where it has arrived, within the interval that
+/// holds the nearest point.
+#[inline(always)]
+fn newton<R: Plain>(curve: &impl Curve<R>, centre: [R; 2], below: Sample<R>, mask: R::Mask) -> (R, Sample<R>, R::Mask) {
     let clearance = (centre[1] - below.height).abs();
     let (mut x, mut sample) = (centre[0], below);
+    let (mut active, mut arrived) = (mask, mask & !mask);
     for _ in 0..NEWTON_STEPS {
         let (g, dg) = stationarity(&sample, x, centre);
         let step = g / dg;
-        x -= step;
-        if dg <= 0.0 || (x - centre[0]).abs() > clearance {
-            return None;
-        }
+        let next = x - step;
+        active = active & dg.over(0.0) & (next - centre[0]).abs().at_most(clearance);
+        x = R::select(active, next, x);
         sample = curve.at(x);
-        if step.abs() <= LAST_STEP * clearance {
-            return Some((x, sample));
+        let last = active & step.abs().at_most(clearance * LAST_STEP);
+        arrived = arrived | last;
+        active = active & !last;
+        if !active.any() {
+            break;
         }
     }
-    None
+    (x, sample, arrived)
+}
+
+/// The feet below several centres, each on its own of `curves`: those whose profile bends less than `most` everywhere by
+/// Newton's method side by side, the others by `one`.
+///
+/// # Errors
+/// As [`foot`], of the first that has one.
+#[inline(always)]
+pub(super) fn side_by_side<R: Plain>(
+    curves: &impl Curve<R>,
+    most: R,
+    one: impl Fn(usize) -> Result<Foot<f64>, TerrainError>,
+    centre: [R; 2],
+) -> Result<Foot<R>, TerrainError> {
+    let below = curves.at(centre[0]);
+    let clearance = centre[1] - below.height;
+    let within = clearance.abs().at_most(R::from(FAR));
+    let (x, sample, arrived) = newton(curves, centre, below, within);
+    let (along, gap) = (x - centre[0], centre[1] - sample.height);
+    let reach = (along * along + gap * gap).sqrt();
+    let found = arrived & R::from(0.0).at_most(gap * clearance) & (most * reach).under(1.0);
+    let mut feet = frame(x, &sample, centre);
+    if !found.all() {
+        put_each(&mut feet, !found, one)?;
+    }
+    Ok(feet)
+}
+
+/// Finds the feet of the mask one by one.
+#[inline(never)]
+pub(super) fn put_each<R: Plain>(
+    feet: &mut Foot<R>,
+    mask: R::Mask,
+    one: impl Fn(usize) -> Result<Foot<f64>, TerrainError>,
+) -> Result<(), TerrainError> {
+    for k in (0..R::LANES).filter(|&k| mask.lane(k)) {
+        let Foot { position, angle, tangent, normal, distance } = one(k)?;
+        let pairs = [(&mut feet.position, position), (&mut feet.tangent, tangent), (&mut feet.normal, normal)];
+        for (places, values) in pairs {
+            places.iter_mut().zip(values).for_each(|(place, x)| put(place, k, x));
+        }
+        put(&mut feet.angle, k, angle);
+        put(&mut feet.distance, k, distance);
+    }
+    Ok(())
+}
+
+/// Puts number `k` of those side by side.
+fn put<R: Plain>(place: &mut R, k: usize, x: f64) {
+    let old = *place;
+    *place = R::from_lanes(|i| if i == k { x } else { old.lane(i) });
 }
 
 /// Branch and bound for the nearest of several stationary points.
@@ -164,6 +221,52 @@ struct Search<'a, C> {
     /// The nearest point is no further than this.
     reach: f64,
     best: Option<(f64, Sample<f64>)>,
+}
+
+impl<R: Plain> Foot<R> {
+    /// The same with constants of another scalar.
+    #[inline(always)]
+    fn constant<S: Scalar<Plain = R>>(self) -> Foot<S> {
+        let pair = |[a, b]: [R; 2]| [S::from_plain(a), S::from_plain(b)];
+        Foot {
+            position: pair(self.position),
+            angle: S::from_plain(self.angle),
+            tangent: pair(self.tangent),
+            normal: pair(self.normal),
+            distance: S::from_plain(self.distance),
+        }
+    }
+}
+
+/// The foot below `centre` on a curve by formula, or the feet below several centres on several such curves.
+///
+/// # Errors
+/// As [`foot`].
+#[inline(always)]
+pub(super) fn on_formula<S: Scalar, C: Curve<f64>>(
+    curve: &impl Curve<S>,
+    sides: &impl Curve<S::Plain>,
+    plain: impl Fn(usize) -> C,
+    centre: [S; 2],
+) -> Result<Foot<S>, TerrainError> {
+    if S::Plain::LANES == 1 {
+        return foot(curve, &plain(0), centre);
+    }
+    let centres = [centre[0].plain(), centre[1].plain()];
+    let one = |k: usize| {
+        let curve = plain(k);
+        foot(&curve, &curve, [centres[0].lane(k), centres[1].lane(k)])
+    };
+    Ok(side_by_side(sides, sides.most_bend(), one, centres)?.constant())
+}
+
+/// The feet below several centres on several grounds.
+///
+/// # Errors
+/// As [`foot`].
+#[inline(always)]
+pub(super) fn on_several<S: Scalar>(several: &Several, centre: [S; 2]) -> Result<Foot<S>, TerrainError> {
+    Ok(several.foot([centre[0].plain(), centre[1].plain()])?.constant())
 }
 
 impl<C: Curve<f64>> Search<'_, C> {

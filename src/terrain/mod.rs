@@ -8,6 +8,7 @@ mod preset;
 mod profile_file;
 mod random;
 mod samples;
+mod several;
 mod soil_table;
 mod spec;
 
@@ -21,10 +22,11 @@ pub use samples::{Samples, SamplesError};
 pub use soil_table::{SoilColumn, SoilTable, SoilTableError};
 pub use spec::{Preset, SoilSpec, TerrainSpec, TerrainSpecError};
 
-use crate::scalar::Scalar;
+use crate::scalar::{Plain, Scalar};
 use crate::soil::Soil;
 use bekker_modeldescription::{Parameters, Variable};
 use curve::Curve;
+use several::Several;
 use std::sync::Arc;
 
 /// Shape of the ground.
@@ -61,11 +63,13 @@ pub struct Terrain<S = f64> {
     /// Shape of the ground.
     pub profile: Profile<S>,
     soil: Option<Arc<SoilTable>>,
+    /// The grounds of several rovers, where formulas do not describe them.
+    several: Option<Arc<Several>>,
 }
 
 impl<S> Default for Terrain<S> {
     fn default() -> Self {
-        Self { profile: Profile::Flat, soil: None }
+        Self { profile: Profile::Flat, soil: None, several: None }
     }
 }
 
@@ -73,7 +77,7 @@ impl<S: Scalar> Terrain<S> {
     /// Ground of the given shape with the same soil everywhere.
     #[must_use]
     pub fn new(profile: Profile<S>) -> Self {
-        Self { profile, soil: None }
+        Self { profile, soil: None, several: None }
     }
 
     /// The same ground with soil that varies along x.
@@ -90,7 +94,13 @@ impl<S: Scalar> Terrain<S> {
 
     /// Height, slope and curvature at `x`. Beyond the samples of a sampled profile it goes on straight.
     #[must_use]
+    #[inline(always)]
     pub fn at(&self, x: S) -> Sample<S> {
+        if let Some(several) = self.several.as_ref().filter(|several| several.shapes()) {
+            let Sample { height, slope, curvature } = several.at(x.plain());
+            let [height, slope, curvature] = [height, slope, curvature].map(S::from_plain);
+            return Sample { height, slope, curvature };
+        }
         match &self.profile {
             Profile::Flat => Sample { height: S::from(0.0), slope: S::from(0.0), curvature: S::from(0.0) },
             Profile::Slope(curve) => curve.at(x),
@@ -107,15 +117,19 @@ impl<S: Scalar> Terrain<S> {
     ///
     /// # Errors
     /// [`TerrainError`]: beyond the samples, too far from the ground, or not finite.
-    #[inline]
+    #[inline(always)]
     pub fn foot(&self, centre: [S; 2]) -> Result<Foot<S>, TerrainError> {
-        let value = &|s: S| s.value();
+        if let Some(several) = self.several.as_ref().filter(|several| several.shapes()) {
+            return foot::on_several(several, centre);
+        }
+        let (sides, value) = (&|s: S| s.plain(), &|s: S| s.value());
+        let lane = |k: usize| move |s: S| s.plain().lane(k);
         match &self.profile {
             Profile::Flat => foot::on_plane(S::from(0.0), centre),
             Profile::Slope(plane) => foot::on_plane(plane.slope, centre),
-            Profile::Waves(curve) => foot::foot(curve, &curve.map(value), centre),
-            Profile::Ditch(curve) => foot::foot(curve, &curve.map(value), centre),
-            Profile::Step(curve) => foot::foot(curve, &curve.map(value), centre),
+            Profile::Waves(curve) => foot::on_formula(curve, &curve.map(sides), |k| curve.map(&lane(k)), centre),
+            Profile::Ditch(curve) => foot::on_formula(curve, &curve.map(sides), |k| curve.map(&lane(k)), centre),
+            Profile::Step(curve) => foot::on_formula(curve, &curve.map(sides), |k| curve.map(&lane(k)), centre),
             Profile::Random(random) => foot::foot(&random.sum(|s| s), &random.sum(value), centre),
             Profile::Samples(curve) => {
                 let foot = foot::foot(&**curve, &**curve, centre)?;
@@ -126,10 +140,34 @@ impl<S: Scalar> Terrain<S> {
     }
 
     /// The soil at `x`: `base` with what the table says there; `base` itself, bit for bit, without a table.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn soil(&self, base: &Soil<S>, x: S) -> Soil<S> {
+        if let Some(several) = &self.several {
+            return several.soil(base, x);
+        }
         self.soil.as_ref().map_or(*base, |table| table.apply(base, x))
+    }
+
+    /// The grounds of several rovers side by side, whose profiles are of one kind; `parameter` gives the numbers of a
+    /// formula, in the order in which it visits them.
+    pub(crate) fn side_by_side(grounds: Vec<Terrain>, parameter: &dyn Fn(&dyn Fn(&Terrain) -> f64) -> S) -> Self {
+        let number = |read: &dyn Fn(&Profile) -> f64| parameter(&|ground| read(&ground.profile));
+        macro_rules! formula {
+            ($kind:ident { $($field:ident),* }) => {
+                Profile::$kind($kind {
+                    $($field: number(&|profile| if let Profile::$kind(group) = profile { group.$field } else { 0.0 }),)*
+                })
+            };
+        }
+        let profile = match grounds.first().map(|ground| &ground.profile) {
+            Some(Profile::Slope(_)) => formula!(Slope { slope }),
+            Some(Profile::Waves(_)) => formula!(Waves { amplitude, wavelength, start }),
+            Some(Profile::Ditch(_)) => formula!(Ditch { depth, width, position }),
+            Some(Profile::Step(_)) => formula!(Step { height, length, position }),
+            _ => Profile::Flat,
+        };
+        Self { profile, soil: None, several: Some(Arc::new(Several::new(grounds))) }
     }
 
     /// First and last position at which the ground is described, m; infinite for formulas.
@@ -153,7 +191,7 @@ impl<S: Scalar> Terrain<S> {
             Profile::Random(random) => Profile::Random(random.map(f)),
             Profile::Samples(samples) => Profile::Samples(Arc::clone(samples)),
         };
-        Terrain { profile, soil: self.soil.clone() }
+        Terrain { profile, soil: self.soil.clone(), several: None }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Profiles by formula: slope, waves, ditch, step.
 
 use super::curve::{Curve, Sample, cut_at};
-use crate::scalar::Scalar;
+use crate::scalar::{Mask, Scalar, always};
 use bekker_modeldescription::{Unit, parameters};
 use std::f64::consts::TAU;
 
@@ -53,6 +53,19 @@ fn level<S: Scalar>(height: S) -> Sample<S> {
     Sample { height, slope: S::from(0.0), curvature: S::from(0.0) }
 }
 
+impl<S: Scalar> Sample<S> {
+    /// `self`, or level ground at `height` where the mask says so.
+    #[inline(always)]
+    fn or_level(self, mask: S::Mask, height: S) -> Self {
+        let choose = always(#[inline(always)] |level: S, own: S| S::select(mask, level, own));
+        Self {
+            height: choose(height, self.height),
+            slope: choose(S::from(0.0), self.slope),
+            curvature: choose(S::from(0.0), self.curvature),
+        }
+    }
+}
+
 /// Bound on the curvature within `half` of a place where it is `curvature`, given a bound on the third derivative.
 pub(super) fn bend_nearby(curvature: f64, third: f64, half: f64, most: f64) -> f64 {
     (curvature + third * half).min(most)
@@ -60,7 +73,8 @@ pub(super) fn bend_nearby(curvature: f64, third: f64, half: f64, most: f64) -> f
 
 impl<S: Scalar> Curve<S> for Slope<S> {
     fn at(&self, x: S) -> Sample<S> {
-        let slope = self.slope.tan();
+        let (sin, cos) = self.slope.sine_cosine();
+        let slope = sin / cos;
         Sample { height: slope * x, slope, curvature: S::from(0.0) }
     }
 
@@ -70,16 +84,18 @@ impl<S: Scalar> Curve<S> for Slope<S> {
 }
 
 impl<S: Scalar> Curve<S> for Waves<S> {
-    #[inline]
+    #[inline(always)]
     fn at(&self, x: S) -> Sample<S> {
         let along = x - self.start;
-        if along.value() < 0.0 {
+        let before = along.under(0.0);
+        if before.all() {
             return level(S::from(0.0));
         }
         let k = S::from(TAU) / self.wavelength;
-        let (sin, cos) = (along * k).sin_cos();
+        let (sin, cos) = (along * k).sine_cosine();
         let rise = self.amplitude * k;
-        Sample { height: self.amplitude * (-cos + 1.0), slope: rise * sin, curvature: rise * k * cos }
+        let waves = Sample { height: self.amplitude * (-cos + 1.0), slope: rise * sin, curvature: rise * k * cos };
+        waves.or_level(before, S::from(0.0))
     }
 
     fn bend(&self, side: f64, from: f64, to: f64, middle: &Sample<f64>) -> f64 {
@@ -93,6 +109,12 @@ impl<S: Scalar> Curve<S> for Waves<S> {
         } else {
             bend_nearby(side * middle.curvature, most * k, 0.5 * (to - from), most)
         }
+    }
+
+    #[inline(always)]
+    fn most_bend(&self) -> S {
+        let k = S::from(TAU) / self.wavelength;
+        self.amplitude * k * k
     }
 
     fn cut(&self, from: f64, to: f64) -> f64 {
@@ -109,16 +131,18 @@ impl<S: Scalar> Ditch<S> {
 }
 
 impl<S: Scalar> Curve<S> for Ditch<S> {
-    #[inline]
+    #[inline(always)]
     fn at(&self, x: S) -> Sample<S> {
         let along = x - self.position;
-        if along.value().abs() >= 0.5 * self.width.value() {
+        let outside = (self.width * 0.5).at_most(along.abs());
+        if outside.all() {
             return level(S::from(0.0));
         }
         let k = S::from(TAU) / self.width;
-        let (sin, cos) = (along * k).sin_cos();
+        let (sin, cos) = (along * k).sine_cosine();
         let half = self.depth * 0.5;
-        Sample { height: -half * (cos + 1.0), slope: half * k * sin, curvature: half * k * k * cos }
+        let ditch = Sample { height: -half * (cos + 1.0), slope: half * k * sin, curvature: half * k * k * cos };
+        ditch.or_level(outside, S::from(0.0))
     }
 
     fn bend(&self, side: f64, from: f64, to: f64, middle: &Sample<f64>) -> f64 {
@@ -134,6 +158,12 @@ impl<S: Scalar> Curve<S> for Ditch<S> {
         }
     }
 
+    #[inline(always)]
+    fn most_bend(&self) -> S {
+        let k = S::from(TAU) / self.width;
+        self.depth.abs() * 0.5 * k * k
+    }
+
     fn cut(&self, from: f64, to: f64) -> f64 {
         cut_at(self.rims(), from, to)
     }
@@ -147,21 +177,17 @@ impl<S: Scalar> Step<S> {
 }
 
 impl<S: Scalar> Curve<S> for Step<S> {
-    #[inline]
+    #[inline(always)]
     fn at(&self, x: S) -> Sample<S> {
         let u = (x - self.position) / self.length;
-        if u.value() <= 0.0 {
-            return level(S::from(0.0));
-        }
-        if u.value() >= 1.0 {
-            return level(self.height);
-        }
+        let (before, behind) = (u.at_most(S::from(0.0)), S::from(1.0).at_most(u));
         let rise = self.height / self.length;
-        Sample {
+        let face = Sample {
             height: self.height * u * u * (-u * 2.0 + 3.0),
             slope: rise * u * (-u + 1.0) * 6.0,
             curvature: rise / self.length * (-u * 12.0 + 6.0),
-        }
+        };
+        face.or_level(before, S::from(0.0)).or_level(behind, self.height)
     }
 
     fn bend(&self, side: f64, from: f64, to: f64, _: &Sample<f64>) -> f64 {
@@ -174,6 +200,12 @@ impl<S: Scalar> Curve<S> for Step<S> {
         let at = |x: f64| side * self.height.value() / (length * length) * (6.0 - 12.0 * (x - left) / length);
         let face = at(from.max(left)).max(at(to.min(right)));
         if from < left || to > right { face.max(0.0) } else { face }
+    }
+
+    #[inline(always)]
+    fn most_bend(&self) -> S {
+        // At the ends of the face; a little more than rounding makes of it.
+        self.height.abs() * 6.000_001 / (self.length * self.length)
     }
 
     fn cut(&self, from: f64, to: f64) -> f64 {

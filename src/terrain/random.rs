@@ -76,6 +76,7 @@ pub(super) struct Sum<'a, S> {
     amplitude: [S; WAVES],
     /// Bounds on the second and third derivative.
     bend: [f64; 2],
+    /// (cos, sin).
     phases: &'a [[f64; 2]; WAVES],
 }
 
@@ -105,12 +106,13 @@ impl<'a, S: Scalar> Sum<'a, S> {
 }
 
 impl<S: Scalar> Curve<S> for Sum<'_, S> {
+    #[inline(always)]
     fn at(&self, x: S) -> Sample<S> {
         let zero = S::from(0.0);
         let mut sample = Sample { height: zero, slope: zero, curvature: zero };
         for voice in 0..VOICES {
             let mut k = self.wavenumber[voice];
-            let (mut sin, mut cos) = (k * x).sin_cos();
+            let (mut sin, mut cos) = (k * x).sine_cosine();
             for octave in 0..OCTAVES {
                 let j = octave * VOICES + voice;
                 let [cos_phase, sin_phase] = self.phases[j];

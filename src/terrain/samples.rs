@@ -135,6 +135,18 @@ impl Samples {
         most
     }
 
+    /// The piece that holds `x`: [x_0, z_0, c_1, c_2, c_3].
+    #[inline(always)]
+    pub(super) fn piece(&self, x: f64) -> [f64; 5] {
+        let Piece { start, height, c } = self.pieces[self.locate(x)];
+        [start, height, c[0], c[1], c[2]]
+    }
+
+    /// Largest |d2z/dx2|.
+    pub(super) fn most_bend(&self) -> f64 {
+        self.bend[0].abs().max(self.bend[1].abs())
+    }
+
     /// Number of the piece that holds `x`.
     #[inline]
     fn locate(&self, x: f64) -> usize {
@@ -160,14 +172,7 @@ impl Samples {
 impl<S: Scalar> Curve<S> for Samples {
     #[inline]
     fn at(&self, x: S) -> Sample<S> {
-        let piece = &self.pieces[self.locate(x.value())];
-        let [c_1, c_2, c_3] = piece.c;
-        let u = x - piece.start;
-        Sample {
-            height: u * (u * (u * c_3 + c_2) + c_1) + piece.height,
-            slope: u * (u * (3.0 * c_3) + 2.0 * c_2) + c_1,
-            curvature: u * (6.0 * c_3) + 2.0 * c_2,
-        }
+        cubic(x, self.piece(x.value()).map(S::from))
     }
 
     fn bend(&self, side: f64, from: f64, to: f64, _: &Sample<f64>) -> f64 {
@@ -184,6 +189,17 @@ impl<S: Scalar> Curve<S> for Samples {
         // At the middle knot, unless it is an end of the interval itself.
         let knot = self.pieces[(left + right).div_ceil(2)].start;
         if knot > from && knot < to { knot } else { 0.5 * (from + to) }
+    }
+}
+
+/// A piece at `x`, as [`Samples::piece`] gives it.
+#[inline(always)]
+pub(super) fn cubic<S: Scalar>(x: S, [start, height, c_1, c_2, c_3]: [S; 5]) -> Sample<S> {
+    let u = x - start;
+    Sample {
+        height: u * (u * (u * c_3 + c_2) + c_1) + height,
+        slope: u * (u * (c_3 * 3.0) + c_2 * 2.0) + c_1,
+        curvature: u * (c_3 * 6.0) + c_2 * 2.0,
     }
 }
 

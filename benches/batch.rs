@@ -1,0 +1,125 @@
+//! Steps of many rovers: `cargo bench --bench batch`. One iteration is 10 inner steps of 2 ms (both stages) of every run
+//! of the batch, with new torques; an item is one inner step of one run.
+//!
+//! The peers in the same run are the same runs one by one ([`Kernel::Single`]). Divan's times are wall clock.
+
+use bekker::batch::{Batch, Kernel};
+use bekker::model::{Model, Run};
+use bekker::simulation::Status;
+use bekker::terrain::{Profile, Terrain, Waves};
+use divan::{Bencher, counter::ItemsCount};
+
+/// Inner steps of one iteration: an action of 20 ms.
+const STEPS: u64 = 10;
+/// Runs in a batch, with the number of threads.
+const SIZES: [(usize, usize); 6] = [(1, 1), (8, 1), (64, 1), (1024, 1), (64, 2), (1024, 2)];
+
+fn main() {
+    // Steps a second of processor time, which other work on the machine does not change; then divan, which goes by the
+    // clock.
+    println!("inner steps a CPU second, one thread, batch of 1024 (single runs: 64)");
+    for (preset, torque) in [("two_wheeled", 1.5), ("rocker_bogie", 0.3)] {
+        for kernel in [Kernel::Single, Kernel::Portable, Kernel::Avx2, Kernel::Avx512] {
+            if kernel.is_there() {
+                let count = if kernel == Kernel::Single { 64 } else { 1024 };
+                println!("{preset:>14} {kernel:>10?} {:>12.0}", steps_a_cpu_second(preset, torque, count, kernel));
+            }
+        }
+    }
+    divan::main();
+}
+
+/// Time this thread has had a processor, s (Linux).
+fn cpu_seconds() -> f64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    text.split_whitespace().next().and_then(|ns| ns.parse::<f64>().ok()).unwrap_or(f64::NAN) * 1e-9
+}
+
+fn steps_a_cpu_second(preset: &str, torque: f64, count: usize, kernel: Kernel) -> f64 {
+    let mut drive = Drive::new(preset, torque, (count, 1), kernel);
+    (0..5).for_each(|_| drive.step());
+    let (start, mut turns) = (cpu_seconds(), 0);
+    while !(cpu_seconds() - start > 1.0) && turns < 100_000 {
+        drive.step();
+        turns += 1;
+    }
+    (turns * STEPS * count as u64) as f64 / (cpu_seconds() - start)
+}
+
+/// Runs of one vehicle over waves, each with its own soil, ground and start.
+fn runs(preset: &str, count: usize) -> Vec<Run> {
+    let base = Model::preset(preset).expect("a preset");
+    let run = |k: usize| {
+        let mut model = base.clone();
+        let share = (k as f64 * 0.618_034).fract();
+        let waves = Waves { amplitude: 0.01 + 0.02 * share, wavelength: 2.0 + share, start: 0.3 };
+        model.rover.terrain = Terrain::new(Profile::Waves(waves));
+        model.rover.soil.shear_modulus *= 0.8 + 0.4 * share;
+        model.rover.soil.cohesion *= 0.8 + 0.4 * share;
+        model.start().expect("starts")
+    };
+    (0..count).map(run).collect()
+}
+
+/// A batch under torques that drive forward, a little other in every run and iteration.
+struct Drive {
+    runs: Vec<Run>,
+    batch: Batch,
+    inputs: Vec<f64>,
+    torque: f64,
+    turn: usize,
+}
+
+impl Drive {
+    fn new(preset: &str, torque: f64, (count, threads): (usize, usize), kernel: Kernel) -> Self {
+        let runs = runs(preset, count);
+        let batch = Batch::on(runs.clone(), threads, kernel).expect("a batch");
+        Self { inputs: vec![0.0; count * batch.input_count()], runs, batch, torque, turn: 0 }
+    }
+
+    fn step(&mut self) {
+        for (i, input) in self.inputs.iter_mut().enumerate() {
+            *input = self.torque * (0.85 + 0.3 * ((i * 7 + self.turn * 13) % 32) as f64 / 32.0);
+        }
+        self.batch.step(&self.inputs, STEPS, None).expect("steps");
+        self.turn += 1;
+        // Those that have ended start again.
+        for (index, run) in self.runs.iter().enumerate() {
+            if self.batch.statuses()[index] != Status::Running {
+                self.batch.replace(index, run.clone()).expect("the same structure");
+            }
+        }
+    }
+}
+
+fn step(bencher: Bencher, preset: &str, torque: f64, size: (usize, usize), kernel: Kernel) {
+    let mut drive = Drive::new(preset, torque, size, kernel);
+    bencher.counter(ItemsCount::new(STEPS * size.0 as u64)).bench_local(|| drive.step());
+}
+
+#[divan::bench(args = SIZES)]
+fn two_wheels(bencher: Bencher, size: (usize, usize)) {
+    step(bencher, "two_wheeled", 1.5, size, Kernel::best());
+}
+
+#[divan::bench(args = SIZES)]
+fn rocker_bogie_side(bencher: Bencher, size: (usize, usize)) {
+    step(bencher, "rocker_bogie", 0.3, size, Kernel::best());
+}
+
+/// The same runs on other instructions, and one by one.
+mod kernels {
+    use super::*;
+
+    const KERNELS: [Kernel; 4] = [Kernel::Single, Kernel::Portable, Kernel::Avx2, Kernel::Avx512];
+
+    #[divan::bench(args = KERNELS)]
+    fn two_wheels(bencher: Bencher, kernel: Kernel) {
+        step(bencher, "two_wheeled", 1.5, (1024, 1), kernel);
+    }
+
+    #[divan::bench(args = KERNELS)]
+    fn rocker_bogie_side(bencher: Bencher, kernel: Kernel) {
+        step(bencher, "rocker_bogie", 0.3, (1024, 1), kernel);
+    }
+}
