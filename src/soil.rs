@@ -42,6 +42,7 @@ impl<S: Scalar> Soil<S> {
     }
 
     /// Multiplies Bekker's moduli k_c and k_phi by `factor`.
+    #[inline(always)]
     pub(crate) fn scale_moduli(&mut self, factor: S) {
         self.k_c *= factor;
         self.k_phi *= factor;

@@ -17,12 +17,13 @@ parameters! {
 }
 
 impl<S: Scalar> Effect<S> for Grousers<S> {
+    #[inline(always)]
     fn surface(&self, _place: &Place<S>, local: &mut Local<S>) {
         if self.height.is_exactly(0.0) {
             return;
         }
         let slenderness = self.height / local.wheel.width;
-        let acot = -slenderness.atan() + FRAC_PI_2;
+        let acot = -slenderness.arc_tangent() + FRAC_PI_2;
         let surface = &mut local.surface;
         surface.shear_radius *= self.share * self.height / local.wheel.radius + 1.0;
         surface.cohesion_gain *= slenderness * 2.0 + 1.0;

@@ -122,51 +122,61 @@ pub struct Geared<S = f64> {
 /// Hooks of an effect into the simulation; the defaults change nothing.
 pub trait Effect<S: Scalar>: Parameters<S> {
     /// Changes wheel and soil at a contact, before the stresses are integrated.
+    #[inline(always)]
     fn contact(&self, place: &Place<S>, local: &mut Local<S>) {
         let _ = (place, local);
     }
 
     /// Changes how the rim meets the soil, after all effects have changed wheel and soil.
+    #[inline(always)]
     fn surface(&self, place: &Place<S>, local: &mut Local<S>) {
         let _ = (place, local);
     }
 
     /// Whether the effect needs to know which ground has been passed.
+    #[inline(always)]
     fn remembers(&self) -> bool {
         false
     }
 
     /// Changes the forces of a contact, after the stresses are integrated.
+    #[inline(always)]
     fn forces(&self, place: &Place<S>, local: &Local<S>, forces: &mut Forces<S>) {
         let _ = (place, local, forces);
     }
 
     /// Changes the wheel of the data sheet into the true one.
+    #[inline(always)]
     fn wheel(&self, wheel: &mut Wheel<S>) {
         let _ = wheel;
     }
 
     /// Changes a true radius back into the one that the records are reckoned with.
+    #[inline(always)]
     fn recorded_radius(&self, radius: &mut S) {
         let _ = radius;
     }
 
     /// Changes the chassis of the data sheet into the true one.
+    #[inline(always)]
     fn chassis(&self, body: &mut Body<S>) {
         let _ = body;
     }
 
     /// Changes the motor of the data sheet into the true one, whose winding is warmer by `winding_rise` (K).
+    #[inline(always)]
     fn motor(&self, winding_rise: S, motor: &mut Motor<S>) {
         let _ = (winding_rise, motor);
     }
 
     /// True torque over the torque that the drive reckons with.
+    #[inline(always)]
     fn torque_gain(&self) -> Option<S> {
         None
     }
 
     /// Dry friction of a passive joint turning at `rate` (rad/s): moment over rate, N m s/rad, finite at rest.
+    #[inline(always)]
     fn joint_friction(&self, rate: S) -> Option<S> {
         let _ = rate;
         None
@@ -178,18 +188,21 @@ pub trait Effect<S: Scalar>: Parameters<S> {
     }
 
     /// Friction torque of a drive at this wheel speed, wheel side, and its slope in the speed.
+    #[inline(always)]
     fn drive_friction(&self, speed: S) -> Option<(S, S)> {
         let _ = speed;
         None
     }
 
     /// Limits the torque of a motor, wheel side, at this wheel speed; where it limits, the slope in the speed.
+    #[inline(always)]
     fn motor_torque(&self, motor: &Motor<S>, speed: S, torque: &mut S) -> Option<S> {
         let _ = (motor, speed, torque);
         None
     }
 
     /// Horizontal force on the chassis at its reference point, N.
+    #[inline(always)]
     fn body_force(&self, motion: &BodyMotion<S>) -> Option<S> {
         let _ = motion;
         None

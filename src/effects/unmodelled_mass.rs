@@ -22,6 +22,7 @@ parameters! {
 }
 
 impl<S: Scalar> Effect<S> for Payload<S> {
+    #[inline(always)]
     fn chassis(&self, body: &mut Body<S>) {
         if !self.mass.is_exactly(0.0) {
             body.mass += self.mass;
@@ -30,6 +31,7 @@ impl<S: Scalar> Effect<S> for Payload<S> {
 }
 
 impl<S: Scalar> Effect<S> for CentreOfMass<S> {
+    #[inline(always)]
     fn chassis(&self, body: &mut Body<S>) {
         if !self.shift.is_exactly(0.0) {
             body.centre_of_mass_x += self.shift;

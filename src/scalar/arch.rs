@@ -18,7 +18,10 @@ pub(super) const SPLIT_MAGIC: u64 = 0x4330_0000_0000_0000;
 pub(super) const SPLIT_BIAS: f64 = 4_503_599_627_370_496.0 + 1023.0;
 
 /// An instruction set. A value of [`Self::V`] is made only where [`Self::there`] has said yes.
-pub(crate) trait Arch: Copy + Debug + Send + Sync + 'static {
+///
+/// # Safety
+/// [`Self::V`] lies in memory as `[f64; 8]` does.
+pub(crate) unsafe trait Arch: Copy + Debug + Send + Sync + 'static {
     /// Eight numbers.
     type V: Copy + Send + Sync;
     /// Eight yes or no.
@@ -107,7 +110,7 @@ fn each<const N: usize>(f: impl FnMut(usize) -> f64) -> [f64; N] {
     std::array::from_fn(f)
 }
 
-impl Arch for Arrays {
+unsafe impl Arch for Arrays {
     type V = [f64; WIDTH];
     type M = Bits;
 
@@ -214,6 +217,7 @@ pub(crate) use x86::{Avx2, Avx512};
 /// instruction set on this processor ([`Arch::there`]); loads and stores are of whole arrays.
 #[cfg(target_arch = "x86_64")]
 mod x86 {
+    use super::super::always;
     use super::*;
     use std::arch::x86_64::*;
 
@@ -235,7 +239,7 @@ mod x86 {
         f()
     }
 
-    impl Arch for Avx512 {
+    unsafe impl Arch for Avx512 {
         type V = __m512d;
         type M = Bits;
 
@@ -420,7 +424,7 @@ mod x86 {
         };
     }
 
-    impl Arch for Avx2 {
+    unsafe impl Arch for Avx2 {
         type V = [__m256d; 2];
         type M = Halves;
 
@@ -522,38 +526,45 @@ mod x86 {
 
         #[inline(always)]
         fn power_of_two(a: Self::V) -> Self::V {
-            a.map(
+            let one = always(
                 #[inline(always)]
-                |half| unsafe {
+                |half: __m256d| unsafe {
                     let shifted = _mm256_add_epi64(_mm256_castpd_si256(half), _mm256_set1_epi64x(1023));
                     _mm256_castsi256_pd(_mm256_slli_epi64::<52>(shifted))
                 },
-            )
+            );
+            [one(a[0]), one(a[1])]
         }
 
         #[inline(always)]
         fn bit(a: Self::V, k: u32) -> Halves {
-            let test = |half: __m256d| unsafe {
-                let bit = _mm256_set1_epi64x(1 << k);
-                let set = _mm256_and_si256(_mm256_castpd_si256(half), bit);
-                _mm256_castsi256_pd(_mm256_cmpeq_epi64(set, bit))
-            };
+            let test = always(
+                #[inline(always)]
+                |half: __m256d| unsafe {
+                    let bit = _mm256_set1_epi64x(1 << k);
+                    let set = _mm256_and_si256(_mm256_castpd_si256(half), bit);
+                    _mm256_castsi256_pd(_mm256_cmpeq_epi64(set, bit))
+                },
+            );
             Halves(test(a[0]), test(a[1]))
         }
 
         #[inline(always)]
         fn split(a: Self::V) -> (Self::V, Self::V) {
-            let one = |half: __m256d| unsafe {
-                let shifted =
-                    _mm256_add_epi64(_mm256_castpd_si256(half), _mm256_set1_epi64x(SPLIT_SHIFT.cast_signed()));
-                let magic = _mm256_set1_epi64x(SPLIT_MAGIC.cast_signed());
-                let exponent = _mm256_or_si256(_mm256_srli_epi64::<52>(shifted), magic);
-                let fraction = _mm256_and_si256(shifted, _mm256_set1_epi64x(SPLIT_FRACTION.cast_signed()));
-                (
-                    _mm256_castsi256_pd(_mm256_add_epi64(fraction, _mm256_set1_epi64x(SPLIT_ROOT.cast_signed()))),
-                    _mm256_sub_pd(_mm256_castsi256_pd(exponent), _mm256_set1_pd(SPLIT_BIAS)),
-                )
-            };
+            let one = always(
+                #[inline(always)]
+                |half: __m256d| unsafe {
+                    let shifted =
+                        _mm256_add_epi64(_mm256_castpd_si256(half), _mm256_set1_epi64x(SPLIT_SHIFT.cast_signed()));
+                    let magic = _mm256_set1_epi64x(SPLIT_MAGIC.cast_signed());
+                    let exponent = _mm256_or_si256(_mm256_srli_epi64::<52>(shifted), magic);
+                    let fraction = _mm256_and_si256(shifted, _mm256_set1_epi64x(SPLIT_FRACTION.cast_signed()));
+                    (
+                        _mm256_castsi256_pd(_mm256_add_epi64(fraction, _mm256_set1_epi64x(SPLIT_ROOT.cast_signed()))),
+                        _mm256_sub_pd(_mm256_castsi256_pd(exponent), _mm256_set1_pd(SPLIT_BIAS)),
+                    )
+                },
+            );
             let [(m0, k0), (m1, k1)] = [one(a[0]), one(a[1])];
             ([m0, m1], [k0, k1])
         }

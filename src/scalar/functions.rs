@@ -3,7 +3,7 @@
 //!
 //! Reductions and coefficients are the classical ones: Cody and Waite 1980 for the constants in parts; Taylor's series
 //! where they suffice over the reduced range; for the arc sine and the logarithm the minimax coefficients of FDLIBM
-//! (Sun Microsystems 1993).
+//! (Sun Microsystems 1993), for the arc tangent those of Cephes (Moshier 1989).
 
 use super::{Mask, Plain, ROUNDING};
 use std::f64::consts::{FRAC_2_PI, LOG2_E};
@@ -130,6 +130,46 @@ pub fn power<R: Plain>(x: R, exponent: R) -> R {
     let raised = exp(exponent * ln(x));
     let raised = R::select(x.less(R::from(f64::MIN_POSITIVE)), R::from(0.0), raised);
     R::select(plain, x, raised)
+}
+
+/// Arc tangent; relative error under 4e-16.
+#[inline(always)]
+pub fn atan<R: Plain>(x: R) -> R {
+    let size = x.abs();
+    // tan(pi/8) and tan(3 pi/8): nearer to zero, to pi/4, to pi/2.
+    let middle = size.over(0.414_213_562_373_095_05);
+    let steep = size.over(2.414_213_562_373_095);
+    let above = R::select(steep, R::from(-1.0), R::select(middle, size - 1.0, size));
+    let below = R::select(steep, size, R::select(middle, size + 1.0, R::from(1.0)));
+    let t = above / below;
+    let z = t * t;
+    let numerator = horner(
+        z,
+        [
+            -8.750_608_600_031_904e-1,
+            -1.615_753_718_733_365e1,
+            -7.500_855_792_314_705e1,
+            -1.228_866_684_490_136_2e2,
+            -6.485_021_904_942_025e1,
+        ],
+    );
+    let denominator = horner(
+        z,
+        [
+            1.0,
+            2.485_846_490_142_306_3e1,
+            1.650_270_098_316_988_6e2,
+            4.328_810_604_912_903e2,
+            4.853_903_996_359_137e2,
+            1.945_506_571_482_614e2,
+        ],
+    );
+    let zero = R::from(0.0);
+    let (quarter, rest) = (std::f64::consts::FRAC_PI_4, 3.061_616_997_868_383e-17);
+    let whole = R::select(steep, R::from(2.0 * quarter), R::select(middle, R::from(quarter), zero));
+    let correction = R::select(steep, R::from(2.0 * rest), R::select(middle, R::from(rest), zero));
+    let angle = whole + ((t * z * (numerator / denominator) + correction) + t);
+    angle.negative_where(x.bit(63))
 }
 
 /// Arc cosine; absolute error under 5e-16, relative error under 5e-16 for x >= 0.5; NaN outside -1..1.

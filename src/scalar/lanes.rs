@@ -25,9 +25,9 @@ impl<A: Arch> Lanes<A> {
     /// Puts number `k`.
     #[inline(always)]
     pub fn put(&mut self, k: usize, x: f64) {
-        let mut numbers = self.numbers();
+        // SAFETY: `Arch` says that the numbers lie in memory as an array.
+        let numbers = unsafe { &mut *std::ptr::from_mut(&mut self.0).cast::<[f64; WIDTH]>() };
         numbers[k] = x;
-        self.0 = A::load(&numbers);
     }
 }
 
@@ -337,6 +337,11 @@ impl<A: Arch> Scalar for Lanes<A> {
     }
 
     #[inline(always)]
+    fn arc_tangent(self) -> Self {
+        functions::atan(self)
+    }
+
+    #[inline(always)]
     fn arc_cosine(self) -> Self {
         functions::acos(self)
     }
@@ -362,7 +367,9 @@ impl<A: Arch> Plain for Lanes<A> {
 
     #[inline(always)]
     fn lane(self, k: usize) -> f64 {
-        self.numbers()[k]
+        // SAFETY: `Arch` says that the numbers lie in memory as an array.
+        let numbers = unsafe { &*std::ptr::from_ref(&self.0).cast::<[f64; WIDTH]>() };
+        numbers[k]
     }
 
     #[inline(always)]

@@ -88,6 +88,10 @@ pub trait Scalar: DualNum<Primitive = f64> + Copy + Send + Sync {
     #[must_use]
     fn sine_cosine(self) -> (Self, Self);
 
+    /// Arc tangent by [`functions::atan`].
+    #[must_use]
+    fn arc_tangent(self) -> Self;
+
     /// Arc cosine by [`functions::acos`].
     #[must_use]
     fn arc_cosine(self) -> Self;
@@ -256,6 +260,11 @@ impl Scalar for f64 {
     }
 
     #[inline]
+    fn arc_tangent(self) -> f64 {
+        functions::atan(self)
+    }
+
+    #[inline]
     fn arc_cosine(self) -> f64 {
         functions::acos(self)
     }
@@ -354,6 +363,10 @@ impl<const N: usize> Scalar for Dual<N> {
     fn sine_cosine(self) -> (Self, Self) {
         let (sin, cos) = functions::sin_cos(self.re);
         (Self::new(sin, self.eps * cos), Self::new(cos, self.eps * -sin))
+    }
+
+    fn arc_tangent(self) -> Self {
+        Self::new(functions::atan(self.re), self.eps * (self.re * self.re + 1.0).recip())
     }
 
     fn arc_cosine(self) -> Self {

@@ -98,7 +98,7 @@ pub(super) fn frame<S: Scalar>(x: S, sample: &Sample<S>, centre: [S; 2]) -> Foot
     let distance = (centre[1] - sample.height) * cos - (centre[0] - x) * sin;
     Foot {
         position: [x, sample.height],
-        angle: sample.slope.atan(),
+        angle: sample.slope.arc_tangent(),
         tangent: [cos, sin],
         normal: [-sin, cos],
         distance,
