@@ -179,6 +179,7 @@ def test_property_action_scale_is_what_one_commands() -> None:
         ({"parameters": {"sensor.pich_noise": 0.1}}, "unknown parameter `sensor.pich_noise`"),
         ({"measured": True, "observe": ["power"]}, "observe `power`: no sensor reads it; expected "),
         ({"rewards": "progress"}, "rewards = 'progress': expected a list"),
+        ({"rewards": []}, "rewards: expected one term at least"),
         ({"rewards": ["progres"]}, "unknown reward term `progres`"),
         ({"level": -0.1}, "level = -0.1"),
         ({"observe": ["pich"]}, "unknown observable signal `pich`; did you mean pitch"),
