@@ -44,7 +44,7 @@ impl Kind {
 }
 
 /// A group on one instruction set.
-pub(super) trait Group: Debug + Send {
+pub(super) trait Group: Debug + Send + Sync {
     fn kind(&self) -> &Kind;
 
     /// Places of the runs in the shard.
