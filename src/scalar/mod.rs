@@ -6,18 +6,24 @@
 //! ([`functions`]), without fused multiply-adds, so a rover in a batch follows the single rover to the last bit, with
 //! any instruction set.
 
+#[cfg(feature = "batch")]
 mod arch;
 mod beside;
 pub mod functions;
+#[cfg(feature = "batch")]
 mod lanes;
 
 use num_dual::{DualNum, DualSVec64};
 use std::ops::{BitAnd, BitOr, Not};
 
-#[cfg(target_arch = "x86_64")]
-pub(crate) use arch::{Avx2, Avx512};
+#[cfg(feature = "batch")]
 pub(crate) use arch::{Arch, Arrays, WIDTH};
-pub(crate) use beside::{Beside, beside};
+#[cfg(all(feature = "batch", target_arch = "x86_64"))]
+pub(crate) use arch::{Avx2, Avx512};
+#[cfg(feature = "batch")]
+pub(crate) use beside::Beside;
+pub(crate) use beside::beside;
+#[cfg(feature = "batch")]
 pub(crate) use lanes::Lanes;
 
 /// Yes or no, for each of the numbers side by side.
