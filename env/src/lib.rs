@@ -8,6 +8,7 @@ mod error;
 mod experiment;
 mod export;
 mod finding;
+mod measured;
 mod model;
 mod record;
 mod run;
