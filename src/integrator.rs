@@ -116,8 +116,7 @@ impl<S: Scalar> Integrator<S> {
         mask: S::Mask,
     ) -> Result<(), DynamicsError> {
         self.predicted.copy_from(state);
-        let changed =
-            self.impose(rover, state, command, mask).and_then(|()| self.evaluate(rover, state, command));
+        let changed = self.impose(rover, state, command, mask).and_then(|()| self.evaluate(rover, state, command));
         if changed.is_err() {
             state.copy_from(&self.predicted);
         }
@@ -193,7 +192,10 @@ impl<S: Scalar> Integrator<S> {
         command: &Command<C>,
         h: f64,
     ) -> Result<(), DynamicsError> {
-        S::wide(#[inline(always)] || self.stages_side_by_side(rover, state, command, h))
+        S::wide(
+            #[inline(always)]
+            || self.stages_side_by_side(rover, state, command, h),
+        )
     }
 
     #[inline(always)]

@@ -4,9 +4,9 @@ use crate::integrator::Integrator;
 use crate::recording::Recorder;
 use crate::rover::dynamics::{DynamicsError, Evaluation, Powers};
 use crate::rover::{Rover, SettleError, State};
+use crate::scalar::beside;
 use crate::scalar::{Mask, Plain, Scalar, always};
 use crate::signals::{Command, Drive, Signals};
-use crate::scalar::beside;
 use crate::snapshot::{Moving, Reader, SnapshotError, Writer, moving, moving_code};
 use crate::terrain::TerrainError;
 use num_traits::Signed;
@@ -275,14 +275,17 @@ impl<S: Scalar> Motion<S> {
         command: &Command<C>,
         mask: S::Mask,
     ) -> Result<(), DynamicsError> {
-        S::wide(#[inline(always)] || {
-            let Self { state, integrator, energies, .. } = self;
-            let before = integrator.now.mechanical_energy(rover, state);
-            integrator.change(rover, state, command, mask)?;
-            let after = integrator.now.mechanical_energy(rover, state);
-            energies.drive = S::select(mask, energies.drive + (after - before), energies.drive);
-            Ok(())
-        })
+        S::wide(
+            #[inline(always)]
+            || {
+                let Self { state, integrator, energies, .. } = self;
+                let before = integrator.now.mechanical_energy(rover, state);
+                integrator.change(rover, state, command, mask)?;
+                let after = integrator.now.mechanical_energy(rover, state);
+                energies.drive = S::select(mask, energies.drive + (after - before), energies.drive);
+                Ok(())
+            },
+        )
     }
 
     /// One inner step.
@@ -295,34 +298,40 @@ impl<S: Scalar> Motion<S> {
         command: &Command<C>,
         step_size: f64,
     ) -> Result<(), DynamicsError> {
-        S::wide(#[inline(always)] || {
-            let before = self.integrator.now.powers();
-            self.integrator.step(rover, &mut self.state, command, step_size)?;
-            self.integrator.warm(rover, &mut self.state, step_size);
-            let after = self.integrator.now.powers();
-            self.energies.add(&before, &after, step_size);
-            Ok(())
-        })
+        S::wide(
+            #[inline(always)]
+            || {
+                let before = self.integrator.now.powers();
+                self.integrator.step(rover, &mut self.state, command, step_size)?;
+                self.integrator.warm(rover, &mut self.state, step_size);
+                let after = self.integrator.now.powers();
+                self.energies.add(&before, &after, step_size);
+                Ok(())
+            },
+        )
     }
 
     /// What the step just made has ended in.
     pub fn outcome(&mut self, rover: &Rover<S>, step_size: f64) -> Outcome<S::Mask> {
-        S::wide(#[inline(always)] || {
-            let radius = rover.true_wheel().radius.plain();
-            let wheels = &self.integrator.now.wheels;
-            let none = S::Mask::from_lanes(|_| false);
-            let mut sunk = none;
-            for wheel in wheels {
-                sunk = sunk | radius.at_most(wheel.sinkage.plain());
-            }
-            let speeds = wheels.iter().map(|wheel| wheel.speed.plain());
-            Outcome {
-                tipped: self.state.position[2].plain().abs().over(TIPPED),
-                sunk,
-                belly: belly_clearance(rover, &self.state).under(0.0),
-                stuck: self.window.stuck(self.state.position[0].plain(), speeds, radius, step_size),
-            }
-        })
+        S::wide(
+            #[inline(always)]
+            || {
+                let radius = rover.true_wheel().radius.plain();
+                let wheels = &self.integrator.now.wheels;
+                let none = S::Mask::from_lanes(|_| false);
+                let mut sunk = none;
+                for wheel in wheels {
+                    sunk = sunk | radius.at_most(wheel.sinkage.plain());
+                }
+                let speeds = wheels.iter().map(|wheel| wheel.speed.plain());
+                Outcome {
+                    tipped: self.state.position[2].plain().abs().over(TIPPED),
+                    sunk,
+                    belly: belly_clearance(rover, &self.state).under(0.0),
+                    stuck: self.window.stuck(self.state.position[0].plain(), speeds, radius, step_size),
+                }
+            },
+        )
     }
 }
 
@@ -363,19 +372,12 @@ impl<S: Scalar> Simulation<S> {
             return Err(StepError::StepSize(step_size));
         }
         let command = Command::torque(vec![0.0; rover.wheels.len()]);
-        let motion = Motion::new(&rover, state, &command).map_err(|source| StepError::Dynamics { time: 0.0, source })?;
+        let motion =
+            Motion::new(&rover, state, &command).map_err(|source| StepError::Dynamics { time: 0.0, source })?;
         let signals = Signals::of(rover.wheels.len(), rover.links.len());
         let recorder = Recorder::new(&rover.effects.sensor_lag, &signals, step_size);
-        let mut simulation = Self {
-            rover,
-            motion,
-            command,
-            step_size,
-            ticks: 0,
-            status: Status::Running,
-            recorder,
-            signals,
-        };
+        let mut simulation =
+            Self { rover, motion, command, step_size, ticks: 0, status: Status::Running, recorder, signals };
         simulation.observe(Recorder::step);
         simulation.refresh();
         Ok(simulation)
@@ -656,7 +658,10 @@ impl<S: Scalar> Energies<S> {
     /// Trapezoidal rule over one step: the order of the integrator.
     #[inline(always)]
     pub fn add(&mut self, before: &Powers<S>, after: &Powers<S>, h: f64) {
-        let mean = always(#[inline(always)] |a: S, b: S| (a + b) * (0.5 * h));
+        let mean = always(
+            #[inline(always)]
+            |a: S, b: S| (a + b) * (0.5 * h),
+        );
         self.dissipated += mean(before.dissipated, after.dissipated);
         self.electrical += mean(before.electrical, after.electrical);
         self.drive += mean(before.drive, after.drive);

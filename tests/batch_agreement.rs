@@ -99,10 +99,15 @@ fn agreement_grounds() {
                     let profile = match kind {
                         0 => Profile::Flat,
                         1 => Profile::Slope(Slope { slope: draw(-0.2, 0.2) }),
-                        2 => Profile::Waves(Waves { amplitude: draw(0.0, 0.05), wavelength: draw(0.3, 3.0), start: 0.1 }),
+                        2 => {
+                            Profile::Waves(Waves { amplitude: draw(0.0, 0.05), wavelength: draw(0.3, 3.0), start: 0.1 })
+                        }
                         3 => Profile::Ditch(Ditch { depth: draw(-0.05, 0.1), width: draw(0.2, 0.8), position: 0.6 }),
                         4 => Profile::Step(Step { height: draw(-0.04, 0.04), length: draw(0.05, 0.3), position: 0.35 }),
-                        5 => Profile::Random(Random::new(Spectrum { roughness: draw(0.0, 0.02), ..Spectrum::default() }, k)),
+                        5 => Profile::Random(Random::new(
+                            Spectrum { roughness: draw(0.0, 0.02), ..Spectrum::default() },
+                            k,
+                        )),
                         _ => Model::preset("challenging_velocity").unwrap().rover.terrain.profile,
                     };
                     model.rover.terrain = Terrain::new(profile);
@@ -143,7 +148,7 @@ fn agreement_each_effect() {
     let mut random = ChaCha8Rng::seed_from_u64(2);
     for preset in ["two_wheeled", "rocker_bogie_speed"] {
         let base = Model::preset(preset).unwrap();
-        let mean = if preset == "two_wheeled" { 1.5 } else { 1.5 };
+        let mean = 1.5;
         for (id, _) in EFFECTS {
             let runs = drawn(&base, &[id], &mut random, 8);
             compare(&format!("{preset}, {id}"), &runs, 8, 10, varied(mean, 0.8));
@@ -227,9 +232,13 @@ fn property_bits_depend_neither_on_size_nor_order_nor_threads() {
         order.iter().enumerate().map(|(place, &k)| (k, bits(&batch.run(place)))).collect::<Vec<_>>()
     };
     let whole = end((0..42).collect(), 1);
-    for (order, threads) in
-        [((0..42).rev().collect(), 1), ((0..42).collect(), 3), ((5..30).collect(), 2), (vec![7], 1), (vec![40, 2, 9], 1)]
-    {
+    for (order, threads) in [
+        ((0..42).rev().collect(), 1),
+        ((0..42).collect(), 3),
+        ((5..30).collect(), 2),
+        (vec![7], 1),
+        (vec![40, 2, 9], 1),
+    ] {
         for (k, bits) in end(order, threads) {
             assert_eq!(bits, whole[k].1, "run {k}, {threads} threads");
         }

@@ -232,10 +232,13 @@ impl<A: Arch> SideBySide<A> {
     /// The signals at the present time.
     fn write_signals(&mut self) {
         let Self { motion, rover, signals, .. } = self;
-        <Lanes<A> as crate::scalar::Scalar>::wide(#[inline(always)] || {
-            motion.integrator.now.write_signals(rover, &motion.state, &motion.energies, signals);
-            rover.effects.record(motion.state.start_x, &mut signals.body, &mut signals.wheels);
-        });
+        <Lanes<A> as crate::scalar::Scalar>::wide(
+            #[inline(always)]
+            || {
+                motion.integrator.now.write_signals(rover, &motion.state, &motion.energies, signals);
+                rover.effects.record(motion.state.start_x, &mut signals.body, &mut signals.wheels);
+            },
+        );
     }
 
     /// Shows member `k` its signals, after so many steps more.
@@ -248,7 +251,7 @@ impl<A: Arch> SideBySide<A> {
     /// What is left of a step where one of the runs meets what only the single run knows to handle.
     fn alone(&mut self, slots: &mut [Slot], movers: [bool; WIDTH], left: u64) {
         for k in 0..WIDTH {
-                let Some(slot) = mover(&self.members, slots, &movers, k) else { continue };
+            let Some(slot) = mover(&self.members, slots, &movers, k) else { continue };
             if std::mem::take(&mut self.inside[k])
                 && let Some(simulation) = slot.run.in_joint_coordinates_mut()
             {

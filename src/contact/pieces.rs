@@ -45,7 +45,10 @@ impl Cuts {
 /// Sums over the whole contact.
 #[inline(never)]
 pub(super) fn sums<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
-    S::wide(#[inline(always)] || sums_side_by_side(rim))
+    S::wide(
+        #[inline(always)]
+        || sums_side_by_side(rim),
+    )
 }
 
 #[inline(always)]
@@ -56,8 +59,10 @@ fn sums_side_by_side<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
     let change = displacement.largest_change();
     let grips = !rim.grip.under(1.0);
     let signs = displacement.changes_sign();
-    let [up_to_few, up_to_few_cut, up_to_more] =
-        [FEW_NODES, FEW_NODES_BOTH_SIGNS, MORE_NODES].map(#[inline(always)] |limit| change.at_most(limit.into()));
+    let [up_to_few, up_to_few_cut, up_to_more] = [FEW_NODES, FEW_NODES_BOTH_SIGNS, MORE_NODES].map(
+        #[inline(always)]
+        |limit| change.at_most(limit.into()),
+    );
     let (little, some) = (grips & !signs & up_to_few, grips & !signs & up_to_more);
     let (cut, cut_more) = (grips & signs & up_to_few_cut, grips & signs & up_to_more);
     let mut sums = Sums::zero();
@@ -158,7 +163,10 @@ fn between<S: Scalar>(rim: &Rim<S>, angles: [S::Plain; 6], nodes: &[(f64, f64)])
 fn add_piece<S: Scalar>(rim: &Rim<S>, sums: &mut Sums<S>, above: S::Plain, below: S::Plain, nodes: &[(f64, f64)]) {
     let [theta_1, theta_m, theta_2] = [rim.theta_1, rim.theta_m, rim.theta_2].map(S::plain);
     let front = theta_m.at_most(below);
-    let choose = always(#[inline(always)] |yes: S::Plain, no: S::Plain| S::Plain::select(front, yes, no));
+    let choose = always(
+        #[inline(always)]
+        |yes: S::Plain, no: S::Plain| S::Plain::select(front, yes, no),
+    );
     let (start, length) = (choose(theta_1, theta_2), choose(theta_1 - theta_m, theta_m - theta_2));
     let s = always(
         #[inline(always)]
@@ -199,12 +207,17 @@ impl<R: Plain> Displacement<R> {
         let mut turns = [theta_1, theta_1, theta_2, theta_2];
         if turns_back.any() {
             let turn = (shear_radius / ratio).arc_cosine();
-            let inside =
-                always(#[inline(always)] |angle: R| turns_back & angle.below(theta_1) & theta_2.below(angle));
+            let inside = always(
+                #[inline(always)]
+                |angle: R| turns_back & angle.below(theta_1) & theta_2.below(angle),
+            );
             turns[1] = R::select(inside(turn), turn, theta_1);
             turns[2] = R::select(inside(-turn), -turn, theta_2);
         }
-        let slope = always(#[inline(always)] |cos: R| (shear_radius - ratio * cos).abs());
+        let slope = always(
+            #[inline(always)]
+            |cos: R| (shear_radius - ratio * cos).abs(),
+        );
         let cos_2 = if theta_2.is_exactly(0.0) { R::from(1.0) } else { theta_2.sine_cosine().1 };
         let steepest = rate * slope(cos_1).larger(slope(R::from(1.0))).larger(slope(cos_2));
         let (theta_s, sin_s) = (rim.theta_s.plain(), rim.sin_s.plain());

@@ -166,7 +166,10 @@ impl<S: Scalar> Rim<S> {
         if !in_front.all() {
             let theta = self.theta_2 + rear * s2; // (2.6)
             let (sin, cos) = theta.sine_cosine();
-            let choose = always(#[inline(always)] |front: S, rear: S| S::select(in_front, front, rear));
+            let choose = always(
+                #[inline(always)]
+                |front: S, rear: S| S::select(in_front, front, rear),
+            );
             at = (choose(at.0, theta), choose(at.1, sin), choose(at.2, cos));
         }
         self.point(sums, at, load, S::select(in_front, front, rear) * S::from_plain(s * weight * 2.0));

@@ -5,8 +5,8 @@
 use super::pieces::sums;
 use super::rim::{Rim, Shear};
 use super::surface::Surface;
-use crate::scalar::{Mask, Plain, Scalar, always, smooth_step, smooth_step_slope};
 use crate::scalar::beside;
+use crate::scalar::{Mask, Plain, Scalar, always, smooth_step, smooth_step_slope};
 use crate::snapshot::moving;
 use crate::soil::Soil;
 use crate::wheel::Wheel;
@@ -107,8 +107,10 @@ impl<S: Scalar> Rolling<S> {
     /// (-DP, -T).
     #[inline(always)]
     fn mirrored_where(self, mask: S::Mask) -> Self {
-        let slope =
-            always(#[inline(always)] |s: Forces<S>| Forces { normal: s.normal.negative_where(mask), ..s });
+        let slope = always(
+            #[inline(always)]
+            |s: Forces<S>| Forces { normal: s.normal.negative_where(mask), ..s },
+        );
         let Forces { normal, drawbar, torque } = self.forces;
         Self {
             forces: Forces { normal, drawbar: drawbar.negative_where(mask), torque: torque.negative_where(mask) },
@@ -267,7 +269,10 @@ impl<S: Scalar> Contact<'_, S> {
             return if rolls.all() { self.roll(velocity, spin) } else { self.slide(velocity, rim_speed) };
         }
         let (safe, odd) = (rolls & touches, touches & !rolls);
-        let choose = always(#[inline(always)] |x: S, other: f64| S::select(safe, x, S::from(other)));
+        let choose = always(
+            #[inline(always)]
+            |x: S, other: f64| S::select(safe, x, S::from(other)),
+        );
         let (sinkage, depth) = (self.sinkage, self.wheel.radius * 1e-3);
         let ordinary = Contact { sinkage: S::select(safe, sinkage, depth), share: choose(self.share, 1.0), ..*self };
         let (mut rolling, mut pressure) = if safe.any() {

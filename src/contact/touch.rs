@@ -13,8 +13,8 @@
 
 use super::rolling::{Forces, Rolling, norm, rolling_share, slip};
 use super::surface::Surface;
-use crate::scalar::{Mask, Scalar, always, smooth_step};
 use crate::scalar::beside;
+use crate::scalar::{Mask, Scalar, always, smooth_step};
 use crate::snapshot::moving;
 use crate::soil::Soil;
 use crate::wheel::Wheel;
@@ -52,7 +52,10 @@ impl<S: Scalar> Hold<S> {
         let length = norm(self.travel, self.turn);
         let short = length.at_most(S::from(1.0));
         let length = S::select(short, S::from(1.0), length);
-        let within = always(#[inline(always)] |x: S| S::select(short, x, x / length));
+        let within = always(
+            #[inline(always)]
+            |x: S| S::select(short, x, x / length),
+        );
         Self { travel: within(self.travel), turn: within(self.turn) }
     }
 }
@@ -87,8 +90,10 @@ impl<S: Scalar> Motion<S> {
     #[inline(always)]
     fn direction(&self, rim_speed: S, speed: S, distance: S) -> ([S; 2], S) {
         let scale = (distance + speed * HOLD_DAMPING_TIME).recip();
-        let along =
-            always(#[inline(always)] |hold: S, velocity: S| (distance * hold + velocity * HOLD_DAMPING_TIME) * scale);
+        let along = always(
+            #[inline(always)]
+            |hold: S, velocity: S| (distance * hold + velocity * HOLD_DAMPING_TIME) * scale,
+        );
         ([along(self.hold.travel, self.velocity), along(self.hold.turn, rim_speed)], scale)
     }
 }
@@ -136,11 +141,19 @@ beside!(Touch { forces, rate, slopes });
 /// Forces on a wheel in `motion` with this `surface` of its rim.
 #[inline(never)]
 pub fn touch<S: Scalar>(wheel: &Wheel<S>, soil: &Soil<S>, surface: &Surface<S>, motion: &Motion<S>) -> Touch<S> {
-    S::wide(#[inline(always)] || touch_side_by_side(wheel, soil, surface, motion))
+    S::wide(
+        #[inline(always)]
+        || touch_side_by_side(wheel, soil, surface, motion),
+    )
 }
 
 #[inline(always)]
-fn touch_side_by_side<S: Scalar>(wheel: &Wheel<S>, soil: &Soil<S>, surface: &Surface<S>, motion: &Motion<S>) -> Touch<S> {
+fn touch_side_by_side<S: Scalar>(
+    wheel: &Wheel<S>,
+    soil: &Soil<S>,
+    surface: &Surface<S>,
+    motion: &Motion<S>,
+) -> Touch<S> {
     let distance = soil.hold_displacement;
     let (hold, rim_speed) = (motion.hold, wheel.radius * motion.spin);
     let speed = norm(motion.velocity, rim_speed);
@@ -153,8 +166,10 @@ fn touch_side_by_side<S: Scalar>(wheel: &Wheel<S>, soil: &Soil<S>, surface: &Sur
         travel: (motion.velocity - hold.travel * speed) * per_distance,
         turn: (rim_speed - hold.turn * speed) * per_distance,
     };
-    let by =
-        always(#[inline(always)] |component: S, own: f64, along: S| (S::from(own) - component * along) * per_distance);
+    let by = always(
+        #[inline(always)]
+        |component: S, own: f64, along: S| (S::from(own) - component * along) * per_distance,
+    );
     let mut slopes = Slopes {
         rate_by_velocity: [by(hold.travel, 1.0, heading[0]), by(hold.turn, 0.0, heading[0])],
         rate_by_spin: [by(hold.travel, 0.0, heading[1]) * wheel.radius, by(hold.turn, 1.0, heading[1]) * wheel.radius],
@@ -196,7 +211,10 @@ fn at_direction<S: Scalar>(
     let excess = rolling.forces.plus(symmetric.scaled(S::from(-1.0)));
     let is_there = length.over(0.0);
     let safe = S::select(is_there, length, S::from(1.0));
-    let along = always(#[inline(always)] |component: S| S::select(is_there, component / safe, S::from(0.0)));
+    let along = always(
+        #[inline(always)]
+        |component: S| S::select(is_there, component / safe, S::from(0.0)),
+    );
     let mut direction = Rolling {
         forces: symmetric.plus(excess.scaled(length)),
         by_velocity: rolling.by_velocity.scaled(length).plus(excess.scaled(along(travel))),

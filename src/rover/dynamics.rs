@@ -8,8 +8,8 @@ use crate::contact::{Motion, Surface, Touch, slip, touch};
 use crate::effects::{BodyMotion, ExpressionFailure, Local, Place};
 use crate::motor::{self, Motor};
 use crate::scalar::Scalar;
-use crate::signals::{Command, Drive};
 use crate::scalar::beside;
+use crate::signals::{Command, Drive};
 use crate::snapshot::moving;
 use crate::terrain::TerrainError;
 
@@ -195,7 +195,10 @@ impl<S: Scalar> Evaluation<S> {
         state: &State<S>,
         command: &Command<C>,
     ) -> Result<(), DynamicsError> {
-        S::wide(#[inline(always)] || self.update_side_by_side(rover, state, command))
+        S::wide(
+            #[inline(always)]
+            || self.update_side_by_side(rover, state, command),
+        )
     }
 
     #[inline(always)]

@@ -85,12 +85,17 @@ impl<S: Scalar> Frames<S> {
         let (mut jacobian_x, mut jacobian_z) = (zeros(), zeros());
         jacobian_x[0] = S::from(1.0);
         jacobian_z[1] = S::from(1.0);
-        for_each_turn(rover, body, #[inline(always)] |turning, coordinate| {
-            let pivot = self.frames[turning].origin;
-            // Nose up turns (dx, dz) into (-dz, dx).
-            jacobian_x[coordinate] = pivot[1] - position[1];
-            jacobian_z[coordinate] = position[0] - pivot[0];
-        });
+        for_each_turn(
+            rover,
+            body,
+            #[inline(always)]
+            |turning, coordinate| {
+                let pivot = self.frames[turning].origin;
+                // Nose up turns (dx, dz) into (-dz, dx).
+                jacobian_x[coordinate] = pivot[1] - position[1];
+                jacobian_z[coordinate] = position[0] - pivot[0];
+            },
+        );
         Point { position, bias, jacobian_x, jacobian_z }
     }
 
@@ -116,7 +121,12 @@ impl<S: Scalar> Frame<S> {
 #[inline(always)]
 pub(crate) fn turn_jacobian<S: Scalar>(rover: &Rover<S>, body: usize) -> Vector<S> {
     let mut jacobian = zeros();
-    for_each_turn(rover, body, #[inline(always)] |_, coordinate| jacobian[coordinate] = S::from(1.0));
+    for_each_turn(
+        rover,
+        body,
+        #[inline(always)]
+        |_, coordinate| jacobian[coordinate] = S::from(1.0),
+    );
     jacobian
 }
 

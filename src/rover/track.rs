@@ -1,8 +1,8 @@
 //! Which ground a wheel has passed.
 
 use super::WheelState;
-use crate::scalar::{Mask, Scalar, smooth_step};
 use crate::scalar::beside;
+use crate::scalar::{Mask, Scalar, smooth_step};
 use crate::snapshot::moving;
 
 /// Distance inside the end of a track over which its ground turns from fresh to passed, m: about the length of a

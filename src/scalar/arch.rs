@@ -500,23 +500,17 @@ mod x86 {
 
         #[inline(always)]
         fn less(a: Self::V, b: Self::V) -> Halves {
-            unsafe {
-                Halves(_mm256_cmp_pd::<_CMP_LT_OQ>(a[0], b[0]), _mm256_cmp_pd::<_CMP_LT_OQ>(a[1], b[1]))
-            }
+            unsafe { Halves(_mm256_cmp_pd::<_CMP_LT_OQ>(a[0], b[0]), _mm256_cmp_pd::<_CMP_LT_OQ>(a[1], b[1])) }
         }
 
         #[inline(always)]
         fn less_or_same(a: Self::V, b: Self::V) -> Halves {
-            unsafe {
-                Halves(_mm256_cmp_pd::<_CMP_LE_OQ>(a[0], b[0]), _mm256_cmp_pd::<_CMP_LE_OQ>(a[1], b[1]))
-            }
+            unsafe { Halves(_mm256_cmp_pd::<_CMP_LE_OQ>(a[0], b[0]), _mm256_cmp_pd::<_CMP_LE_OQ>(a[1], b[1])) }
         }
 
         #[inline(always)]
         fn same(a: Self::V, b: Self::V) -> Halves {
-            unsafe {
-                Halves(_mm256_cmp_pd::<_CMP_EQ_OQ>(a[0], b[0]), _mm256_cmp_pd::<_CMP_EQ_OQ>(a[1], b[1]))
-            }
+            unsafe { Halves(_mm256_cmp_pd::<_CMP_EQ_OQ>(a[0], b[0]), _mm256_cmp_pd::<_CMP_EQ_OQ>(a[1], b[1])) }
         }
 
         #[inline(always)]

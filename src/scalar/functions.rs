@@ -66,22 +66,26 @@ pub fn sin_cos<R: Plain>(x: R) -> (R, R) {
     let r = ((x - quarter * FRAC_PI_2[0]) - quarter * FRAC_PI_2[1]) - quarter * FRAC_PI_2[2];
     let z = r * r;
     // Taylor's series over |r| <= pi/4, the last terms adjusted for the range (FDLIBM's __kernel_sin and __kernel_cos).
-    let sin = r + r * z * pairs(
-        z,
-        [
-            [1.589_690_995_211_55e-10, -2.505_076_025_340_686_3e-8],
-            [2.755_731_370_707_007e-6, -1.984_126_982_985_795e-4],
-            [8.333_333_333_322_49e-3, -1.666_666_666_666_663_2e-1],
-        ],
-    );
-    let quartic = z * z * pairs(
-        z,
-        [
-            [-1.135_964_755_778_819_5e-11, 2.087_572_321_298_175e-9],
-            [-2.755_731_435_139_066_3e-7, 2.480_158_728_947_673e-5],
-            [-1.388_888_888_887_411e-3, 4.166_666_666_666_66e-2],
-        ],
-    );
+    let sin = r + r
+        * z
+        * pairs(
+            z,
+            [
+                [1.589_690_995_211_55e-10, -2.505_076_025_340_686_3e-8],
+                [2.755_731_370_707_007e-6, -1.984_126_982_985_795e-4],
+                [8.333_333_333_322_49e-3, -1.666_666_666_666_663_2e-1],
+            ],
+        );
+    let quartic = z
+        * z
+        * pairs(
+            z,
+            [
+                [-1.135_964_755_778_819_5e-11, 2.087_572_321_298_175e-9],
+                [-2.755_731_435_139_066_3e-7, 2.480_158_728_947_673e-5],
+                [-1.388_888_888_887_411e-3, 4.166_666_666_666_66e-2],
+            ],
+        );
     let half = z * 0.5;
     let one = R::from(1.0) - half;
     let cos = one + (((R::from(1.0) - one) - half) + quartic);
@@ -191,13 +195,7 @@ pub fn acos<R: Plain>(x: R) -> R {
     ) * z;
     let below = horner(
         z,
-        [
-            7.703_815_055_590_194e-2,
-            -6.882_839_716_054_533e-1,
-            2.020_945_760_233_505_7,
-            -2.403_394_911_734_414,
-            1.0,
-        ],
+        [7.703_815_055_590_194e-2, -6.882_839_716_054_533e-1, 2.020_945_760_233_505_7, -2.403_394_911_734_414, 1.0],
     );
     let ratio = above / below;
     let half_pi = [std::f64::consts::FRAC_PI_2, 6.123_233_995_736_766e-17];
@@ -205,6 +203,7 @@ pub fn acos<R: Plain>(x: R) -> R {
     let middle = R::from(half_pi[0]) - (x - (R::from(half_pi[1]) - x * ratio));
     let root = z.sqrt();
     let half = root + root * ratio;
-    let outer = R::select(x.less(R::from(0.0)), R::from(2.0 * half_pi[0]) - (half * 2.0 - 2.0 * half_pi[1]), half * 2.0);
+    let outer =
+        R::select(x.less(R::from(0.0)), R::from(2.0 * half_pi[0]) - (half * 2.0 - 2.0 * half_pi[1]), half * 2.0);
     R::select(inner, middle, outer)
 }

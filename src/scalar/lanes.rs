@@ -7,9 +7,7 @@ use num_traits::{FromPrimitive, Inv, Num, One, Signed, Zero};
 use std::cmp::Ordering;
 use std::fmt;
 use std::iter::{Product, Sum};
-use std::ops::{
-    Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Rem, RemAssign, Sub, SubAssign,
-};
+use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Rem, RemAssign, Sub, SubAssign};
 
 /// Eight numbers on the instruction set `A`.
 #[derive(Clone, Copy)]
@@ -297,8 +295,8 @@ impl<A: Arch> DualNum for Lanes<A> {
     }
 
     one_by_one!(
-        cbrt, exp, exp2, exp_m1, ln, log2, log10, ln_1p, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, asinh, acosh,
-        atanh, sph_j0, sph_j1, sph_j2
+        cbrt, exp, exp2, exp_m1, ln, log2, log10, ln_1p, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, asinh,
+        acosh, atanh, sph_j0, sph_j1, sph_j2
     );
 }
 

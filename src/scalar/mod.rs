@@ -14,9 +14,9 @@ mod lanes;
 use num_dual::{DualNum, DualSVec64};
 use std::ops::{BitAnd, BitOr, Not};
 
+pub(crate) use arch::{Arch, Arrays, WIDTH};
 #[cfg(target_arch = "x86_64")]
 pub(crate) use arch::{Avx2, Avx512};
-pub(crate) use arch::{Arch, Arrays, WIDTH};
 pub(crate) use beside::{Beside, beside};
 pub(crate) use lanes::Lanes;
 

@@ -57,7 +57,10 @@ impl<S: Scalar> Sample<S> {
     /// `self`, or level ground at `height` where the mask says so.
     #[inline(always)]
     fn or_level(self, mask: S::Mask, height: S) -> Self {
-        let choose = always(#[inline(always)] |level: S, own: S| S::select(mask, level, own));
+        let choose = always(
+            #[inline(always)]
+            |level: S, own: S| S::select(mask, level, own),
+        );
         Self {
             height: choose(height, self.height),
             slope: choose(S::from(0.0), self.slope),
