@@ -148,7 +148,7 @@ fn agreement_each_effect() {
     let mut random = ChaCha8Rng::seed_from_u64(2);
     for preset in ["two_wheeled", "rocker_bogie_speed"] {
         let base = Model::preset(preset).unwrap();
-        let mean = if preset == "two_wheeled" { 1.5 } else { 1.5 };
+        let mean = 1.5;
         for (id, _) in EFFECTS {
             let runs = drawn(&base, &[id], &mut random, 8);
             compare(&format!("{preset}, {id}"), &runs, 8, 10, varied(mean, 0.8));

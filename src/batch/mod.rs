@@ -42,6 +42,7 @@ use shard::{Shard, Slot};
 #[derive(Debug)]
 pub struct Batch {
     /// One part a thread. A box travels to its worker and back in every step.
+    #[allow(clippy::vec_box, reason = "a box is what travels")]
     shards: Vec<Box<Shard>>,
     pool: Pool,
     structure: Structure,

@@ -50,6 +50,7 @@ impl Pool {
     }
 
     /// Steps all shards: the first by the calling thread, the others by a worker each, as far as the system gives threads.
+    #[allow(clippy::vec_box, reason = "a box is what travels")]
     pub fn step(&mut self, shards: &mut Vec<Box<Shard>>) {
         if self.size == 0 {
             return shards.iter_mut().for_each(|shard| shard.step());

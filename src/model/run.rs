@@ -278,8 +278,11 @@ impl Run {
 
     /// Gives the plant the command that holds now.
     pub(crate) fn apply_command(&mut self) -> Result<(), RunError> {
-        if let AnyPlant::JointCoordinates(simulation) = &mut self.simulation {
-            simulation.apply(&self.command)?;
+        match &mut self.simulation {
+            AnyPlant::JointCoordinates(simulation) => simulation.apply(&self.command)?,
+            // It takes the command with its steps.
+            #[cfg(feature = "rigid")]
+            AnyPlant::RigidBodies(_) => {}
         }
         Ok(())
     }

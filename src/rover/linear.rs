@@ -63,6 +63,7 @@ enum Pivot<R> {
 
 impl<S: Scalar> Factors<S> {
     /// Factors `matrix`; `None` where it is singular or not finite (side by side: where any is).
+    #[allow(clippy::needless_range_loop, reason = "two rows at a time")]
     #[inline(always)]
     pub fn new(matrix: &Matrix<S>, n: usize) -> Option<Self> {
         let mut lu = *matrix;

@@ -1,21 +1,12 @@
 //! Eight numbers side by side on the instruction sets that a program may meet: AVX-512, AVX2, and plain arrays for all
 //! others. Every operation is the one of IEEE 754, so the bits are the same on each.
 
-use super::Mask;
+use super::{Mask, SPLIT_BIAS, SPLIT_FRACTION, SPLIT_MAGIC, SPLIT_ROOT, SPLIT_SHIFT};
 use std::fmt::Debug;
 use std::ops::{BitAnd, BitOr, Not};
 
 /// Numbers side by side.
 pub(crate) const WIDTH: usize = 8;
-
-/// Added to the bits of a positive number, it carries into the exponent where the fraction is above that of sqrt 2.
-pub(super) const SPLIT_SHIFT: u64 = (0x3ff0_0000 - 0x3fe6_a09e) << 32;
-pub(super) const SPLIT_FRACTION: u64 = 0x000f_ffff_ffff_ffff;
-/// Bits of a number just below sqrt(1/2).
-pub(super) const SPLIT_ROOT: u64 = 0x3fe6_a09e << 32;
-/// Bits of 2^52: a whole number below 2^52 in their low part is that much more.
-pub(super) const SPLIT_MAGIC: u64 = 0x4330_0000_0000_0000;
-pub(super) const SPLIT_BIAS: f64 = 4_503_599_627_370_496.0 + 1023.0;
 
 /// An instruction set. A value of [`Self::V`] is made only where [`Self::there`] has said yes.
 ///

@@ -231,6 +231,15 @@ pub type Dual<const N: usize> = DualSVec64<N>;
 /// 1.5 2^52: numbers added to it are rounded to whole ones, which then stand in its low bits.
 pub(crate) const ROUNDING: f64 = 6_755_399_441_055_744.0;
 
+/// Added to the bits of a positive number, it carries into the exponent where the fraction is above that of sqrt 2.
+const SPLIT_SHIFT: u64 = (0x3ff0_0000 - 0x3fe6_a09e) << 32;
+const SPLIT_FRACTION: u64 = 0x000f_ffff_ffff_ffff;
+/// Bits of a number just below sqrt(1/2).
+const SPLIT_ROOT: u64 = 0x3fe6_a09e << 32;
+/// Bits of 2^52: a whole number below 2^52 in their low part is that much more.
+const SPLIT_MAGIC: u64 = 0x4330_0000_0000_0000;
+const SPLIT_BIAS: f64 = 4_503_599_627_370_496.0 + 1023.0;
+
 impl Scalar for f64 {
     type Mask = bool;
     type Plain = f64;
@@ -326,9 +335,9 @@ impl Plain for f64 {
 
     #[inline(always)]
     fn split(self) -> (f64, f64) {
-        let shifted = self.to_bits().wrapping_add(arch::SPLIT_SHIFT);
-        let exponent = f64::from_bits(shifted >> 52 | arch::SPLIT_MAGIC) - arch::SPLIT_BIAS;
-        (f64::from_bits((shifted & arch::SPLIT_FRACTION).wrapping_add(arch::SPLIT_ROOT)), exponent)
+        let shifted = self.to_bits().wrapping_add(SPLIT_SHIFT);
+        let exponent = f64::from_bits(shifted >> 52 | SPLIT_MAGIC) - SPLIT_BIAS;
+        (f64::from_bits((shifted & SPLIT_FRACTION).wrapping_add(SPLIT_ROOT)), exponent)
     }
 }
 

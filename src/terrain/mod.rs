@@ -48,6 +48,9 @@ pub enum Profile<S = f64> {
     Samples(Arc<Samples>),
 }
 
+/// Reads one number of a ground.
+type Read<'a> = dyn Fn(&Terrain) -> f64 + 'a;
+
 /// The ground: a profile and, where it is described, soil that varies along x.
 ///
 /// Cloning is cheap (samples are shared). As [`Parameters`] it visits those of the active profile only.
@@ -151,7 +154,7 @@ impl<S: Scalar> Terrain<S> {
 
     /// The grounds of several rovers side by side, whose profiles are of one kind; `parameter` gives the numbers of a
     /// formula, in the order in which it visits them.
-    pub(crate) fn side_by_side(grounds: Vec<Terrain>, parameter: &dyn Fn(&dyn Fn(&Terrain) -> f64) -> S) -> Self {
+    pub(crate) fn side_by_side(grounds: Vec<Terrain>, parameter: &dyn Fn(&Read) -> S) -> Self {
         let number = |read: &dyn Fn(&Profile) -> f64| parameter(&|ground| read(&ground.profile));
         macro_rules! formula {
             ($kind:ident { $($field:ident),* }) => {
