@@ -25,6 +25,7 @@
 //! | [`model`] | all of it in one value; TOML in and out; a run | all above |
 //! | [`snapshot`] | the moving state of a run as bytes | |
 //! | [`reproduction`] | the thesis's results beside ours | model |
+//! | [`script`] | drives written down with what they must give, for every door | model |
 //! | [`measurement`], [`diagnosis`], [`report`] | experiments, comparison, calibration, pages | model |
 //!
 //! ```
@@ -61,6 +62,7 @@ pub mod reproduction;
 pub mod rigid;
 pub mod rover;
 pub mod scalar;
+pub mod script;
 pub mod sensors;
 pub mod signals;
 pub mod simulation;
