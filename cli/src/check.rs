@@ -141,7 +141,7 @@ fn on_own_fmu(script: &Script, version: Version) -> Result<bool> {
 /// The environment lives in Python: its own door says what it found, and ends as this program does.
 fn on_environment(script: &Script, python: &Path) -> Result<bool> {
     let status = Command::new(python)
-        .args(["-m", "bekker.check", "--on", "environment", "--quiet"])
+        .args(["-m", "bekker", "check", "--on", "environment"])
         .arg(&script.file)
         .status()
         .with_context(|| format!("cannot run `{}`, expected a Python interpreter (--python)", python.display()))?;
