@@ -23,6 +23,7 @@
 //! | [`control`] | controllers: they see measurements, never the true state | signals |
 //! | [`estimation`] | what a rover finds out from measurements: contact angles, soil | signals, control, contact |
 //! | [`model`] | all of it in one value; TOML in and out; a run | all above |
+//! | [`batch`] | many runs stepped together | model |
 //! | [`snapshot`] | the moving state of a run as bytes | |
 //! | [`reproduction`] | the thesis's results beside ours | model |
 //! | [`script`] | drives written down with what they must give, for every door | model |
@@ -41,6 +42,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod batch;
 pub mod contact;
 pub mod control;
 pub mod diagnosis;

@@ -1,12 +1,14 @@
 //! The Python door: a thin layer over [`bekker::model`]. All physics stays in the core; what is
 //! convenient in Python (arguments of many kinds, the environment) is written in Python.
 
+mod batch;
 mod compare;
 mod diagnose;
 mod error;
 mod experiment;
 mod export;
 mod finding;
+mod measured;
 mod model;
 mod record;
 mod run;
@@ -17,6 +19,8 @@ use pyo3::pymodule;
 /// Native part of the package `bekker`.
 #[pymodule]
 mod _bekker {
+    #[pymodule_export]
+    use super::batch::Batch;
     #[pymodule_export]
     use super::compare::compare;
     #[pymodule_export]

@@ -3,8 +3,10 @@
 use crate::run::Run;
 use crate::{error, vocabulary};
 use bekker::model::{ControlKind, Model as CoreModel, ModelError};
-use bekker::modeldescription::Lookup;
+use bekker::modeldescription::{Lookup, Parameters, Variable, join};
+use bekker::sensors::Sensors;
 use bekker::signals::Signals;
+use bekker::terrain::{Profile, Random, TerrainSpec};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 use std::path::PathBuf;
@@ -13,6 +15,22 @@ use std::path::PathBuf;
 #[pyclass(module = "bekker")]
 pub struct Model {
     pub core: CoreModel,
+}
+
+/// Maker, arguments, state: what pickle takes.
+type Reduced<'py> = (Bound<'py, PyAny>, (String,), Vec<(String, f64)>);
+
+/// All sensors under their names in the vocabulary.
+struct AllSensors<'a>(&'a mut Sensors);
+
+impl Parameters<f64> for AllSensors<'_> {
+    fn visit(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut f64)) {
+        self.0.visit(&join(prefix, "sensor"), f);
+    }
+
+    fn values(&self, f: &mut dyn FnMut(f64)) {
+        self.0.values(f);
+    }
 }
 
 impl Model {
@@ -71,6 +89,42 @@ impl Model {
         self.core.clone().get(name).map_err(|refused| error::parameter(&refused))
     }
 
+    /// The sensors, whether or not the control of this model reads them.
+    fn sensors<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        vocabulary::list(py, &mut AllSensors(&mut self.core.sensors.clone()))
+    }
+
+    /// Sets a number of a sensor, whether or not the control of this model reads it.
+    fn set_sensor(&mut self, name: &str, value: f64) -> PyResult<()> {
+        AllSensors(&mut self.core.sensors).set(name, value).map_err(|refused| error::parameter(&refused))
+    }
+
+    /// Changes the ground: `terrain` is the section `[terrain]` of a model file as JSON.
+    #[pyo3(signature = (terrain, folder = None))]
+    fn set_terrain(&mut self, terrain: &str, folder: Option<PathBuf>) -> PyResult<()> {
+        let spec: TerrainSpec = serde_json::from_str(terrain)
+            .map_err(|refused| error::ModelError::new_err(format!("terrain: {refused}")))?;
+        let folder = folder.unwrap_or_else(|| PathBuf::from("."));
+        self.core.rover.terrain = spec.terrain(&folder).map_err(|refused| error::model(&refused.into()))?;
+        Ok(())
+    }
+
+    /// Takes another sample of random ground (the preset `random`) with the same numbers.
+    fn reseed_terrain(&mut self, seed: u32) -> PyResult<()> {
+        let Profile::Random(random) = &mut self.core.rover.terrain.profile else {
+            return Err(error::ModelError::new_err("terrain.seed: expected the terrain preset `random`"));
+        };
+        *random = Random::new(random.spectrum, seed);
+        Ok(())
+    }
+
+    /// Changes what drives the wheels, see `control`.
+    fn set_control(&mut self, kind: &str) -> PyResult<()> {
+        let found = serde_json::from_value(serde_json::Value::from(kind));
+        self.core.control.kind = found.map_err(|refused| error::ModelError::new_err(format!("control: {refused}")))?;
+        Ok(())
+    }
+
     /// Sets a parameter; nothing is changed where the value is refused.
     fn set(&mut self, name: &str, value: f64) -> PyResult<()> {
         self.core.set(name, value).map_err(|refused| error::parameter(&refused))
@@ -122,6 +176,12 @@ impl Model {
         self.core.rover.wheels.len()
     }
 
+    /// Number of links, the bodies besides the chassis.
+    #[getter]
+    fn links(&self) -> usize {
+        self.core.rover.links.len()
+    }
+
     /// Mass of chassis and links, kg.
     #[getter]
     fn total_mass(&self) -> f64 {
@@ -164,8 +224,17 @@ impl Model {
         self.copy()
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
-        Ok((slf.get_type().getattr("from_toml")?, (slf.borrow().to_toml()?,)))
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        let mut sensors = Vec::new();
+        let model = slf.borrow();
+        AllSensors(&mut model.core.sensors.clone())
+            .visit("", &mut |variable, value| sensors.push((variable.name, *value)));
+        Ok((slf.get_type().getattr("from_toml")?, (model.to_toml()?,), sensors))
+    }
+
+    /// The numbers of all sensors: a file has those that the control reads.
+    fn __setstate__(&mut self, sensors: Vec<(String, f64)>) -> PyResult<()> {
+        sensors.iter().try_for_each(|(name, value)| self.set_sensor(name, *value))
     }
 
     fn __repr__(&self) -> String {

@@ -1,12 +1,14 @@
 //! Class `Run`.
 
 use crate::error::{self, InputError, SimulationError};
+use crate::measured;
 use bekker::model::{Run as CoreRun, RunError};
 use bekker::modeldescription::{Lookup, Parameters};
 use bekker::signals::Signals;
 use bekker::simulation::{Event, Status};
 use numpy::{AllowTypeChange, PyArray1, PyArrayLike1, PyArrayMethods};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
 /// A model in motion. A copy goes on to the same bits.
 #[pyclass(module = "bekker")]
@@ -23,9 +25,22 @@ impl Run {
         Self { core, values: Vec::new(), broken: false }
     }
 
+    /// The core's run, for a batch.
+    pub fn taken(&self) -> PyResult<CoreRun> {
+        if self.broken {
+            return Err(broke());
+        }
+        Ok(self.core.clone())
+    }
+
+    /// The true signals.
+    pub fn truth(&self) -> &Signals {
+        self.core.signals()
+    }
+
     fn advance(&mut self, py: Python<'_>, steps: u64) -> PyResult<Status> {
         if self.broken {
-            return Err(SimulationError::new_err("this run broke in an earlier step, start a new one"));
+            return Err(broke());
         }
         let (core, values) = (&mut self.core, &self.values);
         let outcome = py.detach(|| {
@@ -37,6 +52,10 @@ impl Run {
         self.broken = outcome.is_err();
         Ok(outcome??)
     }
+}
+
+fn broke() -> PyErr {
+    SimulationError::new_err("this run broke in an earlier step, start a new one")
 }
 
 /// Which part of a step failed: bad inputs are the caller's, the rest is the simulation's.
@@ -133,7 +152,29 @@ impl Run {
         event(self.core.status())
     }
 
-    /// A snapshot; it goes on to the same bits.
+    /// Reads the sensors every `period` seconds from now on, where no controller does.
+    fn sense_every(&mut self, period: f64) -> PyResult<()> {
+        self.core.sense_every(period).map_err(|refused| error::run(&refused))
+    }
+
+    /// Names of the signals that sensors read.
+    #[getter]
+    fn measured_names(&self) -> Vec<String> {
+        measured::names(self.core.signals())
+    }
+
+    /// What moves, as bytes; a run of the same model goes on from it to the same bits, here or in another process.
+    fn snapshot<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = self.core.snapshot().map_err(|refused| SimulationError::new_err(refused.to_string()))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// Goes on from a snapshot of a run of the same model; where it is refused, nothing changes.
+    fn restore(&mut self, snapshot: &[u8]) -> PyResult<()> {
+        self.core.restore(snapshot).map_err(|refused| InputError::new_err(refused.to_string()))
+    }
+
+    /// An independent run; it goes on to the same bits.
     fn copy(&self) -> Self {
         Self { core: self.core.clone(), values: Vec::new(), broken: self.broken }
     }

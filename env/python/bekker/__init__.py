@@ -22,7 +22,8 @@ otherwise::
     >>> bool(sinking["wheel[1].sinkage"].max() > drive["wheel[1].sinkage"].max())
     True
 
-*Learn in it*: importing the package registers the environment of :class:`RoverEnv`, the same physics to the last bit::
+*Learn in it*: importing the package registers :data:`TASKS` with gymnasium, the same physics to the last bit, one by one or
+many together (:class:`RoverEnv`, :class:`RoverVectorEnv`)::
 
     >>> import gymnasium
     >>> env = gymnasium.make("bekker/Rover-v0", model="two_wheeled")
@@ -50,18 +51,23 @@ Data that are not on disk come as :class:`Experiment`, from data frames or array
 :class:`~bekker.errors.BekkerError` that names the thing and what was expected.
 """
 
-import gymnasium
-
-from ._bekker import Model, Run, __version__
+from . import goals, randomise, rewards
+from ._bekker import Batch, Model, Run, __version__
+from .arguments import Arguments
 from .comparison import Comparison, calibrate, compare
 from .diagnosis import Diagnosis, Progress, diagnose
 from .env import RoverEnv
 from .errors import BekkerError, DiagnosisInterrupted, InputError, ModelError, SimulationError, UnknownNameError
 from .experiment import Experiment, MeasuredRun
 from .models import effects, export_fmu, presets
+from .registration import register
 from .simulation import Result, simulate
+from .tasks import TASKS, Task
+from .vector_env import RoverVectorEnv
 
 __all__ = [
+    "Arguments",
+    "Batch",
     "BekkerError",
     "Comparison",
     "Diagnosis",
@@ -74,8 +80,11 @@ __all__ = [
     "Progress",
     "Result",
     "RoverEnv",
+    "RoverVectorEnv",
     "Run",
     "SimulationError",
+    "TASKS",
+    "Task",
     "UnknownNameError",
     "__version__",
     "calibrate",
@@ -83,16 +92,11 @@ __all__ = [
     "diagnose",
     "effects",
     "export_fmu",
+    "goals",
     "presets",
+    "randomise",
+    "rewards",
     "simulate",
 ]
 
-
-def _register() -> None:
-    """Registers the environment, once: importing again, or reloading, changes nothing."""
-    if "bekker/Rover-v0" not in gymnasium.registry:
-        # 1000 steps of 20 ms, the default length of a run.
-        gymnasium.register("bekker/Rover-v0", entry_point="bekker.env:RoverEnv", max_episode_steps=1000)
-
-
-_register()
+register()

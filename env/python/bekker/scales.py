@@ -4,9 +4,9 @@ With mass m, gravity g, wheel radius r, n wheels and distance L between the oute
 
 | signal | scale | two-wheeled rover |
 |---|---|---|
-| ``pitch``, ``wheel.contact_angle`` | pi/2 | 1.57 rad |
-| ``pitch_rate`` | sqrt(g/L) | 3.7 rad/s |
-| ``velocity`` | sqrt(g r), a Froude number of one | 0.99 m/s |
+| ``pitch``, ``wheel.contact_angle``, ``link.angle`` | pi/2 | 1.57 rad |
+| ``pitch_rate``, ``link.rate`` | sqrt(g/L) | 3.7 rad/s |
+| ``velocity``, ``target_velocity`` | sqrt(g r), a Froude number of one | 0.99 m/s |
 | ``wheel.speed`` | sqrt(g/r) | 9.9 rad/s |
 | ``wheel.slip`` | 1 | 1 |
 | ``wheel.sinkage`` | r | 0.1 m |
@@ -31,6 +31,12 @@ from .vocabulary import unknown
 
 OBSERVED = ("pitch", "pitch_rate", "velocity", "wheel.speed", "wheel.torque", "wheel.contact_angle")
 """What the environment observes by default: what a rover's own sensors can tell."""
+
+EXTRAS = ("target_velocity", "goal_distance")
+"""What can be observed besides signals: the speed that the task asks for, and what is left of the way to the goal, as a share."""
+
+RAW_LIMIT = 10.0
+"""Bounds of raw observations, in scales."""
 
 ACTION_SHARE = 0.5
 """Share of the scale that an action of one commands."""
@@ -69,6 +75,8 @@ def natural_scales(model: Model) -> dict[str, float]:
         "wheel.torque": share * radius,
         "wheel.current": share * radius / (model.get("motor.gear_ratio") * model.get("motor.torque_constant")),
         "wheel.contact_angle": pi / 2,
+        "link.angle": pi / 2,
+        "link.rate": sqrt(gravity / length),
     }
 
 
@@ -83,10 +91,14 @@ class Observer:
     Attributes:
         names: full names of the entries of an observation, in order.
         scales: SI value of one, entry by entry.
+        limit: bound of the entries: 1 where they are normalised, RAW_LIMIT scales in SI where they are not.
     """
 
-    def __init__(self, model: Model, observed: Sequence[str], changed: Mapping[str, float]) -> None:
-        scales = natural_scales(model)
+    def __init__(
+        self, model: Model, observed: Sequence[str], changed: Mapping[str, float], *, raw: bool, count: int
+    ) -> None:
+        scales = natural_scales(model) | {name: 1.0 for name in EXTRAS}
+        scales["target_velocity"] = scales["velocity"]
         for name, scale in changed.items():
             if name not in scales:
                 raise unknown("observable signal", name, scales)
@@ -100,22 +112,33 @@ class Observer:
         for kind in observed:
             if kind not in scales:
                 raise unknown("observable signal", kind, scales)
-            self.names += _entries(kind, model.wheels)
+            self.names += _entries(kind, model)
             values += [scales[kind]] * (len(self.names) - len(values))
         self.scales = np.array(values)
-        self._index = indices(model, self.names)
+        self.limit = RAW_LIMIT * self.scales if raw else np.ones(len(values))
+        self._divide = not raw
+        places = range(len(self.names))
+        self._extras = {self.names[k]: k for k in places if self.names[k] in EXTRAS}
+        self._own = np.array([k for k in places if self.names[k] not in EXTRAS], dtype=np.intp)
+        self._index = indices(model, [self.names[k] for k in self._own])
+        self._values = np.zeros((count, len(values)))
 
-    def __call__(self, signals: NDArray[np.float64]) -> NDArray[np.float32]:
-        """The observation that belongs to ``signals``, given in the vocabulary's order."""
-        values = signals[self._index]
-        values /= self.scales
-        return np.clip(values, -1.0, 1.0, out=values).astype(np.float32)
+    def __call__(self, signals: NDArray[np.float64], **extras: NDArray[np.float64]) -> NDArray[np.float32]:
+        """The observations that belong to ``signals``, rows in the vocabulary's order."""
+        values = self._values
+        values[:, self._own] = signals[:, self._index]
+        for name, place in self._extras.items():
+            values[:, place] = extras[name]
+        if self._divide:
+            values /= self.scales
+        return np.clip(values, -self.limit, self.limit, out=values).astype(np.float32)
 
 
-def _entries(kind: str, wheels: int) -> list[str]:
-    if not kind.startswith("wheel."):
-        return [kind]
-    return [f"wheel[{k}]{kind.removeprefix('wheel')}" for k in range(1, wheels + 1)]
+def _entries(kind: str, model: Model) -> list[str]:
+    for group, count in (("wheel", model.wheels), ("link", model.links)):
+        if kind.startswith(f"{group}."):
+            return [f"{group}[{k}]{kind.removeprefix(group)}" for k in range(1, count + 1)]
+    return [kind]
 
 
 def indices(model: Model, names: Iterable[str]) -> NDArray[np.intp]:

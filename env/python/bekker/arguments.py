@@ -1,0 +1,232 @@
+"""Arguments that the single and the vector environment share, and what follows from them once."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypedDict
+
+import numpy as np
+from numpy.random import Generator
+
+from ._bekker import Model
+from .errors import InputError
+from .goals import Goal
+from .models import ModelLike, as_model
+from .randomise import Distribution, Randomise, distribution
+from .rewards import Term, Terms, terms
+from .scales import Observer, action_scale
+from .simulation import whole
+from .tasks import PERIOD, TARGET, TERRAIN_SEED, Task, task_of
+from .vocabulary import unknown
+
+__all__ = ["Arguments", "Draw", "Setup", "assign"]
+
+_SEEDS = 2**32
+
+
+class Arguments(TypedDict, total=False):
+    """Arguments by name; those that are left out are the task's."""
+
+    period: float
+    """Control period, s, a whole number of the model's inner steps; default 0.02."""
+    control: str
+    """What the actions command: "torque", "speed", "speed_loop" of the wheels, or the kind of a controller."""
+    terrain: Mapping[str, Any]
+    """The ground, as in the section ``[terrain]`` of a model file."""
+    parameters: Mapping[str, float]
+    """Values by the vocabulary's names: soil, vehicle, effects, ``sensor.*``, ``terrain.*``, ``terrain.seed``, ``x0``."""
+    randomise: Randomise
+    """Distributions by name, drawn at every reset; in place of the task's."""
+    level: float
+    """Level of the curriculum, 0 to 1; default 1."""
+    target_velocity: float
+    """Speed that the task asks for, m/s."""
+    slip_limit: float
+    """Slip that the task allows."""
+    goal: Goal
+    """What success is."""
+    observe: Sequence[str]
+    """Signals of the observation; a name such as `wheel.slip` stands for that signal of every wheel."""
+    observation_scales: Mapping[str, float]
+    """SI values of one, by the same names."""
+    raw: bool
+    """Observations in SI units, within ten scales; default false: normalised, within -1 to 1."""
+    measured: bool
+    """Observations from the sensors, with their noise, bias, resolution and period (``sensor.*``), in place of the true
+    signals; default false."""
+    action_scale: float
+    """What an action of one commands, N m, rad/s or m/s."""
+    rewards: Terms
+    """Terms of the reward, by name (`bekker.rewards.TERMS`) or as objects."""
+    reward_weights: Mapping[str, float]
+    """Weights of the terms, by name; those left out keep theirs."""
+
+
+@dataclass(frozen=True)
+class Draw:
+    """What a reset has decided."""
+
+    model: Model
+    drawn: dict[str, float]
+    target_velocity: float
+
+
+class Setup:
+    """All that does not change from episode to episode, checked.
+
+    Attributes:
+        level: level of the curriculum, 0 to 1, which the next resets use.
+    """
+
+    def __init__(self, task: str | Task, model: ModelLike | None, count: int, given: Arguments) -> None:
+        self.task = task_of(task)
+        known = Arguments.__annotations__
+        for name in given:
+            if name not in known:
+                raise unknown("argument", name, known)
+        self.model = self._model(model, given)
+        self.period = given.get("period", PERIOD)
+        self.steps = whole("period", self.period, "inner steps", self.model.step_size)
+        self.target_velocity = _number("target_velocity", given.get("target_velocity", self.task.target_velocity))
+        self.slip_limit = _number("slip_limit", given.get("slip_limit", self.task.slip_limit), above=0.0)
+        self.goal = given.get("goal", self.task.goal)
+        self.measured = bool(given.get("measured", False))
+        self.terms: tuple[Term, ...] = terms(given.get("rewards", self.task.rewards), given.get("reward_weights", {}))
+        self.action_scale = _number("action_scale", given.get("action_scale", action_scale(self.model)), above=0.0)
+        observed = given.get("observe", self.task.observe)
+        scales = given.get("observation_scales", {})
+        self.observer = Observer(self.model, observed, scales, raw=given.get("raw", False), count=count)
+        self._scatter(given)
+        self.level = given.get("level", 1.0)
+
+    def _model(self, model: ModelLike | None, given: Arguments) -> Model:
+        own = as_model(self.task.model if model is None else model)
+        control = given.get("control", self.task.control)
+        if control is not None:
+            own.set_control(control)
+        terrain = given.get("terrain", self.task.terrain)
+        if terrain is not None:
+            own.set_terrain(json.dumps(_plain(terrain)))
+        # The task's values belong to its own vehicle.
+        for name, value in {**(self.task.parameters if model is None else {}), **given.get("parameters", {})}.items():
+            assign(own, name, value)
+        return own
+
+    def _scatter(self, given: Arguments) -> None:
+        # What the user has decided is not the task's to change.
+        set_by_user = set(given.get("parameters", ())) | ({"target_velocity"} & set(given))
+
+        def kept(name: str) -> bool:
+            return name not in set_by_user and not (name.startswith("terrain.") and "terrain" in given)
+
+        self.grades = {name: ends for name, ends in self.task.grades.items() if kept(name)}
+        if "randomise" in given:
+            self.randomise = {name: distribution(name, d) for name, d in given["randomise"].items()}
+        else:
+            self.randomise = {name: d for name, d in self.task.randomise.items() if kept(name)}
+        trial = self.model.copy()
+        for name, ends in self.grades.items():
+            for value in ends:
+                assign(trial, name, value)
+        self.check_ends(self.randomise)
+
+    def check_ends(self, randomise: Mapping[str, Distribution]) -> None:
+        """Refuses distributions whose values the model does not take."""
+        trial = self.model.copy()
+        for name, scatter in randomise.items():
+            for value in scatter.ends():
+                if name != TARGET:
+                    assign(trial, name, value)
+
+    @property
+    def level(self) -> float:
+        return self._level
+
+    @level.setter
+    def level(self, level: float) -> None:
+        self._level = checked_level(level)
+
+    def draw(
+        self, random: Generator, seed: int | None, options: "Options", level: float, randomise: Mapping[str, Distribution]
+    ) -> Draw:
+        """A model for the next episode. Always as many draws, so that options do not shift the sequence."""
+        model = self.model.copy()
+        nominal: dict[str, float] = {TARGET: self.target_velocity}
+        for name, (easy, hard) in self.grades.items():
+            nominal[name] = easy + level * (hard - easy)
+            assign(model, name, nominal[name])
+        drawn = {}
+        for name, scatter in randomise.items():
+            if name != TERRAIN_SEED:
+                own = nominal.get(name)
+                scatter = scatter.at(level, _value(model, name) if own is None else own)
+            drawn[name] = scatter.draw(random)
+        model.seed = int(random.integers(_SEEDS)) if seed is None else seed % _SEEDS
+        values = drawn | options.parameters
+        target = values.pop(TARGET, self.target_velocity)
+        for name, value in values.items():
+            assign(model, name, value)
+        return Draw(model, drawn, target)
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of a reset: for that episode only, after the drawing."""
+
+    parameters: dict[str, float]
+    level: float | None
+    randomise: dict[str, Distribution]
+
+    @classmethod
+    def of(cls, options: Mapping[str, Any] | None, setup: Setup) -> "Options":
+        """Checked options; values of parameters are checked when they are set."""
+        given, known = options or {}, ("parameters", "x0", "level", "randomise", TARGET)
+        for name in given:
+            if name not in known:
+                raise unknown("option", name, known)
+        direct = {name: given[name] for name in ("x0", TARGET) if name in given}
+        level = given.get("level")
+        scatter = {name: distribution(name, d) for name, d in given.get("randomise", {}).items()}
+        setup.check_ends(scatter)
+        return cls(dict(given.get("parameters", {})) | direct, None if level is None else checked_level(level), scatter)
+
+
+def checked_level(level: float) -> float:
+    """A level of the curriculum."""
+    if not 0.0 <= level <= 1.0:
+        raise InputError(f"level = {level}: expected a number within 0 .. 1")
+    return float(level)
+
+
+def assign(model: Model, name: str, value: float) -> None:
+    """Sets a parameter, a number of a sensor, whether or not a controller reads it, or the seed of random ground."""
+    if name == TERRAIN_SEED:
+        model.reseed_terrain(int(value))
+    elif name.startswith("sensor."):
+        model.set_sensor(name, value)
+    else:
+        model.set(name, value)
+
+
+def _value(model: Model, name: str) -> float:
+    if name.startswith("sensor."):
+        return next(sensor["value"] for sensor in model.sensors() if sensor["name"] == name)
+    return model.get(name)
+
+
+def _number(name: str, value: float, above: float = -np.inf) -> float:
+    if not (np.isfinite(value) and value > above):
+        more = "" if above == -np.inf else f" above {above:g}"
+        raise InputError(f"{name} = {value}: expected a finite number{more}")
+    return float(value)
+
+
+def _plain(data: Any) -> Any:
+    """Lists and numbers for JSON, from numpy's too."""
+    if isinstance(data, Mapping):
+        return {str(key): _plain(value) for key, value in data.items()}
+    if isinstance(data, str):
+        return data
+    if isinstance(data, np.ndarray | Sequence):
+        return [_plain(value) for value in data]
+    return data.item() if isinstance(data, np.generic) else data

@@ -1,0 +1,100 @@
+"""What a task counts as success, judged after every step for many rovers at once."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .rewards import Step
+
+__all__ = ["Goal", "Hold", "Open", "Reach", "ReachWithinSlip", "Way"]
+
+Bools: TypeAlias = NDArray[np.bool_]
+Floats: TypeAlias = NDArray[np.float64]
+
+
+@dataclass
+class Way:
+    """How far the rovers have come in their episodes, one entry a rover."""
+
+    distance: Floats
+    """Along x from the start, m."""
+    steps: NDArray[np.int64]
+    """Steps made, this one among them."""
+    tally: Floats
+    """A sum that the goal keeps for itself; 0 at the start."""
+
+
+class Goal(ABC):
+    """What success is."""
+
+    def way(self) -> float:
+        """Distance along x that it asks for, m; 0 for none."""
+        return 0.0
+
+    @abstractmethod
+    def judge(self, step: Step, way: Way, moved: Bools) -> tuple[Bools, Bools]:
+        """Whether the goal is reached, which ends the episode, and whether this is a success, for the rovers that
+        ``moved``; keeps ``way.tally``."""
+
+
+@dataclass(frozen=True)
+class Open(Goal):
+    """No goal: the drive goes on, and nothing is a success."""
+
+    def judge(self, step: Step, way: Way, moved: Bools) -> tuple[Bools, Bools]:
+        return np.zeros(len(way.distance), np.bool_), np.zeros(len(way.distance), np.bool_)
+
+
+@dataclass(frozen=True)
+class Reach(Goal):
+    """Success is to come so far; this ends the episode."""
+
+    distance: float
+
+    def way(self) -> float:
+        return self.distance
+
+    def judge(self, step: Step, way: Way, moved: Bools) -> tuple[Bools, Bools]:
+        reached = moved & ~step.ended & (way.distance >= self.distance)
+        return reached, reached
+
+
+@dataclass(frozen=True)
+class ReachWithinSlip(Goal):
+    """Coming so far ends the episode; success is to have done so with some wheel beyond the slip limit for at most a share of
+    the steps."""
+
+    distance: float
+    share: float
+
+    def way(self) -> float:
+        return self.distance
+
+    def judge(self, step: Step, way: Way, moved: Bools) -> tuple[Bools, Bools]:
+        beyond = np.zeros(len(way.distance), np.bool_)
+        for k in range(1, step.wheels + 1):
+            beyond |= np.abs(step.wheel(k, "slip")) > step.slip_limit
+        way.tally += moved & beyond
+        reached = moved & ~step.ended & (way.distance >= self.distance)
+        return reached, reached & (way.tally <= self.share * way.steps)
+
+
+@dataclass(frozen=True)
+class Hold(Goal):
+    """Success, at any time after the first seconds: a mean distance between speed and target, since then, of at most a share
+    of the target. The episode goes on to its time."""
+
+    share: float
+    after: float
+    """Seconds that do not count."""
+
+    def judge(self, step: Step, way: Way, moved: Bools) -> tuple[Bools, Bools]:
+        late = round(self.after / step.seconds)
+        counts = moved & (way.steps > late)
+        error = np.abs(step.signal("velocity") - step.target_velocity)
+        way.tally += np.where(counts, error, 0.0)
+        success = counts & ~step.ended & (way.tally <= self.share * step.target_velocity * (way.steps - late))
+        return np.zeros(len(success), np.bool_), success

@@ -1,0 +1,338 @@
+"""Rovers in motion and what they are worth: the inside of the single and the vector environment alike."""
+
+import copy
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import ArrayLike, NDArray
+
+from ._bekker import Batch, Model, Run
+from .arguments import Options, Setup
+from .errors import InputError, SimulationError
+from .goals import Way
+from .rewards import Step
+
+__all__ = ["Mechanics", "MechanicsState"]
+
+Floats: TypeAlias = NDArray[np.float64]
+Bools: TypeAlias = NDArray[np.bool_]
+
+TRIES = 10
+"""Draws of a model that finds no rest (a soil that does not carry the rover) before a reset gives up."""
+
+GOAL = len(Batch.statuses)
+STATUSES = np.array([*Batch.statuses, "goal"], dtype=object)
+"""Words for the codes of an episode's state."""
+
+
+@dataclass
+class Numbers:
+    """What moves besides the runs themselves, one entry or row a rover."""
+
+    signals: Floats
+    measured: Floats
+    codes: NDArray[np.uint8]
+    states: NDArray[np.uint8]
+    """As ``codes``, and GOAL where the goal was reached."""
+    steps: NDArray[np.int64]
+    tally: Floats
+    start_x: Floats
+    weight: Floats
+    target_velocity: Floats
+    success: Bools
+    rewards: Floats
+    """A row a term, weights included."""
+    started: Bools
+    drawn: dict[str, tuple[Floats, Bools]]
+    """Values drawn, and for which rovers."""
+
+
+@dataclass(frozen=True)
+class MechanicsState:
+    """A snapshot: everything that moves."""
+
+    runs: list[Run]
+    models: list[Model]
+    numbers: Numbers
+
+
+class Mechanics:
+    """Some rovers of one setup, each in an episode of its own.
+
+    All arithmetic is entry by entry, so that what happens to a rover depends neither on the others nor on their number.
+    """
+
+    def __init__(self, setup: Setup, count: int, threads: int = 1) -> None:
+        self.setup = setup
+        self.count = count
+        self.threads = threads
+        model = setup.model
+        names = [variable["name"] for variable in model.signals()]
+        self.places = {name: k for k, name in enumerate(names)}
+        wheels = range(1, model.wheels + 1)
+        self._slip = np.array([self.places[f"wheel[{k}].slip"] for k in wheels])
+        self._sinkage = np.array([self.places[f"wheel[{k}].sinkage"] for k in wheels])
+        self._x, self._energy = self.places["x"], self.places["electrical_energy"]
+        self._models = [model] * count
+        self._batch: Batch | None = None
+        self.inputs = np.zeros((count, len(model.inputs())))
+        self._before = np.zeros((count, len(names)))
+        self._numbers = self._fresh(count, len(names))
+        if setup.measured:
+            readable = set(self._begun(model).measured_names)
+            for name in set(setup.observer.names) & set(names) - readable:
+                raise InputError(f"observe `{name}`: no sensor reads it; expected {', '.join(sorted(readable))}")
+
+    def _fresh(self, count: int, width: int) -> Numbers:
+        def zeros() -> Floats:
+            return np.zeros(count)
+
+        return Numbers(
+            signals=np.zeros((count, width)),
+            measured=np.zeros((count, width)),
+            codes=np.zeros(count, np.uint8),
+            states=np.zeros(count, np.uint8),
+            steps=np.zeros(count, np.int64),
+            tally=zeros(),
+            start_x=zeros(),
+            weight=np.ones(count),
+            target_velocity=zeros(),
+            success=np.zeros(count, np.bool_),
+            rewards=np.zeros((len(self.setup.terms), count)),
+            started=np.zeros(count, np.bool_),
+            drawn={},
+        )
+
+    # Episodes
+
+    def start(self, index: int, random: Generator, seed: int | None = None, options: Options | None = None) -> None:
+        """Starts an episode of one rover. ``seed`` decides the noise of its sensors, which is drawn where it is None.
+
+        Raises:
+            ModelError: a value is refused.
+            SimulationError: the rover finds no rest on the ground, in any of some draws.
+        """
+        chosen = options or Options({}, None, {})
+        level = self.setup.level if chosen.level is None else chosen.level
+        randomise = self.setup.randomise | chosen.randomise
+        for attempt in range(TRIES):
+            draw = self.setup.draw(random, seed, chosen, level, randomise)
+            try:
+                run = self._begun(draw.model)
+                break
+            except SimulationError:
+                if not randomise or attempt == TRIES - 1:
+                    raise
+        self._put(index, run)
+        numbers = self._numbers
+        self._models[index] = draw.model
+        numbers.states[index] = numbers.codes[index]
+        numbers.steps[index] = 0
+        numbers.tally[index] = 0.0
+        numbers.start_x[index] = numbers.signals[index, self._x]
+        numbers.weight[index] = draw.model.total_mass * draw.model.get("gravity")
+        numbers.target_velocity[index] = draw.target_velocity
+        numbers.success[index] = False
+        numbers.rewards[:, index] = 0.0
+        numbers.started[index] = True
+        for _, mask in numbers.drawn.values():
+            mask[index] = False
+        for name, value in draw.drawn.items():
+            values, mask = numbers.drawn.setdefault(name, (np.zeros(self.count), np.zeros(self.count, np.bool_)))
+            values[index], mask[index] = value, True
+
+    def _begun(self, model: Model) -> Run:
+        run = model.start()
+        if self.setup.measured:
+            run.sense_every(self.setup.period)
+        return run
+
+    def _put(self, index: int, run: Run) -> None:
+        if self._batch is None:
+            self._bind([run] * self.count)
+        else:
+            self._batch.replace(index, run)
+
+    def _bind(self, runs: list[Run]) -> None:
+        numbers = self._numbers
+        measured = numbers.measured if self.setup.measured else None
+        self._batch = Batch(runs, self.inputs, numbers.signals, numbers.codes, self.threads, measured)
+
+    def step(self, actions: ArrayLike, active: Bools | None = None) -> None:
+        """Holds a row of ``actions`` in each rover for one period, or in those that are ``active``.
+
+        Raises:
+            InputError: the actions have the wrong shape or one is NaN or beyond -1..1; nothing has moved then.
+        """
+        batch, numbers, setup = self.batch, self._numbers, self.setup
+        np.multiply(self._checked(actions, active), setup.action_scale, out=self.inputs)
+        np.copyto(self._before, numbers.signals)
+        batch.step(setup.steps, active)
+        moved = np.ones(self.count, np.bool_) if active is None else active
+        numbers.steps += moved
+        self._judge(moved)
+
+    def _judge(self, moved: Bools) -> None:
+        """Rewards, success, and whether the episodes go on."""
+        numbers, setup = self._numbers, self.setup
+        after = numbers.signals
+        ended = moved & (numbers.codes != 0)
+        step = Step(
+            before=self._before,
+            after=after,
+            places=self.places,
+            wheels=setup.model.wheels,
+            seconds=setup.period,
+            weight=numbers.weight,
+            target_velocity=numbers.target_velocity,
+            slip_limit=setup.slip_limit,
+            ended=ended,
+            reached=ended,
+        )
+        way = Way(self.distance, numbers.steps, numbers.tally)
+        step.reached, success = setup.goal.judge(step, way, moved)
+        np.copyto(numbers.success, success, where=moved)
+        np.copyto(numbers.states, np.where(step.reached, GOAL, numbers.codes), where=moved, casting="unsafe")
+        for row, term in zip(numbers.rewards, setup.terms, strict=True):
+            np.multiply(term.value(step), term.weight, out=row)
+            row[~moved] = 0.0
+
+    def _checked(self, actions: ArrayLike, active: Bools | None) -> Floats:
+        values = np.asarray(actions, dtype=np.float64)
+        if values.shape != self.inputs.shape:
+            raise InputError(f"the action has shape {values.shape[1:]}, expected {self.inputs.shape[1:]}")
+        if active is not None:
+            values = np.where(active[:, np.newaxis], values, 0.0)
+        # Written so that NaN fails too.
+        if not np.abs(values).max() <= 1.0:
+            i, k = (int(place[0]) for place in np.nonzero(~(np.abs(values) <= 1.0)))
+            where = f"action[{k}]" if self.count == 1 else f"action[{i}, {k}]"
+            raise InputError(f"{where} = {values[i, k]}: expected a number within -1 .. 1")
+        return values
+
+    # What is seen
+
+    @property
+    def batch(self) -> Batch:
+        """The runs; there are none before the first reset."""
+        if self._batch is None:
+            raise SimulationError("there is no episode yet: call reset()")
+        return self._batch
+
+    @property
+    def started(self) -> Bools:
+        """Whether a rover has ever been reset."""
+        return self._numbers.started
+
+    @property
+    def signals(self) -> Floats:
+        """True signals, a row a rover, in the vocabulary's order."""
+        return self._numbers.signals
+
+    @property
+    def distance(self) -> Floats:
+        """Way along x since the start, m."""
+        return self._numbers.signals[:, self._x] - self._numbers.start_x
+
+    @property
+    def terminated(self) -> Bools:
+        """Whether an event or the goal has ended the episode."""
+        ended: Bools = self._numbers.states != 0
+        return ended
+
+    @property
+    def elapsed(self) -> NDArray[np.int64]:
+        """Steps since the start."""
+        return self._numbers.steps
+
+    @property
+    def models(self) -> list[Model]:
+        """The models of the present episodes."""
+        return self._models
+
+    def status(self, index: int) -> str:
+        """"running", the id of the event that ended the episode, "goal" or "failed"."""
+        return str(STATUSES[self._numbers.states[index]])
+
+    def rewards(self) -> Floats:
+        """Sums of the terms of the last step."""
+        total = np.zeros(self.count)
+        for row in self._numbers.rewards:
+            total += row
+        return total
+
+    def observations(self) -> NDArray[np.float32]:
+        """A row a rover, a new array."""
+        numbers, goal = self._numbers, self.setup.goal.way()
+        left = 1.0 - self.distance / goal if goal > 0.0 else np.zeros(self.count)
+        seen = numbers.measured if self.setup.measured else numbers.signals
+        return self.setup.observer(seen, target_velocity=numbers.target_velocity, goal_distance=left)
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """What ``info`` has but for the values drawn, one entry or row a rover, new arrays."""
+        numbers = self._numbers
+        return {
+            "time": np.array([self.batch.time(k) for k in range(self.count)]),
+            "x": numbers.signals[:, self._x].copy(),
+            "distance": self.distance,
+            "status": STATUSES[numbers.states],
+            "success": numbers.success.copy(),
+            "electrical_energy": numbers.signals[:, self._energy].copy(),
+            "slip": numbers.signals[:, self._slip],
+            "sinkage": numbers.signals[:, self._sinkage],
+            "target_velocity": numbers.target_velocity.copy(),
+            **{f"reward_{term.name}": row.copy() for term, row in zip(self.setup.terms, numbers.rewards, strict=True)},
+        }
+
+    @property
+    def drawn(self) -> Mapping[str, tuple[Floats, Bools]]:
+        """Values drawn at the resets by name, and for which rovers."""
+        return self._numbers.drawn
+
+    # Copies
+
+    def snapshot(self) -> MechanicsState:
+        """Everything that moves; independent of what happens later."""
+        runs = [self.batch.run(k) for k in range(self.count)]
+        return MechanicsState(runs, list(self._models), copy.deepcopy(self._numbers))
+
+    def restore(self, state: MechanicsState) -> None:
+        """Goes on from a snapshot to the same bits."""
+        if len(state.runs) != self.count:
+            raise InputError(f"the snapshot has {len(state.runs)} rovers, expected {self.count}")
+        self._models = list(state.models)
+        self._numbers = copy.deepcopy(state.numbers)
+        codes = self._numbers.codes.copy()
+        self._bind(list(state.runs))
+        # A run that failed does not tell.
+        self._numbers.codes[:] = codes
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> "Mechanics":
+        twin = object.__new__(type(self))
+        memo[id(self)] = twin
+        for name, value in self.__dict__.items():
+            twin.__dict__[name] = None if name == "_batch" else copy.deepcopy(value, memo)
+        if self._batch is not None:
+            twin.restore(self.snapshot())
+        return twin
+
+    def __getstate__(self) -> dict[str, Any]:
+        state = self.__dict__ | {"_batch": None}
+        if self._batch is not None:
+            state["runs"] = [self._batch.run(k).snapshot() for k in range(self.count)]
+        return state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        saved: list[bytes] | None = state.pop("runs", None)
+        self.__dict__.update(state)
+        if saved is None:
+            return
+        runs = []
+        for model, what in zip(self._models, saved, strict=True):
+            run = self._begun(model)
+            run.restore(what)
+            runs.append(run)
+        self.restore(MechanicsState(runs, self._models, self._numbers))

@@ -1,0 +1,209 @@
+"""The tasks that are registered with gymnasium, as declarations; :class:`bekker.mechanics.Mechanics` plays them all."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import pi, radians, tan
+from typing import Any
+
+from .errors import InputError
+from .goals import Goal, Hold, Open, Reach, ReachWithinSlip
+from .randomise import Distribution, LogUniform, Uniform
+from .rewards import TERMS, Term, terms
+from .scales import OBSERVED
+from .vocabulary import unknown
+
+__all__ = ["TASKS", "Task", "task_of"]
+
+PERIOD = 0.02
+"""Control period, s."""
+
+TARGET = "target_velocity"
+"""Speed that a task asks for, drawn and set as if it were a parameter, m/s."""
+
+TERRAIN_SEED = "terrain.seed"
+"""Seed of random ground, drawn and set as if it were a parameter."""
+
+ANY_SEED = Uniform(0, 2**32 - 1)
+
+
+@dataclass(frozen=True)
+class Task:
+    """What a rover is asked to do, on what ground, and what counts."""
+
+    name: str
+    """The part of the id between ``bekker/`` and the version."""
+    purpose: str
+    """What it is for, sentences."""
+    physics: str
+    """Why this vehicle, ground and soil, sentences."""
+    success: str
+    """When ``info["success"]`` is true, a sentence."""
+    goal: Goal
+    seconds: float
+    """Time limit, s."""
+    rewards: tuple[Term, ...]
+    model: str = "two_wheeled"
+    """Name of a preset."""
+    control: str | None = None
+    """What the actions command; as the preset says where None."""
+    terrain: Mapping[str, Any] | None = None
+    """The ground, as in the section ``[terrain]`` of a model file; that of the preset where None."""
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    """Values that replace the preset's."""
+    target_velocity: float = 0.0
+    """Speed that the task asks for, m/s; 0 for none."""
+    slip_limit: float = 0.3
+    observe: tuple[str, ...] = OBSERVED
+    randomise: Mapping[str, Distribution] = field(default_factory=dict)
+    """What is drawn at every reset."""
+    grades: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    """Values at the levels 0 and 1 of the curriculum, straight between."""
+
+    @property
+    def id(self) -> str:
+        """Its id in gymnasium's registry."""
+        return f"bekker/{self.name}-v0"
+
+    @property
+    def max_episode_steps(self) -> int:
+        """The time limit in control periods of the default length."""
+        return round(self.seconds / PERIOD)
+
+
+# The thesis's sand with a shear modulus of 1 cm, as Wong measured on dry sand, in place of 3 cm: with 3 cm this rover needs some 40 % slip on
+# level ground and every climb ends in a dig.
+SAND = {"soil.shear_modulus": 0.01}
+
+# Soils about it: half to twice the cohesion, friction angles of loose to dense dry sand.
+SANDS: dict[str, Distribution] = {
+    "soil.cohesion": LogUniform(500.0, 2000.0),
+    "soil.friction_angle": Uniform(radians(27.0), radians(33.0)),
+}
+
+_ROLLING = 2.5
+_DITCH, _RIM = 1.0, 6 * 0.064 / 2
+
+
+def _weighted(**weights: float) -> tuple[Term, ...]:
+    return terms(weights, weights)
+
+
+TASKS: dict[str, Task] = {
+    task.name: task
+    for task in (
+        Task(
+            name="Rover",
+            purpose="The general environment: any vehicle, soil, ground, effects, sensors and control, any terms of the "
+            "reward. By default the two-wheeled rover is to get far along x with little energy.",
+            physics="Whatever the arguments say; by default the 10 kg rover of Iagnemma's thesis on its flat sand.",
+            success="Never: there is no goal.",
+            goal=Open(),
+            seconds=20.0,
+            rewards=tuple(TERMS[name] for name in ("progress", "energy", "end")),
+        ),
+        Task(
+            name="SpeedHold",
+            purpose="Hold a speed over rolling sand, by the torques of two wheels. The first task to try: dense reward, "
+            "hard to fail, and a velocity controller to compare with.",
+            physics="The two-wheeled rover on waves of up to 5 degrees. Sand resists by sinkage and slip, so the torque for "
+            "a speed changes along each wave and with the soil, which the policy does not see.",
+            success="After the first 3 s, the mean distance between speed and target since then is at most 10 % of the target.",
+            goal=Hold(share=0.1, after=3.0),
+            seconds=20.0,
+            rewards=_weighted(speed_error=10.0, energy=0.2, end=5.0),
+            terrain={"preset": "waves", "amplitude": 0.0, "wavelength": _ROLLING, "start": -10.0},
+            parameters=SAND,
+            target_velocity=0.25,
+            observe=(TARGET, *OBSERVED),
+            randomise={TARGET: Uniform(0.1, 0.4), **SANDS, "terrain.start": Uniform(-10.0 - _ROLLING, -10.0)},
+            grades={"terrain.amplitude": (0.0, tan(radians(5.0)) * _ROLLING / (2 * pi))},
+        ),
+        Task(
+            name="SlopeClimb",
+            purpose="Climb three metres of slope on sand and do not dig in: too little torque slides back, too much spins "
+            "the wheels into the soil.",
+            physics="The two-wheeled rover on a plane. Uphill the rear wheel carries more, so equal torques waste the "
+            "front wheel's grip; the steepest slopes come close to what this sand carries.",
+            success="Three metres along x, which ends the episode.",
+            goal=Reach(3.0),
+            seconds=20.0,
+            rewards=_weighted(progress=1.0, energy=0.1, end=3.0, goal=3.0),
+            terrain={"preset": "slope", "slope": 0.0},
+            parameters=SAND,
+            randomise={**SANDS, "terrain.slope": Uniform(radians(4.0), radians(12.0))},
+            grades={"terrain.slope": (0.0, radians(8.0))},
+        ),
+        Task(
+            name="DitchCrossing",
+            purpose="Cross a ditch of loose sand with six wheels: a question of how to share the torque among wheels "
+            "whose loads change all the way.",
+            physics="One side of the FSRL rover of Iagnemma's thesis (appendix C; 4.4.2) before a ditch three wheel "
+            "diameters wide. Its sand has half the stiffness and a sixth of the cohesion of that around, as loose sand "
+            "has; its walls are at most 26 degrees steep, below the friction angle of 28 degrees at which they would slide.",
+            success="All wheels beyond the far rim: 1.6 m along x, which ends the episode.",
+            goal=Reach(_DITCH + _RIM + 0.2 + 0.208),
+            seconds=30.0,
+            rewards=_weighted(progress=2.0, energy=0.2, end=3.0, goal=3.0),
+            model="fsrl_ditch",
+            control="torque",
+            terrain={
+                "preset": "ditch",
+                "depth": 0.06,
+                "width": 2 * _RIM,
+                "position": _DITCH,
+                "soil": {
+                    "x": [_DITCH - _RIM, _DITCH - _RIM / 2, _DITCH + _RIM / 2, _DITCH + _RIM],
+                    "k_phi_factor": [1.0, 0.5, 0.5, 1.0],
+                    "k_c_factor": [1.0, 0.5, 0.5, 1.0],
+                    "cohesion": [1040.0, 180.0, 180.0, 1040.0],
+                },
+            },
+            observe=(*OBSERVED, "link.angle"),
+            randomise={"soil.friction_angle": Uniform(radians(27.0), radians(31.0))},
+            grades={"terrain.depth": (0.01, 0.06)},
+        ),
+        Task(
+            name="EnergyTraverse",
+            purpose="Cross random rough ground with as little energy a metre as possible.",
+            physics="One side of a six-wheeled rocker-bogie on dry sand (Wong). A new ground every episode, with the "
+            "spectrum k^-2 of natural ground; energy goes into slip, sinkage and the windings, so smooth, even driving pays.",
+            success="Four metres along x, which ends the episode; `electrical_energy` over `distance` tells how well.",
+            goal=Reach(4.0),
+            seconds=40.0,
+            rewards=_weighted(progress=1.0, energy=2.0, end=3.0, goal=3.0),
+            model="rocker_bogie",
+            terrain={"preset": "random", "roughness": 0.0, "wavelength": 4.0, "exponent": 3.0},
+            observe=(*OBSERVED, "link.angle"),
+            randomise={TERRAIN_SEED: ANY_SEED},
+            grades={"terrain.roughness": (0.0, 0.05)},
+        ),
+        Task(
+            name="SlipLimited",
+            purpose="Travel without slip: wheels that slip dig, wear the soil and spoil the odometry, so that each step of a "
+            "wheel beyond 30 % slip counts against the drive.",
+            physics="The two-wheeled rover on rolling, weak sand (cohesion 200 to 800 Pa), where a little more torque "
+            "than needed slips. The slip itself is no sensor's: it follows from wheel speed and velocity.",
+            success="Three metres along x, which ends the episode, with a wheel beyond 30 % slip in at most 5 % of the steps.",
+            goal=ReachWithinSlip(3.0, 0.05),
+            seconds=30.0,
+            rewards=_weighted(progress=1.0, slip_excess=2.0, end=3.0, goal=3.0),
+            terrain={"preset": "waves", "amplitude": 0.0, "wavelength": _ROLLING, "start": 0.5},
+            parameters={**SAND, "soil.cohesion": 400.0},
+            randomise={"soil.cohesion": LogUniform(200.0, 800.0)},
+            grades={"terrain.amplitude": (0.0, tan(radians(5.0)) * _ROLLING / (2 * pi))},
+        ),
+    )
+}
+"""Tasks by name."""
+
+
+def task_of(task: str | Task) -> Task:
+    """A task by its name, ``SpeedHold`` or ``bekker/SpeedHold-v0``, or as it is."""
+    if isinstance(task, Task):
+        return task
+    if not isinstance(task, str):
+        raise InputError(f"task: expected a name or a Task, found {type(task).__name__}")
+    name = task.removeprefix("bekker/").removesuffix("-v0")
+    if name not in TASKS:
+        raise unknown("task", task, TASKS)
+    return TASKS[name]

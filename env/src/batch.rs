@@ -1,0 +1,226 @@
+//! Class `Batch`: many runs stepped together, through arrays that are bound once.
+
+use crate::error::{self, InputError, SimulationError};
+use crate::measured;
+use crate::run::{Run, id, row};
+use bekker::batch::{Batch as CoreBatch, BatchError};
+use bekker::simulation::Status;
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+
+/// Inner steps of all runs together from which on other Python threads may go on meanwhile: about 50 us of work, a hundred
+/// times what giving and taking the lock costs.
+const FREE_FROM: u64 = 25;
+
+/// Many runs of models of one structure, stepped together.
+///
+/// `inputs` (a row of input values a run) is read and `signals` (a row of signals a run) and `codes` (a place of
+/// `statuses` a run) are written by every step. So is `measured`, where it is given: as `signals`, with the readings of
+/// the sensors in the places of `Run.measured_names`; the runs then have to sense, see `Run.sense_every`.
+#[pyclass(module = "bekker")]
+pub struct Batch {
+    core: CoreBatch,
+    inputs: Py<PyArray2<f64>>,
+    signals: Py<PyArray2<f64>>,
+    codes: Py<PyArray1<u8>>,
+    measured: Option<Py<PyArray2<f64>>>,
+    /// Places of the readings in a row of signals.
+    readings: Vec<usize>,
+    /// Input values and marks of the present step: Python may change its arrays meanwhile.
+    held: Vec<f64>,
+    active: Vec<bool>,
+    /// A panic left the core in an unknown state.
+    broken: bool,
+}
+
+/// Words for `codes`, by place. A run that failed is not running any more, and its error tells why.
+pub const STATUSES: [&str; 7] =
+    ["running", "stuck", "tipped_over", "belly_contact", "left_terrain", "sunk_to_axle", "failed"];
+const FAILED: usize = STATUSES.len() - 1;
+
+#[pymethods]
+impl Batch {
+    #[new]
+    #[pyo3(signature = (runs, inputs, signals, codes, threads = 1, measured = None))]
+    fn new(
+        runs: Vec<PyRef<'_, Run>>,
+        inputs: Bound<'_, PyArray2<f64>>,
+        signals: Bound<'_, PyArray2<f64>>,
+        codes: Bound<'_, PyArray1<u8>>,
+        threads: usize,
+        measured: Option<Bound<'_, PyArray2<f64>>>,
+    ) -> PyResult<Self> {
+        let py = inputs.py();
+        let readings = runs.first().map_or_else(Vec::new, |run| measured::places(run.truth()));
+        let runs = runs.iter().map(|run| run.taken()).collect::<PyResult<Vec<_>>>()?;
+        let core = CoreBatch::new(runs, threads).map_err(|refused| failed(&refused))?;
+        let (wide, long) = ([core.len(), core.input_count()], [core.len(), core.signal_count()]);
+        check("inputs", inputs.as_any(), &wide)?;
+        check("signals", signals.as_any(), &long)?;
+        check("codes", codes.as_any(), &[core.len()])?;
+        measured.iter().try_for_each(|array| check("measured", array.as_any(), &long))?;
+        let (inputs, signals, codes) = (inputs.unbind(), signals.unbind(), codes.unbind());
+        let (measured, held, active) = (measured.map(Bound::unbind), Vec::new(), Vec::new());
+        let batch = Self { core, inputs, signals, codes, measured, readings, held, active, broken: false };
+        batch.write(py)?;
+        Ok(batch)
+    }
+
+    /// Makes `steps` inner steps with the inputs held, in the runs that `active` marks (in all where it is None), and
+    /// writes signals and codes.
+    #[pyo3(signature = (steps = 1, active = None))]
+    fn step(&mut self, py: Python<'_>, steps: u64, active: Option<&Bound<'_, PyArray1<bool>>>) -> PyResult<()> {
+        if self.broken {
+            return Err(SimulationError::new_err("this batch broke in an earlier step, make a new one"));
+        }
+        self.take(py, active)?;
+        let Self { core, held, active: marks, .. } = self;
+        let marks = active.map(|_| marks.as_slice());
+        let work = steps.saturating_mul(core.len() as u64);
+        let mut all = || error::fenced(|| core.step(held, steps, marks));
+        let outcome = if work < FREE_FROM { all() } else { py.detach(all) };
+        self.broken = outcome.is_err();
+        outcome?.map_err(|refused| failed(&refused))?;
+        self.write(py)
+    }
+
+    /// Puts a copy of another run into a place, and its signals and code into the arrays.
+    fn replace(&mut self, py: Python<'_>, index: usize, run: &Run) -> PyResult<()> {
+        self.inside(index)?;
+        let run = run.taken()?;
+        let (status, values) = (place(run.status()), row(run.signals()));
+        self.core.replace(index, run).map_err(|refused| failed(&refused))?;
+        let width = values.len();
+        let mine = index * width..(index + 1) * width;
+        written(py, "signals", &self.signals, |all| copy(all, mine.clone(), &values))?;
+        written(py, "codes", &self.codes, |codes| {
+            codes.iter_mut().skip(index).take(1).for_each(|c| *c = status as u8)
+        })?;
+        if let Some(measured) = &self.measured {
+            written(py, "measured", measured, |all| {
+                copy(all, mine.clone(), &values);
+                self.read(index, &mut all[mine.clone()]);
+            })?;
+        }
+        Ok(())
+    }
+
+    /// A copy of the run at a place; it goes on to the same bits.
+    fn run(&self, index: usize) -> PyResult<Run> {
+        self.inside(index)?;
+        Ok(Run::new(self.core.run(index)))
+    }
+
+    /// Why the run at a place failed, in words; None where it did not.
+    fn error(&self, index: usize) -> PyResult<Option<String>> {
+        self.inside(index)?;
+        Ok(self.core.error(index).map(ToString::to_string))
+    }
+
+    /// Time since the start of the run at a place, s.
+    fn time(&self, index: usize) -> PyResult<f64> {
+        self.inside(index)?;
+        Ok(self.core.time(index))
+    }
+
+    /// Words for the codes, by place.
+    #[classattr]
+    fn statuses() -> (&'static str, &'static str, &'static str, &'static str, &'static str, &'static str, &'static str)
+    {
+        STATUSES.into()
+    }
+
+    fn __len__(&self) -> usize {
+        self.core.len()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<bekker.Batch of {} runs>", self.core.len())
+    }
+}
+
+impl Batch {
+    fn inside(&self, index: usize) -> PyResult<()> {
+        if index < self.core.len() {
+            return Ok(());
+        }
+        Err(InputError::new_err(format!("run {index}: expected 0 to {}", self.core.len() - 1)))
+    }
+
+    fn take(&mut self, py: Python<'_>, active: Option<&Bound<'_, PyArray1<bool>>>) -> PyResult<()> {
+        let inputs = self.inputs.bind(py).try_readonly().map_err(|e| refuse("inputs", &e))?;
+        self.held.clear();
+        self.held.extend_from_slice(inputs.as_slice().map_err(|e| refuse("inputs", &e))?);
+        if let Some(active) = active {
+            let marks = active.try_readonly().map_err(|e| refuse("active", &e))?;
+            self.active.clear();
+            self.active.extend(marks.as_array());
+        }
+        Ok(())
+    }
+
+    fn write(&self, py: Python<'_>) -> PyResult<()> {
+        written(py, "signals", &self.signals, |all| self.core.signals(all))?;
+        written(py, "codes", &self.codes, |codes| {
+            for (index, (code, status)) in codes.iter_mut().zip(self.core.statuses()).enumerate() {
+                *code = if self.core.error(index).is_some() { FAILED } else { place(*status) } as u8;
+            }
+        })?;
+        let Some(measured) = &self.measured else { return Ok(()) };
+        written(py, "measured", measured, |all| {
+            self.core.signals(all);
+            let rows = all.chunks_exact_mut(self.core.signal_count()).enumerate();
+            rows.for_each(|(index, row)| self.read(index, row));
+        })
+    }
+
+    /// Puts the readings of the run at a place into a row of signals.
+    fn read(&self, index: usize, row: &mut [f64]) {
+        measured::read(self.core.measurement(index), &self.readings, row);
+    }
+}
+
+/// Lets `fill` write into an array of Python's.
+fn written<T: numpy::Element, D: numpy::ndarray::Dimension>(
+    py: Python<'_>,
+    name: &str,
+    array: &Py<numpy::PyArray<T, D>>,
+    fill: impl FnOnce(&mut [T]),
+) -> PyResult<()> {
+    let mut array = array.bind(py).try_readwrite().map_err(|e| refuse(name, &e))?;
+    fill(array.as_slice_mut().map_err(|e| refuse(name, &e))?);
+    Ok(())
+}
+
+fn copy(all: &mut [f64], mine: std::ops::Range<usize>, values: &[f64]) {
+    all[mine].copy_from_slice(values);
+}
+
+fn place(status: Status) -> usize {
+    STATUSES.iter().position(|word| *word == id(status)).unwrap_or(FAILED)
+}
+
+fn refuse(name: &str, why: &impl std::fmt::Display) -> PyErr {
+    InputError::new_err(format!("{name}: {why}"))
+}
+
+/// Refuses an array that cannot be bound.
+fn check(name: &str, array: &Bound<'_, PyAny>, expected: &[usize]) -> PyResult<()> {
+    let flags = array.getattr("flags")?;
+    let shape: Vec<usize> = array.getattr("shape")?.extract()?;
+    let good = |flag| flags.getattr(flag).and_then(|flag| flag.extract::<bool>());
+    if shape == expected && good("c_contiguous")? && good("writeable")? && good("aligned")? {
+        return Ok(());
+    }
+    Err(InputError::new_err(format!(
+        "{name}: expected a writeable array in C order of shape {expected:?}, found shape {shape:?}"
+    )))
+}
+
+fn failed(refused: &BatchError) -> PyErr {
+    let message = refused.to_string();
+    match refused {
+        BatchError::Panicked => SimulationError::new_err(format!("internal error, please report it: {message}")),
+        _ => InputError::new_err(message.replace("parameter", "input")),
+    }
+}
