@@ -174,7 +174,9 @@ fn property_every_broken_script_says_what_and_where() {
             "key `inputs, first time` = 0.03: expected 0 or before",
         ),
         (
-            format!("{clock}{model}[[inputs]]\ntime = 0\n'wheel[1].torque_command' = 1\n[[inputs]]\ntime = 0.03\n{expect}"),
+            format!(
+                "{clock}{model}[[inputs]]\ntime = 0\n'wheel[1].torque_command' = 1\n[[inputs]]\ntime = 0.03\n{expect}"
+            ),
             "key `inputs, time` = 0.03: expected a whole number of intervals",
         ),
         (format!("{clock}{model}[actions]\n'action[1]' = 0.5\n{expect}"), "expected an `action_scale`"),
@@ -182,7 +184,10 @@ fn property_every_broken_script_says_what_and_where() {
             format!("{clock}{model}action_scale = 1\n[actions]\n'action[1]' = 1.5\n{expect}"),
             "key `action[1] at time 0` = 1.5: expected -1 to 1",
         ),
-        (format!("{clock}{model}[expect]\nstatus = 'parked'"), "key `expect.status` = \"parked\": expected running, stuck"),
+        (
+            format!("{clock}{model}[expect]\nstatus = 'parked'"),
+            "key `expect.status` = \"parked\": expected running, stuck",
+        ),
         (format!("{clock}{model}[expect]\n"), "expected at least one of"),
         (format!("{clock}{model}[expect]\nends_within = [0.1, 0.2]"), "expected a `status` other than"),
         (format!("{clock}{model}[expect]\nrange = {{ pitch = [1, 0] }}"), "key `expect.range.pitch` = [1, 0]"),
@@ -196,7 +201,10 @@ fn property_every_broken_script_says_what_and_where() {
             "key `expect.signals, time` = 0.05",
         ),
         (format!("{clock}{model}[expect]\n[[expect.signals]]\nx = 0.0"), "the row has no `time`"),
-        (format!("{clock}{model}[expect]\n[[expect.signals]]\ntime = 0\nx = 'far'"), "x` = \"far\": expected a finite number"),
+        (
+            format!("{clock}{model}[expect]\n[[expect.signals]]\ntime = 0\nx = 'far'"),
+            "x` = \"far\": expected a finite number",
+        ),
     ];
     for (number, (text, expected)) in cases.iter().enumerate() {
         let written = Written::new(&format!("broken-{number}"), text);

@@ -2,7 +2,9 @@
 
 use crate::error::{self, InputError, ModelError, SimulationError};
 use crate::model::Model;
-use bekker::script::{Core, Deviation, Door, DoorError, Problem, Report as CoreReport, Script as CoreScript, ScriptError, drive};
+use bekker::script::{
+    Core, Deviation, Door, DoorError, Problem, Report as CoreReport, Script as CoreScript, ScriptError, drive,
+};
 use bekker_fmu_import::{Fmu, FmuDoor, ImportError};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -98,7 +100,12 @@ impl Script {
     }
 
     fn __repr__(&self) -> String {
-        format!("<bekker.Script {:?}: {} intervals of {} s>", self.core.name, self.core.inputs.len(), self.core.interval)
+        format!(
+            "<bekker.Script {:?}: {} intervals of {} s>",
+            self.core.name,
+            self.core.inputs.len(),
+            self.core.interval
+        )
     }
 }
 

@@ -82,17 +82,13 @@ impl Canvas {
         self.fill_path(PathBuilder::from_circle(x, y, radius), &paint(colour));
     }
 
-    pub fn ring(&mut self, [x, y]: [f32; 2], radius: f32, width: f32, colour: Colour) {
-        self.stroke_path(PathBuilder::from_circle(x, y, radius), width, colour, None);
-    }
-
     pub fn rectangle(&mut self, [x, y]: [f32; 2], [width, height]: [f32; 2], colour: Colour) {
         if let Some(rectangle) = Rect::from_xywh(x, y, width, height) {
             self.pixels.fill_rect(rectangle, &paint(colour), Transform::identity(), None);
         }
     }
 
-    /// A rectangle with round corners: a line as wide as it is high, and round at its ends, twice.
+    /// A rectangle with round corners.
     pub fn card(&mut self, [x, y]: [f32; 2], [width, height]: [f32; 2], radius: f32, colour: Colour) {
         let mut builder = PathBuilder::new();
         let (right, bottom) = (x + width, y + height);

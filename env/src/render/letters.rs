@@ -71,8 +71,7 @@ pub fn write(canvas: &mut Canvas, text: &str, place: [f32; 2], size: f32, colour
     for (k, letter) in text.chars().enumerate() {
         let left = place[0] + k as f32 * (WIDTH + GAP) * unit;
         for stroke in points(letter) {
-            let pixels: Vec<[f32; 2]> =
-                stroke.iter().map(|[x, y]| [left + x * unit, place[1] + y * unit]).collect();
+            let pixels: Vec<[f32; 2]> = stroke.iter().map(|[x, y]| [left + x * unit, place[1] + y * unit]).collect();
             match pixels[..] {
                 [only] => canvas.disc(only, 0.75 * pen, colour),
                 [first, second] if first == second => canvas.disc(first, 0.75 * pen, colour),

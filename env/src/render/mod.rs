@@ -16,7 +16,7 @@ use bekker::modeldescription::Parameters;
 use bekker::signals::Signals;
 use canvas::Canvas;
 use ground::Ruts;
-use numpy::{PyArray1, PyArray3, PyArrayLike1, PyArrayMethods, AllowTypeChange};
+use numpy::{AllowTypeChange, PyArray1, PyArray3, PyArrayLike1, PyArrayMethods};
 use pyo3::prelude::*;
 use scene::Scene;
 
@@ -83,7 +83,9 @@ impl Renderer {
         });
         if row.len() != count || !finite {
             let found = if row.len() == count { "some that are not finite".to_owned() } else { row.len().to_string() };
-            return Err(InputError::new_err(format!("signals: expected a contiguous row of {count} numbers, found {found}")));
+            return Err(InputError::new_err(format!(
+                "signals: expected a contiguous row of {count} numbers, found {found}"
+            )));
         }
         Ok(signals)
     }

@@ -102,8 +102,8 @@ impl View {
         // The mean ground over the vehicle, so that a stone does not shake the picture.
         let points = 9;
         let span = scene.length.max(0.1);
-        let heights = (0..points)
-            .map(|k| rover.terrain.at(scene.middle + span * (k as f64 / (points - 1) as f64 - 0.5)).height);
+        let heights =
+            (0..points).map(|k| rover.terrain.at(scene.middle + span * (k as f64 / (points - 1) as f64 - 0.5)).height);
         let ground = heights.sum::<f64>() / points as f64;
         Self { scale: width / (LENGTHS * span), centre: [scene.middle, ground], width, height }
     }

@@ -53,7 +53,8 @@ fn links(canvas: &mut Canvas, view: &View, rover: &Rover, scene: &Scene) {
 fn chassis(canvas: &mut Canvas, view: &View, rover: &Rover, scene: &Scene) {
     let Some(frame) = scene.bodies.first() else { return };
     let radius = scene.radius;
-    let pixels = |points: &[[f64; 2]]| -> Vec<[f32; 2]> { points.iter().map(|p| view.pixel(frame.place(*p))).collect() };
+    let pixels =
+        |points: &[[f64; 2]]| -> Vec<[f32; 2]> { points.iter().map(|p| view.pixel(frame.place(*p))).collect() };
     let half = (0.5 * scene.length - 0.9 * radius).max(1.2 * radius);
     // In the vehicle's drawing: the box stands on the mounts' height or, with joints, on theirs.
     let carried = rover.wheels.iter().filter(|wheel| wheel.body == 0).map(|wheel| [wheel.mount.x, wheel.mount.z]);
