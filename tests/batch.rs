@@ -124,7 +124,7 @@ fn property_a_run_that_fails_shows_its_error_and_the_others_go_on() {
         [[effect]]
         id = "cliff"
         target = "body.force_x"
-        expression = "share * sqrt(0.1 - travelled)"
+        expression = "share * sqrt(0.1 - share * travelled)"
         parameters = { share = { neutral = 0.0, min = 0.0, max = 1.0, unit = "1" } }
     "#;
     let mut model = Model::preset("two_wheeled").unwrap();

@@ -3,7 +3,7 @@
     python env/benches/step_rate.py
 
 A step of `bekker/Rover-v0` is 20 ms, ten inner steps of 2 ms. The rows below it take the layers off one by one: the
-environment without gymnasium's wrappers, the bare run, and the run asked for no inner step at all, which is what the
+environment without gymnasium's wrappers, many environments in one vector (a row tells the time of one of them), the bare run, and the run asked for no inner step at all, which is what the
 border between Python and Rust costs. All times are of one core, the best of several rounds.
 """
 
@@ -51,6 +51,20 @@ def stepping(env: gymnasium.Env, actions: list[object]) -> Callable[[], None]:
     return act
 
 
+def vector_stepping(env: gymnasium.vector.VectorEnv) -> Callable[[], None]:
+    """The same for a vector; its episodes start anew by themselves."""
+    env.reset(seed=0)
+    actions = np.random.default_rng(0).uniform(0.1, 0.3, (64, *env.action_space.shape)).astype(np.float32)
+    turn = 0
+
+    def act() -> None:
+        nonlocal turn
+        turn += 1
+        env.step(actions[turn % len(actions)])
+
+    return act
+
+
 def gentle(env: gymnasium.Env) -> list[object]:
     """Actions that drive: about a fifth of what the soil carries, more or less."""
     random = np.random.default_rng(0)
@@ -70,11 +84,17 @@ def main() -> None:
         env = gymnasium.make("bekker/Rover-v0", model=preset)
         show(f"Rover-v0 {preset}, gymnasium.make", best(stepping(env, gentle(env))))
         show(f"Rover-v0 {preset}, without wrappers", best(stepping(env.unwrapped, gentle(env))))
+    for count, threads in ((1, 1), (16, 1), (256, 1), (256, 2), (1024, 1), (1024, 2)):
+        many = gymnasium.make_vec("bekker/Rover-v0", num_envs=count, threads=threads, copy=False)
+        show(f"Rover-v0 two_wheeled, make_vec of {count}, {threads} threads", best(vector_stepping(many)) / count)
     run = bekker.Model.from_preset("two_wheeled").start()
     inputs, out = np.full(2, 0.5), run.signals()
     run.step(inputs, 500)
     show("Run.step of two_wheeled, 10 inner steps", best(lambda: run.step(inputs, 10, out)))
     show("Run.step of two_wheeled, no inner step (the border)", best(lambda: run.step(inputs, 0, out)))
+    arrays = np.full((1, 2), 0.5), out[np.newaxis].copy(), np.zeros(1, np.uint8)
+    batch = bekker.Batch([run], *arrays)
+    show("Batch.step of one two_wheeled, no inner step (the border)", best(lambda: batch.step(0)))
 
 
 if __name__ == "__main__":

@@ -123,6 +123,11 @@ impl Batch {
         Ok(self.core.time(index))
     }
 
+    /// Times of all runs since their starts, s.
+    fn times<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_iter(py, (0..self.core.len()).map(|index| self.core.time(index)))
+    }
+
     /// Words for the codes, by place.
     #[classattr]
     fn statuses() -> (&'static str, &'static str, &'static str, &'static str, &'static str, &'static str, &'static str)

@@ -1,6 +1,7 @@
 """Arguments that the single and the vector environment share, and what follows from them once."""
 
 import json
+import pickle
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypedDict
@@ -92,7 +93,8 @@ class Setup:
         self.goal = given.get("goal", self.task.goal)
         self.measured = bool(given.get("measured", False))
         self.terms: tuple[Term, ...] = terms(given.get("rewards", self.task.rewards), given.get("reward_weights", {}))
-        self.action_scale = _number("action_scale", given.get("action_scale", action_scale(self.model)), above=0.0)
+        own_scale = self._own_scale(model, given)
+        self.action_scale = _number("action_scale", given.get("action_scale", own_scale), above=0.0)
         observed = given.get("observe", self.task.observe)
         scales = given.get("observation_scales", {})
         self.observer = Observer(self.model, observed, scales, raw=given.get("raw", False), count=count)
@@ -110,7 +112,14 @@ class Setup:
         # The task's values belong to its own vehicle.
         for name, value in {**(self.task.parameters if model is None else {}), **given.get("parameters", {})}.items():
             assign(own, name, value)
-        return own
+        # As a file keeps it, without numbers that nothing reads: then a pickle is the same model in all of its parts.
+        kept: Model = pickle.loads(pickle.dumps(own))
+        return kept
+
+    def _own_scale(self, model: ModelLike | None, given: Arguments) -> float:
+        own = self.task.action_scale
+        # The task's number belongs to its own vehicle and drive.
+        return action_scale(self.model) if own is None or model is not None or "control" in given else own
 
     def _scatter(self, given: Arguments) -> None:
         # What the user has decided is not the task's to change.

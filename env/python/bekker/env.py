@@ -92,7 +92,7 @@ class RoverEnv(gymnasium.Env[Observation, Action]):
         chosen = Options.of(options, self.setup)
         super().reset(seed=seed)
         self.mechanics.start(0, self.np_random, seed, chosen)
-        return self.mechanics.observations()[0], self._info()
+        return self.mechanics.observations()[0], self.mechanics.info(0)
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Holds ``action`` for one period.
@@ -104,11 +104,11 @@ class RoverEnv(gymnasium.Env[Observation, Action]):
         mechanics = self.mechanics
         if not mechanics.started[0]:
             raise gymnasium.error.ResetNeeded("there is no episode yet: call reset()")
-        if mechanics.terminated[0]:
-            raise gymnasium.error.ResetNeeded(f"the episode has ended, {mechanics.status(0)}: call reset()")
+        if (status := mechanics.status(0)) != "running":
+            raise gymnasium.error.ResetNeeded(f"the episode has ended, {status}: call reset()")
         mechanics.step(np.asarray(action)[np.newaxis])
-        reward, terminated = float(mechanics.rewards()[0]), bool(mechanics.terminated[0])
-        return mechanics.observations()[0], reward, terminated, False, self._info()
+        info = mechanics.info(0)
+        return mechanics.observations()[0], float(mechanics.rewards()[0]), info["status"] != "running", False, info
 
     def snapshot(self) -> RoverSnapshot:
         """This moment; what happens later does not change it."""
@@ -118,13 +118,6 @@ class RoverEnv(gymnasium.Env[Observation, Action]):
         """Goes on from a snapshot of an environment with the same arguments, to the same bits."""
         self.mechanics.restore(snapshot.mechanics)
         self.np_random.bit_generator.state = snapshot.random
-
-    def _info(self) -> dict[str, Any]:
-        columns = self.mechanics.columns()
-        info = {name: column[0] if column.ndim > 1 else column[0].item() for name, column in columns.items() if name != "status"}
-        info["status"] = self.mechanics.status(0)
-        info["drawn"] = {name: float(values[0]) for name, (values, mask) in self.mechanics.drawn.items() if mask[0]}
-        return info
 
 
 def spaces_of(setup: Setup, mechanics: Mechanics) -> tuple["spaces.Box[np.float32]", "spaces.Box[np.float32]"]:

@@ -76,6 +76,7 @@ class Mechanics:
         self._slip = np.array([self.places[f"wheel[{k}].slip"] for k in wheels])
         self._sinkage = np.array([self.places[f"wheel[{k}].sinkage"] for k in wheels])
         self._x, self._energy = self.places["x"], self.places["electrical_energy"]
+        self._keys = [f"reward_{term.name}" for term in setup.terms]
         self._models = [model] * count
         self._batch: Batch | None = None
         self.inputs = np.zeros((count, len(model.inputs())))
@@ -179,7 +180,8 @@ class Mechanics:
         """Rewards, success, and whether the episodes go on."""
         numbers, setup = self._numbers, self.setup
         after = numbers.signals
-        ended = moved & (numbers.codes != 0)
+        everywhere = bool(moved.all())
+        ended = numbers.codes != 0 if everywhere else moved & (numbers.codes != 0)
         step = Step(
             before=self._before,
             after=after,
@@ -195,10 +197,12 @@ class Mechanics:
         way = Way(self.distance, numbers.steps, numbers.tally)
         step.reached, success = setup.goal.judge(step, way, moved)
         np.copyto(numbers.success, success, where=moved)
-        np.copyto(numbers.states, np.where(step.reached, GOAL, numbers.codes), where=moved, casting="unsafe")
+        np.copyto(numbers.states, numbers.codes, where=moved)
+        numbers.states[step.reached] = GOAL
         for row, term in zip(numbers.rewards, setup.terms, strict=True):
             np.multiply(term.value(step), term.weight, out=row)
-            row[~moved] = 0.0
+            if not everywhere:
+                row[~moved] = 0.0
 
     def _checked(self, actions: ArrayLike, active: Bools | None) -> Floats:
         values = np.asarray(actions, dtype=np.float64)
@@ -275,7 +279,7 @@ class Mechanics:
         """What ``info`` has but for the values drawn, one entry or row a rover, new arrays."""
         numbers = self._numbers
         return {
-            "time": np.array([self.batch.time(k) for k in range(self.count)]),
+            "time": self.batch.times(),
             "x": numbers.signals[:, self._x].copy(),
             "distance": self.distance,
             "status": STATUSES[numbers.states],
@@ -284,8 +288,29 @@ class Mechanics:
             "slip": numbers.signals[:, self._slip],
             "sinkage": numbers.signals[:, self._sinkage],
             "target_velocity": numbers.target_velocity.copy(),
-            **{f"reward_{term.name}": row.copy() for term, row in zip(self.setup.terms, numbers.rewards, strict=True)},
+            **{key: row.copy() for key, row in zip(self._keys, numbers.rewards, strict=True)},
         }
+
+    def info(self, index: int) -> dict[str, Any]:
+        """``info`` of one rover: the same as numbers."""
+        numbers = self._numbers
+        row = numbers.signals[index]
+        x = float(row[self._x])
+        info = {
+            "time": self.batch.time(index),
+            "x": x,
+            "distance": x - float(numbers.start_x[index]),
+            "status": self.status(index),
+            "success": bool(numbers.success[index]),
+            "electrical_energy": float(row[self._energy]),
+            "slip": row[self._slip],
+            "sinkage": row[self._sinkage],
+            "target_velocity": float(numbers.target_velocity[index]),
+        }
+        for key, value in zip(self._keys, numbers.rewards[:, index].tolist(), strict=True):
+            info[key] = value
+        info["drawn"] = {name: float(values[index]) for name, (values, mask) in numbers.drawn.items() if mask[index]}
+        return info
 
     @property
     def drawn(self) -> Mapping[str, tuple[Floats, Bools]]:

@@ -116,6 +116,7 @@ class Observer:
             values += [scales[kind]] * (len(self.names) - len(values))
         self.scales = np.array(values)
         self.limit = RAW_LIMIT * self.scales if raw else np.ones(len(values))
+        self._least = -self.limit
         self._divide = not raw
         places = range(len(self.names))
         self._extras = {self.names[k]: k for k in places if self.names[k] in EXTRAS}
@@ -126,12 +127,17 @@ class Observer:
     def __call__(self, signals: NDArray[np.float64], **extras: NDArray[np.float64]) -> NDArray[np.float32]:
         """The observations that belong to ``signals``, rows in the vocabulary's order."""
         values = self._values
-        values[:, self._own] = signals[:, self._index]
+        if self._extras:
+            values[:, self._own] = signals[:, self._index]
+        else:
+            np.take(signals, self._index, axis=1, out=values, mode="clip")
         for name, place in self._extras.items():
             values[:, place] = extras[name]
         if self._divide:
             values /= self.scales
-        return np.clip(values, -self.limit, self.limit, out=values).astype(np.float32)
+        np.maximum(values, self._least, out=values)
+        np.minimum(values, self.limit, out=values)
+        return values.astype(np.float32)
 
 
 def _entries(kind: str, model: Model) -> list[str]:

@@ -50,6 +50,8 @@ class Task:
     """The ground, as in the section ``[terrain]`` of a model file; that of the preset where None."""
     parameters: Mapping[str, float] = field(default_factory=dict)
     """Values that replace the preset's."""
+    action_scale: float | None = None
+    """What an action of one commands, N m or rad/s; half of the natural scale where None."""
     target_velocity: float = 0.0
     """Speed that the task asks for, m/s; 0 for none."""
     slip_limit: float = 0.3
@@ -120,13 +122,14 @@ TASKS: dict[str, Task] = {
         ),
         Task(
             name="SlopeClimb",
-            purpose="Climb three metres of slope on sand and do not dig in: too little torque slides back, too much spins "
-            "the wheels into the soil.",
-            physics="The two-wheeled rover on a plane. Uphill the rear wheel carries more, so equal torques waste the "
-            "front wheel's grip; the steepest slopes come close to what this sand carries.",
+            purpose="Climb three metres of slope on sand within the time, and do not dig in: where the sand is weak and the "
+            "slope steep, wheels that all turn at one constant speed get stuck.",
+            physics="The two-wheeled rover on a plane, its drives holding wheel speeds. Uphill the rear wheel carries more, so "
+            "that equal speeds waste the front wheel's grip; the steepest slopes come close to what this sand carries.",
             success="Three metres along x, which ends the episode.",
             goal=Reach(3.0),
             seconds=20.0,
+            control="speed_loop",
             rewards=_weighted(progress=1.0, energy=0.1, end=3.0, goal=3.0),
             terrain={"preset": "slope", "slope": 0.0},
             parameters=SAND,
@@ -139,16 +142,17 @@ TASKS: dict[str, Task] = {
             "whose loads change all the way.",
             physics="One side of the FSRL rover of Iagnemma's thesis (appendix C; 4.4.2) before a ditch three wheel "
             "diameters wide. Its sand has half the stiffness and a sixth of the cohesion of that around, as loose sand "
-            "has; its walls are at most 26 degrees steep, below the friction angle of 28 degrees at which they would slide.",
+            "has; its walls are at most 14 degrees steep. An action of one is the limit of the drives, 0.706 N m.",
             success="All wheels beyond the far rim: 1.6 m along x, which ends the episode.",
             goal=Reach(_DITCH + _RIM + 0.2 + 0.208),
             seconds=30.0,
             rewards=_weighted(progress=2.0, energy=0.2, end=3.0, goal=3.0),
             model="fsrl_ditch",
             control="torque",
+            action_scale=0.706,
             terrain={
                 "preset": "ditch",
-                "depth": 0.06,
+                "depth": 0.03,
                 "width": 2 * _RIM,
                 "position": _DITCH,
                 "soil": {
@@ -160,7 +164,7 @@ TASKS: dict[str, Task] = {
             },
             observe=(*OBSERVED, "link.angle"),
             randomise={"soil.friction_angle": Uniform(radians(27.0), radians(31.0))},
-            grades={"terrain.depth": (0.01, 0.06)},
+            grades={"terrain.depth": (0.01, 0.03)},
         ),
         Task(
             name="EnergyTraverse",
@@ -171,11 +175,12 @@ TASKS: dict[str, Task] = {
             goal=Reach(4.0),
             seconds=40.0,
             rewards=_weighted(progress=1.0, energy=2.0, end=3.0, goal=3.0),
-            model="rocker_bogie",
+            model="rocker_bogie_velocity",
+            control="speed_loop",
             terrain={"preset": "random", "roughness": 0.0, "wavelength": 4.0, "exponent": 3.0},
             observe=(*OBSERVED, "link.angle"),
             randomise={TERRAIN_SEED: ANY_SEED},
-            grades={"terrain.roughness": (0.0, 0.05)},
+            grades={"terrain.roughness": (0.0, 0.04)},
         ),
         Task(
             name="SlipLimited",
