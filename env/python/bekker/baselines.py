@@ -29,6 +29,7 @@ __all__ = [
     "ControllerPolicy",
     "Evaluation",
     "Policy",
+    "WheelSpeeds",
     "constant",
     "evaluate",
     "rtc",
@@ -147,8 +148,33 @@ class ControllerPolicy:
         return np.clip(np.where(largest < _SLOWEST, 0.0, slip), -1.0, 1.0)
 
 
-def velocity(env: gymnasium.Env[Any, Any], speed: float = 0.25) -> ControllerPolicy:
-    """Individual-wheel velocity control, the thesis's baseline."""
+class WheelSpeeds:
+    """Every wheel at the speed that rolls without slip at ``speed``, where the actions are wheel speeds: individual-wheel
+    velocity control, whose loops are inside the environment then."""
+
+    def __init__(self, env: gymnasium.Env[Any, Any], speed: float = 0.25) -> None:
+        setup = _rover(env).setup
+        if setup.model.control not in ("speed", "speed_loop"):
+            raise InputError(f"expected wheel speeds as actions, this environment's are {setup.model.control!r}")
+        names = setup.observer.names
+        self._target = names.index("target_velocity") if "target_velocity" in names else None
+        self._scale = setup.observer.scales if np.all(setup.observer.limit == 1.0) else np.ones(len(names))
+        self._per_speed = 1.0 / (setup.model.get("wheel.radius") * setup.action_scale)
+        self._speed, self._wheels = speed, setup.model.wheels
+
+    def predict(
+        self, observation: Any, state: State = None, episode_start: Any = None, deterministic: bool = False
+    ) -> tuple[Actions, State]:
+        """The action for one observation."""
+        goal = self._speed if self._target is None else float(observation[self._target] * self._scale[self._target])
+        return np.full(self._wheels, np.clip(goal * self._per_speed, -1.0, 1.0), dtype=np.float32), state
+
+
+def velocity(env: gymnasium.Env[Any, Any], speed: float = 0.25) -> ControllerPolicy | WheelSpeeds:
+    """Individual-wheel velocity control, the thesis's baseline: by torques or, where the actions are wheel speeds, by
+    those."""
+    if _rover(env).setup.model.control in ("speed", "speed_loop"):
+        return WheelSpeeds(env, speed)
     return ControllerPolicy(env, "velocity", speed)
 
 
