@@ -90,7 +90,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("runs"))
     parser.add_argument("--minutes", type=float, default=2.0, help="training time of each agent")
     parser.add_argument("--points", type=int, default=8, help="evaluations on the way")
-    parser.add_argument("--seeds", type=int, default=3)
+    parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2])
     parser.add_argument("--tasks", nargs="+", default=TASKS, choices=TASKS)
     parser.add_argument("--algorithms", nargs="+", default=["PPO", "SAC"], choices=["PPO", "SAC"])
     given = parser.parse_args()
@@ -100,7 +100,7 @@ def main() -> None:
     if not table.exists():
         table.write_text("task,algorithm,seed,steps,seconds,return,deviation,success\n")
     for algorithm in given.algorithms:
-        for seed in range(given.seeds):
+        for seed in given.seeds:
             for task in given.tasks:
                 agent = made(algorithm, task, seed)
                 curve = Curve(task, algorithm, seed, 60.0 * given.minutes, given.points, table)

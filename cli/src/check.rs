@@ -6,7 +6,7 @@ use bekker::script::{Core, Door, Script, drive};
 use bekker_fmu_import::{Fmu, FmuDoor};
 use bekker_fmu_package::{Options, Version};
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode};
+use std::process::{Command, ExitCode, Stdio};
 
 /// Drive scripted tests and compare what comes with what they expect.
 #[derive(clap::Args)]
@@ -138,16 +138,21 @@ fn on_own_fmu(script: &Script, version: Version) -> Result<bool> {
     on_file(script, &file)
 }
 
-/// The environment lives in Python: its own door says what it found, and ends as this program does.
+/// The environment lives in Python: its own door says what it found.
 fn on_environment(script: &Script, python: &Path) -> Result<bool> {
-    let status = Command::new(python)
+    let output = Command::new(python)
         .args(["-m", "bekker", "check", "--on", "environment"])
         .arg(&script.file)
-        .status()
+        .stderr(Stdio::inherit())
+        .output()
         .with_context(|| format!("cannot run `{}`, expected a Python interpreter (--python)", python.display()))?;
-    match status.code() {
-        Some(0) => Ok(true),
-        Some(1) => Ok(false),
+    let report = String::from_utf8_lossy(&output.stdout);
+    // An interpreter without the package ends with 1 too, but reports nothing.
+    match output.status.code() {
+        Some(code @ (0 | 1)) if !report.is_empty() => {
+            say!("{}", report.trim_end());
+            Ok(code == 0)
+        }
         _ => bail!(
             "{}: the environment could not be driven; `{}` must have the package bekker (--python)",
             script.file.display(),

@@ -1,3 +1,4 @@
+# mypy: disable-error-code="import-untyped,import-not-found"
 """Policies to compare with, behind one interface: ``action, state = policy.predict(observation)``.
 
 It is that of stable-baselines3, so whatever takes its models takes these too, and the other way round::

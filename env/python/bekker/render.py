@@ -1,3 +1,4 @@
+# mypy: disable-error-code="import-untyped,import-not-found"
 """Pictures of rovers: what ``render()`` of the environments gives.
 
 - ``rgb_array``: a frame, height x width x 3 bytes, drawn in Rust without a display: the rover in its cross-section of the

@@ -1,3 +1,4 @@
+# mypy: disable-error-code="import-untyped,import-not-found,misc,unused-ignore"
 """Minari: episodes of a policy as a data set, for learning from controllers.
 
 ::
@@ -26,7 +27,7 @@ __all__ = ["collect"]
 _KEPT = ("time", "distance", "electrical_energy", "slip", "sinkage", "success")
 
 
-class _Numbers(StepDataCallback):  # type: ignore[misc]
+class _Numbers(StepDataCallback):
     """Keeps the numbers of ``info`` that every step has."""
 
     def __call__(self, env: Any, **kwargs: Any) -> Any:

@@ -1,3 +1,4 @@
+# mypy: disable-error-code="import-untyped,import-not-found,misc,unused-ignore"
 """PufferLib: the native vector environment as a ``PufferEnv``, which writes into PufferLib's own buffers.
 
 ::
@@ -23,7 +24,7 @@ from ..vector_env import RoverVectorEnv
 __all__ = ["RoverPufferEnv"]
 
 
-class RoverPufferEnv(PufferEnv):  # type: ignore[misc]
+class RoverPufferEnv(PufferEnv):
     """Many rovers of one task, each an agent. Episodes that end start anew in the same step; the return and length of each
     come in the list of infos.
 

@@ -1,3 +1,4 @@
+# mypy: disable-error-code="import-untyped,import-not-found,misc,unused-ignore"
 """stable-baselines3: the native vector environment as its ``VecEnv``.
 
 ::

@@ -1,3 +1,4 @@
+# mypy: disable-error-code="import-untyped,import-not-found,misc,unused-ignore"
 """TorchRL: the native vector environment as a batch-locked ``EnvBase``.
 
 ::
@@ -24,7 +25,7 @@ except ImportError as missing:
 __all__ = ["RoverTorchEnv"]
 
 
-class RoverTorchEnv(EnvBase):  # type: ignore[misc]
+class RoverTorchEnv(EnvBase):
     """Many rovers of one task as one environment of TorchRL; an entry of the batch that is done is reset by the
     collector, by ``_reset``, as TorchRL does it.
 
@@ -42,6 +43,7 @@ class RoverTorchEnv(EnvBase):  # type: ignore[misc]
         self._seed: int | None = None
         wide = torch.Size([num_envs])
         observed, acted = self._env.observation_space, self._env.action_space
+        assert isinstance(observed, gymnasium.spaces.Box) and isinstance(acted, gymnasium.spaces.Box)
         low, high = torch.as_tensor(observed.low), torch.as_tensor(observed.high)
         self.observation_spec = Composite(observation=Bounded(low, high, dtype=torch.float32), shape=wide)
         low, high = torch.as_tensor(acted.low), torch.as_tensor(acted.high)
