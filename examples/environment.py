@@ -78,9 +78,10 @@ belong to the vector and know their process.
 
 {arguments}
 
-**Free-threaded Python.** The wheel is abi3 (one for CPython 3.10 and later), which builds without the global lock do not take before
-abi3t (PEP 803, Python 3.15). For them, build from source without the feature `abi3-py310` of PyO3: the classes
-hold their state behind PyO3's borrow checks, so that two threads that step one environment at once get an error, not a race.
+**Free-threaded Python.** The wheel is abi3, one for CPython 3.10 and later, which builds without the global lock do not
+load. For them build from source, with PyO3's feature `abi3t-py315` in place of `abi3-py310` (the stable ABI of PEP 803, Python 3.15 and
+later) or with neither of them (older ones; a wheel for each version). That has not been tried here. The
+classes hold their state behind PyO3's borrow checks, so that two threads that step one environment at once get an error, not a race.
 """
 
 TASK = """

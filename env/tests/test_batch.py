@@ -108,12 +108,14 @@ def test_property_other_threads_go_on_while_a_batch_steps() -> None:
     thread = threading.Thread(target=other)
     thread.start()
     interval = sys.getswitchinterval()
-    # Longer than the step takes: until then the other thread runs only where the step gives up the lock.
-    sys.setswitchinterval(60.0)
+    # Longer than all of this takes: until then the other thread runs only where a step gives up the lock.
+    sys.setswitchinterval(600.0)
     try:
         begun.set()
-        bound.batch.step(5000)
-        went_on = seen.is_set()
+        for _ in range(100):
+            bound.batch.step(1000)
+            if went_on := seen.is_set():
+                break
     finally:
         sys.setswitchinterval(interval)
         thread.join()

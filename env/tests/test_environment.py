@@ -2,6 +2,7 @@
 
 import copy
 import importlib
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -179,6 +180,7 @@ def test_property_action_scale_is_what_one_commands() -> None:
         ({"parameters": {"sensor.pich_noise": 0.1}}, "unknown parameter `sensor.pich_noise`"),
         ({"measured": True, "observe": ["power"]}, "observe `power`: no sensor reads it; expected "),
         ({"rewards": "progress"}, "rewards = 'progress': expected a list"),
+        ({"rewards": []}, "rewards: expected one term at least"),
         ({"rewards": ["progres"]}, "unknown reward term `progres`"),
         ({"level": -0.1}, "level = -0.1"),
         ({"observe": ["pich"]}, "unknown observable signal `pich`; did you mean pitch"),
@@ -344,3 +346,22 @@ def test_property_snapshots_of_one_rover_go_on_to_the_same_bits() -> None:
 def test_property_random_configurations_stay_finite(seed: int) -> None:
     """A part of benches/endurance.py, which makes ten million such steps."""
     endurance.endure(steps=4000, seed=seed)
+
+
+def test_property_rigid_bodies_are_copied_and_refuse_to_be_pickled() -> None:
+    model = (
+        "preset = 'two_wheeled'\n[simulation]\nplant = 'rigid_bodies'\n"
+        "[[obstacle]]\nkind = 'rock'\nx = 0.8\nheight = 0.03\nwidth = 0.2\n"
+    )
+    env = single(model=model)
+    env.reset(seed=0)
+    actions = np.full((60, 2), 0.8, np.float32)
+    for action in actions[:20]:
+        env.step(action)
+    twin, snapshot = copy.deepcopy(env), env.snapshot()
+    first = [env.step(action) for action in actions[20:]]
+    assert_same(first, [twin.step(action) for action in actions[20:]])
+    env.restore(snapshot)
+    assert_same(first, [env.step(action) for action in actions[20:]])
+    with pytest.raises(bekker.SimulationError, match="joint_coordinates"):
+        pickle.dumps(env)

@@ -20,7 +20,7 @@ from .simulation import whole
 from .tasks import PERIOD, TARGET, TERRAIN_SEED, Task, task_of
 from .vocabulary import unknown
 
-__all__ = ["Arguments", "Draw", "Setup", "assign"]
+__all__ = ["Arguments", "Draw", "Options", "Setup", "assign"]
 
 _SEEDS = 2**32
 

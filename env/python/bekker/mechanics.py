@@ -76,6 +76,8 @@ class Mechanics:
         self._slip = np.array([self.places[f"wheel[{k}].slip"] for k in wheels])
         self._sinkage = np.array([self.places[f"wheel[{k}].sinkage"] for k in wheels])
         self._x, self._energy = self.places["x"], self.places["electrical_energy"]
+        self._zeros = np.zeros(count)
+        self._all = np.ones(count, np.bool_)
         self._keys = [f"reward_{term.name}" for term in setup.terms]
         self._models = [model] * count
         self._batch: Batch | None = None
@@ -172,19 +174,19 @@ class Mechanics:
         np.multiply(self._checked(actions, active), setup.action_scale, out=self.inputs)
         np.copyto(self._before, numbers.signals)
         batch.step(setup.steps, active)
-        moved = np.ones(self.count, np.bool_) if active is None else active
+        moved = self._all if active is None else active
         numbers.steps += moved
         self._judge(moved)
 
     def _judge(self, moved: Bools) -> None:
         """Rewards, success, and whether the episodes go on."""
         numbers, setup = self._numbers, self.setup
-        after = numbers.signals
-        everywhere = bool(moved.all())
-        ended = numbers.codes != 0 if everywhere else moved & (numbers.codes != 0)
+        ended = numbers.codes != 0
+        if moved is not self._all:
+            ended &= moved
         step = Step(
             before=self._before,
-            after=after,
+            after=numbers.signals,
             places=self.places,
             wheels=setup.model.wheels,
             seconds=setup.period,
@@ -201,8 +203,8 @@ class Mechanics:
         numbers.states[step.reached] = GOAL
         for row, term in zip(numbers.rewards, setup.terms, strict=True):
             np.multiply(term.value(step), term.weight, out=row)
-            if not everywhere:
-                row[~moved] = 0.0
+        if moved is not self._all:
+            numbers.rewards[:, ~moved] = 0.0
 
     def _checked(self, actions: ArrayLike, active: Bools | None) -> Floats:
         values = np.asarray(actions, dtype=np.float64)
@@ -263,15 +265,16 @@ class Mechanics:
 
     def rewards(self) -> Floats:
         """Sums of the terms of the last step."""
-        total = np.zeros(self.count)
-        for row in self._numbers.rewards:
+        first, *others = self._numbers.rewards
+        total: Floats = first.copy()
+        for row in others:
             total += row
         return total
 
     def observations(self) -> NDArray[np.float32]:
         """A row a rover, a new array."""
         numbers, goal = self._numbers, self.setup.goal.way()
-        left = 1.0 - self.distance / goal if goal > 0.0 else np.zeros(self.count)
+        left = 1.0 - self.distance / goal if goal > 0.0 else self._zeros
         seen = numbers.measured if self.setup.measured else numbers.signals
         return self.setup.observer(seen, target_velocity=numbers.target_velocity, goal_distance=left)
 

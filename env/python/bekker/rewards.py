@@ -140,4 +140,6 @@ def terms(given: Terms, weights: Mapping[str, float]) -> tuple[Term, ...]:
         if not isfinite(weight):
             raise InputError(f"weight of the reward term `{name}` = {weight}: expected a finite number")
         found[name] = replace(found[name], weight=float(weight))
+    if not found:
+        raise InputError("rewards: expected one term at least")
     return tuple(found.values())
