@@ -1,7 +1,7 @@
 //! The core as a door.
 
 use super::door::Door;
-use super::script::Script;
+use super::read::Script;
 use super::word;
 use crate::model::{Model, Run};
 use bekker_modeldescription::{Lookup, Parameters};

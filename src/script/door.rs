@@ -1,6 +1,6 @@
 //! What can be driven through a script, and what comes of it.
 
-use super::script::Script;
+use super::read::Script;
 
 /// What a door says when it cannot go on.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

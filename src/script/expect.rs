@@ -2,8 +2,8 @@
 
 use super::error::Problem;
 use super::file::{Allowed, Expect, Parts};
+use super::read::whole;
 use super::rows::Rows;
-use super::script::whole;
 use super::{SAME_TIME, STATUSES};
 use crate::measurement::Table;
 use std::path::{Path, PathBuf};

@@ -40,17 +40,17 @@ mod door;
 mod error;
 mod expect;
 mod file;
+mod read;
 mod record;
 mod report;
 mod rows;
-mod script;
 
 pub use self::core::Core;
 pub use door::{Door, DoorError, Recording, drive};
 pub use error::{Problem, ScriptError};
 pub use expect::{Expectation, Tolerance};
+pub use read::Script;
 pub use report::{Deviation, Report, SignalReport};
-pub use script::Script;
 
 use crate::simulation::{Event, Status};
 

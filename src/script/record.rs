@@ -2,7 +2,7 @@
 
 use super::door::Recording;
 use super::error::{Problem, ScriptError};
-use super::script::Script;
+use super::read::Script;
 use crate::measurement::{Table, TableError};
 use std::path::PathBuf;
 

@@ -3,7 +3,7 @@
 use super::SAME_TIME;
 use super::door::Recording;
 use super::expect::{Expectation, Tolerance};
-use super::script::Script;
+use super::read::Script;
 use std::fmt;
 
 /// One value that is not as expected, or the one that is furthest from it.

@@ -2,7 +2,7 @@
 
 use super::error::Problem;
 use crate::measurement::Table;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Columns of values, and the times of their rows, s. NaN marks a cell that is not given.
 #[derive(Clone, Debug, Default)]
@@ -28,7 +28,7 @@ impl Rows {
         }
     }
 
-    fn of_table(key: &'static str, file: &PathBuf) -> Result<Self, Problem> {
+    fn of_table(key: &'static str, file: &Path) -> Result<Self, Problem> {
         let table = Table::read(file).map_err(|error| Problem::Table { key, error: Box::new(error) })?;
         let Some(times) = table.column(TIME) else {
             return Err(Problem::content(key, format!("`{}` has no column `time`", file.display())));
