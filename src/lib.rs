@@ -26,6 +26,7 @@
 //! | [`batch`] | many runs stepped together | model |
 //! | [`snapshot`] | the moving state of a run as bytes | |
 //! | [`reproduction`] | the thesis's results beside ours | model |
+//! | [`script`] | drives written down with what they must give, for every door | model |
 //! | [`measurement`], [`diagnosis`], [`report`] | experiments, comparison, calibration, pages | model |
 //!
 //! ```
@@ -64,6 +65,7 @@ pub mod reproduction;
 pub mod rigid;
 pub mod rover;
 pub mod scalar;
+pub mod script;
 pub mod sensors;
 pub mod signals;
 pub mod simulation;

@@ -1,6 +1,7 @@
 //! `bekker`: simulate rovers on soft soil, compare them with measurements, find the missing effect, package them as FMUs.
 
 mod calibrate;
+mod check;
 mod compare;
 mod demo;
 mod diagnose;
@@ -46,6 +47,8 @@ enum Command {
     Separate(separate::Separate),
     /// Plan an experiment: a run list to be recorded, and what it will be able to tell apart.
     Experiment(experiment::Experiment),
+    /// Drive scripted tests and compare what comes with what they expect: in the core, an FMU, the environment.
+    Check(check::Check),
     /// Write a model as an FMU for other simulation tools.
     Fmu(fmu::Fmu),
     /// List the vocabulary: every parameter, input and signal of a model.
@@ -64,6 +67,8 @@ fn main() -> ExitCode {
         Command::Calibrate(command) => command.run(),
         Command::Separate(command) => command.run(),
         Command::Experiment(command) => command.run(),
+        // Its exit codes are its own.
+        Command::Check(command) => return command.run(),
         Command::Fmu(command) => command.run(),
         Command::Parameters(command) => command.run(),
         Command::Reproduce(command) => command.run(),

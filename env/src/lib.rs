@@ -2,7 +2,9 @@
 //! convenient in Python (arguments of many kinds, the environment) is written in Python.
 
 mod batch;
+mod check;
 mod compare;
+mod controller;
 mod diagnose;
 mod error;
 mod experiment;
@@ -11,6 +13,7 @@ mod finding;
 mod measured;
 mod model;
 mod record;
+mod render;
 mod run;
 mod vocabulary;
 
@@ -22,7 +25,13 @@ mod _bekker {
     #[pymodule_export]
     use super::batch::Batch;
     #[pymodule_export]
+    use super::check::Report;
+    #[pymodule_export]
+    use super::check::Script;
+    #[pymodule_export]
     use super::compare::compare;
+    #[pymodule_export]
+    use super::controller::Controller;
     #[pymodule_export]
     use super::diagnose::diagnose;
     #[pymodule_export]
@@ -37,6 +46,8 @@ mod _bekker {
     use super::model::Model;
     #[pymodule_export]
     use super::record::record;
+    #[pymodule_export]
+    use super::render::Renderer;
     #[pymodule_export]
     use super::run::Run;
     use pyo3::prelude::*;

@@ -51,9 +51,10 @@ Data that are not on disk come as :class:`Experiment`, from data frames or array
 :class:`~bekker.errors.BekkerError` that names the thing and what was expected.
 """
 
-from . import goals, randomise, rewards
-from ._bekker import Batch, Model, Run, __version__
+from . import baselines, goals, randomise, rewards
+from ._bekker import Batch, CheckReport, Model, Run, Script, __version__
 from .arguments import Arguments
+from .checks import check
 from .comparison import Comparison, calibrate, compare
 from .diagnosis import Diagnosis, Progress, diagnose
 from .env import RoverEnv
@@ -69,6 +70,7 @@ __all__ = [
     "Arguments",
     "Batch",
     "BekkerError",
+    "CheckReport",
     "Comparison",
     "Diagnosis",
     "DiagnosisInterrupted",
@@ -82,12 +84,15 @@ __all__ = [
     "RoverEnv",
     "RoverVectorEnv",
     "Run",
+    "Script",
     "SimulationError",
     "TASKS",
     "Task",
     "UnknownNameError",
     "__version__",
+    "baselines",
     "calibrate",
+    "check",
     "compare",
     "diagnose",
     "effects",

@@ -2,18 +2,25 @@
 
 import os
 from collections.abc import Callable, Sequence
-from typing import Any, Literal, final
+from os import PathLike
+from pathlib import Path
+from typing import Any, Literal, TypedDict, final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+from typing_extensions import Self
 
 from .vocabulary import Variable
 
 __all__ = [
     "Batch",
+    "CheckReport",
+    "Controller",
     "Finding",
     "Model",
+    "Renderer",
     "Run",
+    "Script",
     "__version__",
     "check_experiment",
     "compare",
@@ -156,3 +163,78 @@ class Run:
     def copy(self) -> Run: ...
     def __copy__(self) -> Run: ...
     def __deepcopy__(self, _memo: Any) -> Run: ...
+
+@final
+class Controller:
+    """A controller at work, with the data sheet of a model: it sees what it is given, and nothing of any run."""
+
+    def __new__(cls, model: Model, kind: str, period: float) -> Self: ...
+    def decide(
+        self, goal: float, body: Sequence[float], wheels: ArrayLike, links: ArrayLike, slip: ArrayLike
+    ) -> NDArray[np.float64]: ...
+
+@final
+class Renderer:
+    """Draws the frames of one run after the other; it remembers the ruts and how far the wheels have turned."""
+
+    def __new__(cls, model: Model, width: int = 960, height: int = 540) -> Self: ...
+    def frame(self, time: float, signals: ArrayLike, status: str) -> NDArray[np.uint8]: ...
+    def text(self, time: float, signals: ArrayLike, status: str) -> str: ...
+
+class _Deviation(TypedDict):
+    time: float
+    value: float
+    expected: float
+    size: float
+    allowed: float
+
+class _SignalReport(TypedDict):
+    name: str
+    compared: int
+    failed: int
+    first: _Deviation | None
+    largest: _Deviation | None
+
+@final
+class CheckReport:
+    """How a drive compares with its script. True where all is as expected."""
+
+    @property
+    def script(self) -> str: ...
+    @property
+    def door(self) -> str: ...
+    @property
+    def passed(self) -> bool: ...
+    @property
+    def samples(self) -> int: ...
+    @property
+    def status(self) -> str: ...
+    @property
+    def end(self) -> float: ...
+    @property
+    def remarks(self) -> list[str]: ...
+    @property
+    def signals(self) -> list[_SignalReport]: ...
+    def __bool__(self) -> bool: ...
+
+@final
+class Script:
+    """A scripted test, read and checked."""
+
+    def __new__(cls, path: str | PathLike[str], to_record: bool = False) -> Self: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def model(self) -> Model: ...
+    @property
+    def interval(self) -> float: ...
+    @property
+    def input_names(self) -> list[str]: ...
+    @property
+    def inputs(self) -> NDArray[np.float64]: ...
+    @property
+    def signals(self) -> list[str]: ...
+    def check_core(self) -> CheckReport: ...
+    def check_fmu(self, path: str | PathLike[str]) -> CheckReport: ...
+    def check_door(self, door: object) -> CheckReport: ...
+    def record(self) -> Path: ...

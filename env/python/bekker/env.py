@@ -13,6 +13,7 @@ from typing_extensions import Unpack
 from .arguments import Arguments, Options, Setup
 from .mechanics import Mechanics, MechanicsState
 from .models import ModelLike
+from .render import RENDER_MODES, Gallery
 from .tasks import Task
 
 __all__ = ["RoverEnv", "RoverSnapshot"]
@@ -50,7 +51,7 @@ class RoverEnv(gymnasium.Env[Observation, Action]):
         setup: what does not change from episode to episode.
     """
 
-    metadata: dict[str, Any] = {"render_modes": []}
+    metadata: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": 50}
 
     def __init__(
         self,
@@ -64,6 +65,9 @@ class RoverEnv(gymnasium.Env[Observation, Action]):
         self.mechanics = Mechanics(self.setup, 1)
         self.observation_space, self.action_space = spaces_of(self.setup, self.mechanics)
         self.render_mode = render_mode
+        fps = 1.0 / self.setup.period
+        self.metadata = {"render_modes": RENDER_MODES, "render_fps": max(round(fps), 1)}
+        self._gallery = Gallery(render_mode, fps)
 
     @property
     def level(self) -> float:
@@ -109,6 +113,14 @@ class RoverEnv(gymnasium.Env[Observation, Action]):
         mechanics.step(np.asarray(action)[np.newaxis])
         info = mechanics.info(0)
         return mechanics.observations()[0], float(mechanics.rewards()[0]), info["status"] != "running", False, info
+
+    def render(self) -> Any:
+        """The rover as it is now, by ``render_mode``; see :mod:`bekker.render`."""
+        return self._gallery.render(self.mechanics, 0)
+
+    def close(self) -> None:
+        """Closes the window of the mode "human"."""
+        self._gallery.close()
 
     def snapshot(self) -> RoverSnapshot:
         """This moment; what happens later does not change it."""

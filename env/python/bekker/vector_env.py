@@ -18,6 +18,7 @@ from .env import spaces_of
 from .errors import InputError
 from .mechanics import Mechanics, MechanicsState
 from .models import ModelLike
+from .render import RENDER_MODES, Gallery
 from .tasks import Task
 
 __all__ = ["RoverVectorEnv", "VectorSnapshot"]
@@ -68,11 +69,13 @@ class RoverVectorEnv(VectorEnv[Array, Array, Array]):
         self.num_envs = num_envs
         self.max_episode_steps = max_episode_steps
         self.autoreset_mode = AutoresetMode(autoreset_mode)
-        self.metadata = {"render_modes": [], "autoreset_mode": self.autoreset_mode}
         self.render_mode = render_mode
         self.copy = copy
         self.setup = Setup(task, model, num_envs, arguments)
         self.mechanics = Mechanics(self.setup, num_envs, threads)
+        fps = 1.0 / self.setup.period
+        self.metadata = {"render_modes": RENDER_MODES, "render_fps": max(round(fps), 1), "autoreset_mode": self.autoreset_mode}
+        self._gallery = Gallery(render_mode, fps)
         self.single_observation_space, self.single_action_space = spaces_of(self.setup, self.mechanics)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -195,6 +198,17 @@ class RoverVectorEnv(VectorEnv[Array, Array, Array]):
             if here.any():
                 drawn[name], drawn[f"_{name}"] = np.where(here, values, 0.0), here
         return infos | {"drawn": drawn, "_drawn": where.copy()}
+
+    def render(self) -> tuple[Any, ...] | None:
+        """A frame (or text) of every rover; a window shows the first."""
+        if self.render_mode is None:
+            return None
+        shown = 1 if self.render_mode == "human" else self.num_envs
+        return tuple(self._gallery.render(self.mechanics, index) for index in range(shown))
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Closes the window of the mode "human"."""
+        self._gallery.close()
 
     def snapshot(self) -> VectorSnapshot:
         """This moment; what happens later does not change it."""

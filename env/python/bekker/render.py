@@ -1,0 +1,133 @@
+# mypy: disable-error-code="import-untyped,import-not-found"
+"""Pictures of rovers: what ``render()`` of the environments gives.
+
+- ``rgb_array``: a frame, height x width x 3 bytes, drawn in Rust without a display: the rover in its cross-section of the
+  ground, ruts as deep as the wheels have sunk, normal forces and drawbar pulls, time, speed and slip.
+- ``ansi``: a line of numbers and the profile of the ground in characters.
+- ``human``: the same frames in a window (pygame or, without it, matplotlib).
+"""
+
+from typing import Any, Protocol
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from ._bekker import Model, Renderer
+from .mechanics import Mechanics
+
+__all__ = ["RENDER_MODES", "SIZE", "Gallery"]
+
+Frame = NDArray[np.uint8]
+
+RENDER_MODES = ["rgb_array", "ansi", "human"]
+
+SIZE = (960, 540)
+"""Width and height of a frame, pixels: both even, as video encoders want them."""
+
+
+class Window(Protocol):
+    """Where frames are shown."""
+
+    def show(self, frame: Frame) -> None:
+        """Shows one."""
+
+    def close(self) -> None:
+        """Closes it."""
+
+
+class Gallery:
+    """The renderers of some rovers: each remembers the ruts of its episode, so a new model gets a new one."""
+
+    def __init__(self, mode: str | None, fps: float) -> None:
+        if mode is not None and mode not in RENDER_MODES:
+            raise gymnasium.error.UnsupportedMode(f"render_mode = {mode!r}: expected {', '.join(RENDER_MODES)} or None")
+        self.mode, self._fps = mode, fps
+        self._renderers: dict[int, tuple[Model, Renderer]] = {}
+        self._window: Window | None = None
+
+    def render(self, mechanics: Mechanics, index: int) -> Frame | str | None:
+        """The rover as it is now."""
+        if self.mode is None:
+            gymnasium.logger.warn("render() does nothing: the environment was made without a render_mode")
+            return None
+        if not mechanics.started[index]:
+            raise gymnasium.error.ResetNeeded("there is no episode yet: call reset()")
+        model = mechanics.models[index]
+        known, renderer = self._renderers.get(index, (None, None))
+        if renderer is None or known is not model:
+            renderer = Renderer(model, *SIZE)
+            self._renderers[index] = (model, renderer)
+        time, row = mechanics.batch.time(index), np.ascontiguousarray(mechanics.signals[index])
+        if self.mode == "ansi":
+            return renderer.text(time, row, mechanics.status(index))
+        frame = renderer.frame(time, row, mechanics.status(index))
+        if self.mode == "rgb_array":
+            return frame
+        if self._window is None:
+            self._window = _window(self._fps)
+        self._window.show(frame)
+        return None
+
+    def close(self) -> None:
+        """Closes the window, where there is one."""
+        if self._window is not None:
+            self._window.close()
+            self._window = None
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> "Gallery":
+        return Gallery(self.mode, self._fps)
+
+    def __reduce__(self) -> tuple[type["Gallery"], tuple[str | None, float]]:
+        return Gallery, (self.mode, self._fps)
+
+
+def _window(fps: float) -> Window:
+    try:
+        return _Pygame(fps)
+    except ImportError:
+        pass
+    try:
+        return _Matplotlib(fps)
+    except ImportError as missing:
+        raise gymnasium.error.DependencyNotInstalled(
+            'render_mode="human" needs pygame or matplotlib (pip install pygame); "rgb_array" needs neither'
+        ) from missing
+
+
+class _Pygame:
+    def __init__(self, fps: float) -> None:
+        import pygame
+
+        self._pygame, self._fps = pygame, fps
+        pygame.init()
+        pygame.display.set_caption("bekker")
+        self._screen = pygame.display.set_mode(SIZE)
+        self._clock = pygame.time.Clock()
+
+    def show(self, frame: Frame) -> None:
+        self._pygame.event.pump()
+        self._pygame.surfarray.blit_array(self._screen, frame.swapaxes(0, 1))
+        self._pygame.display.flip()
+        self._clock.tick(self._fps)
+
+    def close(self) -> None:
+        self._pygame.quit()
+
+
+class _Matplotlib:
+    def __init__(self, fps: float) -> None:
+        import matplotlib.pyplot as plt
+
+        self._plt, self._pause = plt, 1.0 / fps
+        self._figure, axes = plt.subplots(figsize=(9.6, 5.4))
+        axes.set_axis_off()
+        self._image = axes.imshow(np.zeros((SIZE[1], SIZE[0], 3), dtype=np.uint8))
+        self._figure.tight_layout(pad=0.0)
+
+    def show(self, frame: Frame) -> None:
+        self._image.set_data(frame)
+        self._plt.pause(self._pause)
+
+    def close(self) -> None:
+        self._plt.close(self._figure)

@@ -1,0 +1,113 @@
+"""Trains PPO and SAC on every task over some seeds and writes the learning curves and the policies.
+
+    pip install stable-baselines3 matplotlib && python examples/train_sb3.py --out runs --minutes 2
+
+Each training has a budget of wall-clock time on one thread of PyTorch; the curves are over environment steps. Progress is
+appended to ``curves.csv``: task, algorithm, seed, steps, seconds of training, mean return, standard deviation and success over 20 episodes
+whose seeds no training has seen. ``train_figure.py`` draws it.
+"""
+
+import argparse
+import csv
+import time
+from pathlib import Path
+
+import numpy as np
+import torch
+from stable_baselines3 import PPO, SAC
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.callbacks import BaseCallback
+
+import bekker
+from bekker.adapters.sb3 import RoverVecEnv
+
+TASKS = ("SpeedHold", "SlopeClimb", "DitchCrossing", "EnergyTraverse", "SlipLimited")
+EVALUATION_SEEDS = range(10_000, 10_020)
+GAMMA = 0.98
+PERIOD = 0.1
+"""Control period, s, five times the task's own: noise at 50 Hz moves a wheel in sand hardly at all, so that nothing is found
+out by it; at 10 Hz an episode is also five times shorter. Rewards are counted by time and distance, so returns compare."""
+
+
+def rovers(task: str, count: int) -> RoverVecEnv:
+    """Environments of a task at the period of the training."""
+    steps = round(bekker.TASKS[task].seconds / PERIOD)
+    return RoverVecEnv(f"bekker/{task}-v0", count, period=PERIOD, max_episode_steps=steps)
+
+
+
+def made(algorithm: str, task: str, seed: int) -> BaseAlgorithm:
+    """An untrained agent."""
+    small = {"net_arch": [64, 64]}
+    if algorithm == "PPO":
+        env = rovers(task, 32)
+        return PPO("MlpPolicy", env, n_steps=64, batch_size=512, n_epochs=10, learning_rate=1e-3, gamma=GAMMA,
+                   gae_lambda=0.95, ent_coef=0.0, policy_kwargs=small | {"log_std_init": -0.5}, seed=seed, device="cpu")
+    env = rovers(task, 8)
+    return SAC("MlpPolicy", env, train_freq=8, gradient_steps=8, learning_starts=2000, batch_size=256, gamma=GAMMA,
+               learning_rate=1e-3, policy_kwargs=small, seed=seed, device="cpu")
+
+
+class Curve(BaseCallback):
+    """Evaluates some times on the way, and ends when the time is over."""
+
+    def __init__(self, task: str, algorithm: str, seed: int, seconds: float, points: int, table: Path) -> None:
+        super().__init__()
+        self.env = rovers(task, len(EVALUATION_SEEDS))
+        self.row = [task, algorithm, seed]
+        self.seconds, self.points, self.table = seconds, points, table
+        # Only training counts, not evaluation.
+        self.spent, self.last, self.done = 0.0, time.perf_counter(), 0
+
+    def _on_step(self) -> bool:
+        now = time.perf_counter()
+        self.spent += now - self.last
+        self.last = now
+        if self.spent >= self.done * self.seconds / self.points:
+            self.evaluate()
+            self.done += 1
+            self.last = time.perf_counter()
+        return self.spent < self.seconds
+
+    def evaluate(self) -> None:
+        """One episode a seed, all of them side by side: environment k has the seed of the first plus k."""
+        self.env.seed(EVALUATION_SEEDS[0])
+        observations = self.env.reset()
+        returns, success = np.full(self.env.num_envs, np.nan), np.zeros(self.env.num_envs)
+        while np.isnan(returns).any():
+            actions, _ = self.model.predict(observations, deterministic=True)
+            observations, _, done, infos = self.env.step(actions)
+            for k in np.flatnonzero(done & np.isnan(returns)):
+                returns[k], success[k] = infos[k]["episode"]["r"], infos[k]["success"]
+        numbers = [self.num_timesteps, self.spent, returns.mean(), returns.std(), success.mean()]
+        with self.table.open("a", newline="") as file:
+            csv.writer(file).writerow([*self.row, *(f"{number:.6g}" for number in numbers)])
+        print(*self.row, *(f"{number:.4g}" for number in numbers), flush=True)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--out", type=Path, default=Path("runs"))
+    parser.add_argument("--minutes", type=float, default=2.0, help="training time of each agent")
+    parser.add_argument("--points", type=int, default=8, help="evaluations on the way")
+    parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2])
+    parser.add_argument("--tasks", nargs="+", default=TASKS, choices=TASKS)
+    parser.add_argument("--algorithms", nargs="+", default=["PPO", "SAC"], choices=["PPO", "SAC"])
+    given = parser.parse_args()
+    torch.set_num_threads(1)
+    given.out.mkdir(parents=True, exist_ok=True)
+    table = given.out / "curves.csv"
+    if not table.exists():
+        table.write_text("task,algorithm,seed,steps,seconds,return,deviation,success\n")
+    for algorithm in given.algorithms:
+        for seed in given.seeds:
+            for task in given.tasks:
+                agent = made(algorithm, task, seed)
+                curve = Curve(task, algorithm, seed, 60.0 * given.minutes, given.points, table)
+                agent.learn(total_timesteps=10**9, callback=curve)
+                curve.evaluate()
+                agent.save(given.out / f"{task}_{algorithm}_{seed}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,66 @@
+"""Every task with every baseline and the trained policies, over the same seeds, in one table.
+
+    python examples/train_table.py --runs runs --episodes 20 > table.md
+
+Soils and grounds of the seeds have not been seen in training (`train_sb3.py`). The interval is a bootstrap over episodes of
+one policy; a trained entry pools the policies of its seeds. All are driven at the period of the training.
+"""
+
+import argparse
+from pathlib import Path
+
+import gymnasium
+import numpy as np
+from train_sb3 import EVALUATION_SEEDS, PERIOD, TASKS
+
+import bekker
+from bekker.baselines import Evaluation, Policy, constant, evaluate, rtc, slip_control, trained, velocity
+
+BASELINES = {
+    "standing still": lambda env: constant(env, 0.0),
+    "constant action 0.5": lambda env: constant(env, 0.5),
+    "velocity control": velocity,
+    "RTC": rtc,
+    "slip control": slip_control,
+}
+
+
+def pooled(env: gymnasium.Env, policies: list[Policy], episodes: int) -> Evaluation:
+    """All episodes of all policies."""
+    results = [evaluate(env, policy, EVALUATION_SEEDS[:episodes]) for policy in policies]
+    joined = {name: np.concatenate([getattr(r, name) for r in results]) for name in ("returns", "success", "energy", "distance", "steps")}
+    return Evaluation(**joined, status=sum((r.status for r in results), []))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--runs", type=Path, default=Path("runs"), help="folder of the trained policies")
+    parser.add_argument("--episodes", type=int, default=20)
+    parser.add_argument("--tasks", nargs="+", default=TASKS, choices=TASKS)
+    given = parser.parse_args()
+    print("| task | policy | mean return | 95 % | success | distance, m | energy, J |\n|---|---|---|---|---|---|---|")
+    for task in given.tasks:
+        steps = round(bekker.TASKS[task].seconds / PERIOD)
+        env = gymnasium.make(f"bekker/{task}-v0", period=PERIOD, max_episode_steps=steps, disable_env_checker=True)
+        for name, make in BASELINES.items():
+            try:
+                policies = [make(env)]
+            except bekker.InputError:
+                print(f"| {task} | {name} | not for {env.unwrapped.setup.model.control} actions | | | | |")
+                continue
+            row(task, name, pooled(env, policies, given.episodes))
+        for algorithm in ("PPO", "SAC"):
+            files = sorted(given.runs.glob(f"{task}_{algorithm}_*.zip"))
+            if files:
+                found = pooled(env, [trained(file, algorithm) for file in files], given.episodes)
+                row(task, f"{algorithm}, {len(files)} seeds", found)
+
+
+def row(task: str, name: str, result: Evaluation) -> None:
+    low, high = result.interval
+    numbers = f"{result.returns.mean():.2f} | {low:.2f} .. {high:.2f} | {100 * result.success.mean():.0f} %"
+    print(f"| {task} | {name} | {numbers} | {result.distance.mean():.2f} | {result.energy.mean():.1f} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
