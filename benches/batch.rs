@@ -39,7 +39,7 @@ fn steps_a_cpu_second(preset: &str, torque: f64, count: usize, kernel: Kernel) -
     let mut drive = Drive::new(preset, torque, (count, 1), kernel);
     (0..5).for_each(|_| drive.step());
     let (start, mut turns) = (cpu_seconds(), 0);
-    while !(cpu_seconds() - start > 1.0) && turns < 100_000 {
+    while cpu_seconds() < start + 1.0 && turns < 100_000 {
         drive.step();
         turns += 1;
     }

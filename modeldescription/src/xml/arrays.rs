@@ -97,7 +97,7 @@ mod tests {
     use crate::{Role, Unit, Variable};
 
     fn variable(name: &str, max: f64) -> Variable {
-        let (name, doc, source) = (name.to_owned().into(), "".into(), "".into());
+        let (name, doc, source) = (name.to_owned(), "".into(), "".into());
         Variable { name, doc, unit: Unit::ONE, default: 0.0, min: 0.0, max, role: Role::Signal, source }
     }
 
