@@ -156,7 +156,7 @@ impl<S: Scalar> Integrator<S> {
     ///
     /// # Errors
     /// [`DynamicsError`]; `state` is then left as it was before the step.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn step<C: Copy + Into<S>>(
         &mut self,
         rover: &Rover<S>,
@@ -193,12 +193,12 @@ impl<S: Scalar> Integrator<S> {
         h: f64,
     ) -> Result<(), DynamicsError> {
         S::wide(
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             || self.stages_side_by_side(rover, state, command, h),
         )
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn stages_side_by_side<C: Copy + Into<S>>(
         &mut self,
         rover: &Rover<S>,
@@ -220,7 +220,7 @@ impl<S: Scalar> Integrator<S> {
     }
 
     /// Warms the windings over the step of size `h` just made, where they warm.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn warm(&mut self, rover: &Rover<S>, state: &mut State<S>, h: f64) {
         if rover.effects.winding_heat.acts() {
             // The evaluation at the start of the step is what was swapped out.
@@ -229,7 +229,7 @@ impl<S: Scalar> Integrator<S> {
     }
 
     /// Eliminates spins and memories and factors the matrix that is left.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn condense(&mut self, rover: &Rover<S>, drive: Drive, gh: f64) -> Result<Factors<S>, DynamicsError> {
         let n = rover.coordinates();
         let mut matrix = self.now.system;
@@ -245,7 +245,7 @@ impl<S: Scalar> Integrator<S> {
 }
 
 /// Adds `- gamma h` times the slopes of one wheel's contact and drive to the condensed matrix.
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 fn add_contact<S: Scalar>(
     matrix: &mut Matrix<S>,
     wheel: &WheelEvaluation<S>,
@@ -282,12 +282,12 @@ impl<S: Scalar> Condensed<S> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn new(rover: &Rover<S>, wheel: &WheelEvaluation<S>, drive: Drive, gh: f64) -> Self {
         let slopes = &wheel.touch.slopes;
         let hold_factor = (S::from(1.0) - slopes.rate_own * gh).recip();
         let through_hold = always(
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             |[travel, turn]: [S; 2]| {
                 slopes.travel.scaled(travel * hold_factor * gh).plus(slopes.turn.scaled(turn * hold_factor * gh))
             },
@@ -326,7 +326,7 @@ impl<S: Scalar> Condensed<S> {
 
 impl<S: Scalar> Increment<S> {
     /// The time derivative of `state`, as evaluated.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn set(&mut self, rover: &Rover<S>, state: &State<S>, evaluation: &Evaluation<S>) {
         self.position[..state.rate.len()].copy_from_slice(&state.rate);
         self.rate = evaluation.acceleration;
@@ -335,7 +335,7 @@ impl<S: Scalar> Increment<S> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn add_scaled(&mut self, other: &Self, factor: f64, n: usize) {
         let factor = S::from(factor);
         add_scaled(&mut self.position, factor, &other.position, n);
@@ -347,7 +347,7 @@ impl<S: Scalar> Increment<S> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn add_to(&self, state: &mut State<S>, factor: f64) {
         for (i, (position, rate)) in state.position.iter_mut().zip(&mut state.rate).enumerate() {
             *position += self.position[i] * factor;
@@ -361,7 +361,7 @@ impl<S: Scalar> Increment<S> {
     }
 
     /// Replaces this right-hand side r by the solution k of (I - gamma h A) k = r.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn solve(
         &mut self,
         rover: &Rover<S>,

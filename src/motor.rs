@@ -40,7 +40,7 @@ pub struct Driven<S = f64> {
 ///
 /// # Errors
 /// [`ExpressionFailure`] where a friction of the user's own is not finite.
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 pub fn drive<S: Scalar>(
     motor: &Motor<S>,
     actual: &Motor<S>,
@@ -62,7 +62,7 @@ pub fn drive<S: Scalar>(
 ///
 /// # Errors
 /// [`ExpressionFailure`] where a friction of the user's own is not finite.
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 pub fn torque_behind<S: Scalar>(effects: &Effects<S>, speed: S, rim_torque: S) -> Result<S, ExpressionFailure> {
     let behind_gear = rim_torque + effects.drive_friction(speed)?.0;
     Ok(effects.gear_efficiency.input(speed, behind_gear).unwrap_or(behind_gear))
@@ -71,7 +71,7 @@ pub fn torque_behind<S: Scalar>(effects: &Effects<S>, speed: S, rim_torque: S) -
 /// Torque that the motor gives when `torque` is asked of it at this wheel speed, wheel side, N m: within
 /// the torque limit (4.14), the current limit and what the effects allow (supply voltage). Also its slope in
 /// the speed, N m s/rad, which is steep where the back-EMF limits it.
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 fn limited_torque<S: Scalar>(motor: &Motor<S>, actual: &Motor<S>, effects: &Effects<S>, speed: S, torque: S) -> (S, S) {
     let mut given = torque;
     let mut clamp = |inverse: S, unit: S| {
@@ -102,7 +102,7 @@ pub(crate) fn reserve<S: Scalar>(motor: &Motor<S>, actual: &Motor<S>, effects: &
 }
 
 /// Motor current for a torque on the wheel's side of the gear: I = T / (N K_t) (4.7, 4.9), A.
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 pub fn current<S: Scalar>(motor: &Motor<S>, torque: S) -> S {
     torque / (motor.gear_ratio * motor.torque_constant)
 }

@@ -160,12 +160,12 @@ beside!(Window { start_x, rim_travel, rim_progress });
 
 impl<R: Plain> Window<R> {
     /// A window that begins at `x`.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn at(x: R) -> Self {
         Self { start_x: x, rim_travel: R::from(0.0), rim_progress: R::from(0.0) }
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn restart(&mut self, mask: R::Mask, x: R) {
         let zero = R::from(0.0);
         self.start_x = R::select(mask, x, self.start_x);
@@ -174,7 +174,7 @@ impl<R: Plain> Window<R> {
     }
 
     /// Takes in one step that ended at `x` with these wheel `speeds`; whether it closes a window without progress.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn stuck(
         &mut self,
         x: R,
@@ -217,7 +217,7 @@ pub(crate) struct Outcome<M> {
 
 impl<M: Mask> Outcome<M> {
     /// Where the run has ended.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn ended(&self) -> M {
         self.tipped | self.sunk | self.belly | self.stuck
     }
@@ -276,7 +276,7 @@ impl<S: Scalar> Motion<S> {
         mask: S::Mask,
     ) -> Result<(), DynamicsError> {
         S::wide(
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             || {
                 let Self { state, integrator, energies, .. } = self;
                 let before = integrator.now.mechanical_energy(rover, state);
@@ -299,7 +299,7 @@ impl<S: Scalar> Motion<S> {
         step_size: f64,
     ) -> Result<(), DynamicsError> {
         S::wide(
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             || {
                 let before = self.integrator.now.powers();
                 self.integrator.step(rover, &mut self.state, command, step_size)?;
@@ -314,7 +314,7 @@ impl<S: Scalar> Motion<S> {
     /// What the step just made has ended in.
     pub fn outcome(&mut self, rover: &Rover<S>, step_size: f64) -> Outcome<S::Mask> {
         S::wide(
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             || {
                 let radius = rover.true_wheel().radius.plain();
                 let wheels = &self.integrator.now.wheels;
@@ -554,7 +554,7 @@ pub(crate) struct Places<'a, S: Scalar> {
 }
 
 /// Least height of the belly, a straight line between the outer wheels of the chassis, above the ground, m.
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 pub(crate) fn belly_clearance<S: Scalar>(rover: &Rover<S>, state: &State<S>) -> S::Plain {
     const POINTS: usize = 7;
     let mounts = &rover.wheels;
@@ -656,10 +656,10 @@ impl<S: Scalar> Energies<S> {
     }
 
     /// Trapezoidal rule over one step: the order of the integrator.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn add(&mut self, before: &Powers<S>, after: &Powers<S>, h: f64) {
         let mean = always(
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             |a: S, b: S| (a + b) * (0.5 * h),
         );
         self.dissipated += mean(before.dissipated, after.dissipated);

@@ -140,7 +140,7 @@ fn property_status_times_of_events_and_ranges_are_checked() {
 #[test]
 fn property_an_event_that_comes_at_another_time_is_said() {
     let text = std::fs::read_to_string(folder().join("sinks_in.toml")).unwrap();
-    let early = text.replace("ends_within = [0.5, 10.0]", "ends_within = [0.0, 0.1]");
+    let early = text.replace("ends_within = [0.2, 10.0]", "ends_within = [0.0, 0.1]");
     assert_ne!(text, early);
     let written = Written::new("event", &early);
     let script = Script::read(&written.path()).unwrap();

@@ -9,7 +9,7 @@ import sys
 import threading
 import tomllib
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
@@ -190,6 +190,15 @@ def test_property_progress_is_told(diagnosis: bekker.Diagnosis) -> None:
     assert all(0.0 <= p.done <= 1.0 for p in told) and "calibrating" in str(told[0])
 
 
+@pytest.fixture
+def ctrl_c() -> Iterator[None]:
+    """Ctrl-C as in a terminal: a process started in the background by a script ignores it, and hands that down."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("ctrl_c")
 def test_property_ctrl_c_leaves_what_was_found(diagnosis: bekker.Diagnosis) -> None:
     def press(progress: bekker.Progress) -> None:
         if "left out" in progress.stage:
@@ -205,6 +214,7 @@ def test_property_ctrl_c_leaves_what_was_found(diagnosis: bekker.Diagnosis) -> N
         partial.plot_profiles()
 
 
+@pytest.mark.usefixtures("ctrl_c")
 def test_property_ctrl_c_during_fits_elsewhere() -> None:
     class Pressing(Executor):
         def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:

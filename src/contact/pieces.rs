@@ -46,12 +46,12 @@ impl Cuts {
 #[inline(never)]
 pub(super) fn sums<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
     S::wide(
-        #[inline(always)]
+        #[cfg_attr(feature = "batch", inline(always))]
         || sums_side_by_side(rim),
     )
 }
 
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 fn sums_side_by_side<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
     // A rim that slides fully may carry little load beside its pressure, of which the error is a part: 12 nodes.
     let (Shear::Ratio(ratio) | Shear::OnSurface(ratio)) = rim.shear else { return whole(rim, &NODES_12) };
@@ -60,7 +60,7 @@ fn sums_side_by_side<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
     let grips = !rim.grip.under(1.0);
     let signs = displacement.changes_sign();
     let [up_to_few, up_to_few_cut, up_to_more] = [FEW_NODES, FEW_NODES_BOTH_SIGNS, MORE_NODES].map(
-        #[inline(always)]
+        #[cfg_attr(feature = "batch", inline(always))]
         |limit| change.at_most(limit.into()),
     );
     let (little, some) = (grips & !signs & up_to_few, grips & !signs & up_to_more);
@@ -128,7 +128,7 @@ fn many_cuts<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
 }
 
 /// Both zones at once: they share their normal stress.
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 fn whole<S: Scalar>(rim: &Rim<S>, nodes: &[(f64, f64)]) -> Sums<S> {
     let mut sums = Sums::zero();
     for &(s, weight) in nodes {
@@ -147,7 +147,7 @@ fn pieces<S: Scalar>(rim: &Rim<S>, cuts: &Cuts, nodes: &[(f64, f64)]) -> Sums<S>
 }
 
 /// Between each of `angles` and the next, which may be the same.
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 fn between<S: Scalar>(rim: &Rim<S>, angles: [S::Plain; 6], nodes: &[(f64, f64)]) -> Sums<S> {
     let mut sums = Sums::zero();
     for piece in angles.windows(2) {
@@ -159,17 +159,17 @@ fn between<S: Scalar>(rim: &Rim<S>, angles: [S::Plain; 6], nodes: &[(f64, f64)])
     sums
 }
 
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 fn add_piece<S: Scalar>(rim: &Rim<S>, sums: &mut Sums<S>, above: S::Plain, below: S::Plain, nodes: &[(f64, f64)]) {
     let [theta_1, theta_m, theta_2] = [rim.theta_1, rim.theta_m, rim.theta_2].map(S::plain);
     let front = theta_m.at_most(below);
     let choose = always(
-        #[inline(always)]
+        #[cfg_attr(feature = "batch", inline(always))]
         |yes: S::Plain, no: S::Plain| S::Plain::select(front, yes, no),
     );
     let (start, length) = (choose(theta_1, theta_2), choose(theta_1 - theta_m, theta_m - theta_2));
     let s = always(
-        #[inline(always)]
+        #[cfg_attr(feature = "batch", inline(always))]
         |theta: S::Plain| ((theta - start).abs() / length).smaller(S::Plain::from(1.0)).sqrt(),
     );
     let (from, to) = (s(choose(above, below)), s(choose(below, above)));
@@ -198,7 +198,7 @@ struct Displacement<R> {
 }
 
 impl<R: Plain> Displacement<R> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn new<S: Scalar<Plain = R, Mask = R::Mask>>(rim: &Rim<S>, ratio: R) -> Self {
         let [theta_1, theta_m, theta_2, cos_1] = [rim.theta_1, rim.theta_m, rim.theta_2, rim.cos_1].map(S::plain);
         let (rate, shear_radius) = (rim.shear_rate.plain(), rim.shear_radius.plain());
@@ -208,14 +208,14 @@ impl<R: Plain> Displacement<R> {
         if turns_back.any() {
             let turn = (shear_radius / ratio).arc_cosine();
             let inside = always(
-                #[inline(always)]
+                #[cfg_attr(feature = "batch", inline(always))]
                 |angle: R| turns_back & angle.below(theta_1) & theta_2.below(angle),
             );
             turns[1] = R::select(inside(turn), turn, theta_1);
             turns[2] = R::select(inside(-turn), -turn, theta_2);
         }
         let slope = always(
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             |cos: R| (shear_radius - ratio * cos).abs(),
         );
         let cos_2 = if theta_2.is_exactly(0.0) { R::from(1.0) } else { theta_2.sine_cosine().1 };
@@ -225,26 +225,26 @@ impl<R: Plain> Displacement<R> {
     }
 
     /// j/K at an angle and its sine.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn at(&self, theta: R, sin: R) -> R {
         self.rate * (self.shear_radius * (self.theta_s - theta) - self.ratio * (self.sin_s - sin))
     }
 
     /// j/K at an angle.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn of(&self, theta: R) -> R {
         self.at(theta, theta.sine_cosine().0)
     }
 
     /// A bound on the change of j/K over either zone.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn largest_change(&self) -> R {
         self.steepest * (self.theta_1 - self.theta_m).larger(self.theta_m - self.theta_2)
     }
 
     /// Whether j may change its sign: it does not where it is monotone from zero on. Lugs have begun to shear before
     /// theta_1, so that j is not zero there.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn changes_sign(&self) -> R::Mask {
         let turns = self.turns[1].below(self.theta_1) | self.theta_2.below(self.turns[2]);
         if self.shear_radius.is_exactly(1.0) {
@@ -256,7 +256,7 @@ impl<R: Plain> Displacement<R> {
 
     /// The ends of the zones and the places where j passes zero, from theta_1 down to theta_2, which stands for those
     /// that are not there. Of no meaning outside the mask.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn sign_changes(&self, mask: R::Mask) -> [R; 6] {
         let turns = &self.turns;
         let ends = [self.of(turns[0]), self.of(turns[1]), self.of(turns[2]), self.of(turns[3])];
@@ -279,7 +279,7 @@ impl<R: Plain> Displacement<R> {
 
     /// Where j/K passes `level` between the two angles, above and below, `rising` on the way down: Newton's method
     /// within a shrinking bracket, where the mask says so.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn pass(&self, level: R, [above, below]: [R; 2], rising: R::Mask, mask: R::Mask) -> R {
         let (mut low, mut high) = (below, above);
         let mut theta = (low + high) * 0.5;

@@ -57,27 +57,27 @@ pub(super) struct Sums<S> {
 }
 
 impl<S: Scalar> Sums<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn zero() -> Self {
         let o = S::from(0.0);
         Self { sigma_cos: o, sigma_sin: o, tau_cos: o, tau_sin: o, tau: o, slope_cos: o, slope_sin: o, slope: o }
     }
 
     /// Takes the sums of `other` over where the mask says so.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn take(&mut self, mask: S::Mask, other: &Self) {
         for (mine, other) in self.all().into_iter().zip(other.values()) {
             *mine = S::select(mask, other, *mine);
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn values(&self) -> [S; 8] {
         let Self { sigma_cos, sigma_sin, tau_cos, tau_sin, tau, slope_cos, slope_sin, slope } = *self;
         [sigma_cos, sigma_sin, tau_cos, tau_sin, tau, slope_cos, slope_sin, slope]
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn all(&mut self) -> [&mut S; 8] {
         let Self { sigma_cos, sigma_sin, tau_cos, tau_sin, tau, slope_cos, slope_sin, slope } = self;
         [sigma_cos, sigma_sin, tau_cos, tau_sin, tau, slope_cos, slope_sin, slope]
@@ -85,7 +85,7 @@ impl<S: Scalar> Sums<S> {
 }
 
 impl<S: Scalar> Rim<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn new(
         wheel: &Wheel<S>,
         soil: &Soil<S>,
@@ -146,7 +146,7 @@ impl<S: Scalar> Rim<S> {
     }
 
     /// Adds the points of both zones at `s`, with the quadrature's weight in s.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn add(&self, sums: &mut Sums<S>, s: f64, weight: f64) {
         let s2 = s * s;
         let (front, rear) = (self.theta_1 - self.theta_m, self.theta_m - self.theta_2);
@@ -158,7 +158,7 @@ impl<S: Scalar> Rim<S> {
     }
 
     /// Adds the point of one zone at `s`, the front one where `in_front` says so.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn add_in(&self, sums: &mut Sums<S>, in_front: S::Mask, s: S::Plain, weight: S::Plain) {
         let s2 = S::from_plain(s * s);
         let (front, rear) = (self.theta_1 - self.theta_m, self.theta_m - self.theta_2);
@@ -167,7 +167,7 @@ impl<S: Scalar> Rim<S> {
             let theta = self.theta_2 + rear * s2; // (2.6)
             let (sin, cos) = theta.sine_cosine();
             let choose = always(
-                #[inline(always)]
+                #[cfg_attr(feature = "batch", inline(always))]
                 |front: S, rear: S| S::select(in_front, front, rear),
             );
             at = (choose(at.0, theta), choose(at.1, sin), choose(at.2, cos));
@@ -176,7 +176,7 @@ impl<S: Scalar> Rim<S> {
     }
 
     /// The point of the front zone at s^2 with its sine and cosine; normal stress and strength there.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn load(&self, s2: S, front: S) -> ((S, S, S), (S, S)) {
         let theta = self.theta_1 - front * s2;
         let (sin, cos) = theta.sine_cosine();
@@ -186,7 +186,7 @@ impl<S: Scalar> Rim<S> {
     }
 
     /// Adds one point of the rim with the weight `d_theta`.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn point(&self, sums: &mut Sums<S>, (theta, sin, cos): (S, S, S), (sigma, strength): (S, S), d_theta: S) {
         let (tau, slope) = match self.shear {
             Shear::Ratio(ratio) => {
@@ -212,7 +212,7 @@ impl<S: Scalar> Rim<S> {
     }
 
     /// Shear stress and its slope with lugs or a limited grip.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn on_surface(&self, ratio: S, theta: S, sin: S, strength: S) -> (S, S) {
         // j/r = (r_s/r)(theta_s - theta) - V/(r omega) (sin theta_s - sin theta)
         let lift = self.sin_s - sin;

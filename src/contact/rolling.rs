@@ -38,12 +38,12 @@ beside!(Forces { normal, drawbar, torque });
 impl<S: Scalar> Forces<S> {
     /// No force.
     #[must_use]
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn zero() -> Self {
         Self::filled(S::from(0.0))
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn filled(value: S) -> Self {
         Self { normal: value, drawbar: value, torque: value }
     }
@@ -52,7 +52,7 @@ impl<S: Scalar> Forces<S> {
         Self { normal: self.normal, drawbar: -self.drawbar, torque: -self.torque }
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub(super) fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
         Self {
             normal: S::select(mask, yes.normal, no.normal),
@@ -61,12 +61,12 @@ impl<S: Scalar> Forces<S> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub(crate) fn scaled(self, factor: S) -> Self {
         Self { normal: self.normal * factor, drawbar: self.drawbar * factor, torque: self.torque * factor }
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub(crate) fn plus(self, other: Self) -> Self {
         Self {
             normal: self.normal + other.normal,
@@ -98,17 +98,17 @@ pub(super) struct Rolling<S> {
 }
 
 impl<S: Scalar> Rolling<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn sliding(forces: Forces<S>) -> Self {
         Self { forces, by_velocity: Forces::zero(), by_spin: Forces::zero() }
     }
 
     /// The same contact seen from the other side where the mask says so: (V, omega) -> (-V, -omega), (DP, T) ->
     /// (-DP, -T).
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn mirrored_where(self, mask: S::Mask) -> Self {
         let slope = always(
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             |s: Forces<S>| Forces { normal: s.normal.negative_where(mask), ..s },
         );
         let Forces { normal, drawbar, torque } = self.forces;
@@ -119,7 +119,7 @@ impl<S: Scalar> Rolling<S> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
         Self {
             forces: Forces::select(mask, yes.forces, no.forces),
@@ -154,7 +154,7 @@ fn put<S: Scalar>(place: &mut S, k: usize, x: f64) {
 /// Slip of a wheel: 1 - V/(r omega) where |r omega| >= |V| (driving), r omega/V - 1 otherwise (skid);
 /// 0 at standstill (both speeds under 1e-6 m/s, where the ratio is noise).
 #[must_use]
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 pub fn slip<S: Scalar>(velocity: S, rim_speed: S) -> S {
     let (size, rim) = (velocity.abs(), rim_speed.abs());
     let stands = size.under(STANDSTILL) & rim.under(STANDSTILL);
@@ -208,7 +208,7 @@ pub fn rolling_on<S: Scalar>(
 }
 
 /// Length of a vector, and 0 with zero slope at the origin.
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 pub(super) fn norm<S: Scalar>(x: S, y: S) -> S {
     let squared = x * x + y * y;
     let is_there = squared.over(0.0);
@@ -217,7 +217,7 @@ pub(super) fn norm<S: Scalar>(x: S, y: S) -> S {
 
 /// [`rolling()`] with the slopes of the forces, in a contact of which only the `share` (0..1) of the slip
 /// is established: it sets theta_m. Also the normal force of the pressure alone, N.
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 pub(super) fn rolling_share<S: Scalar>(
     wheel: &Wheel<S>,
     soil: &Soil<S>,
@@ -252,7 +252,7 @@ struct Contact<'a, S> {
 }
 
 impl<S: Scalar> Contact<'_, S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn at(&self, shear: Shear<S>) -> Integrals<S> {
         let rim = Rim::new(self.wheel, self.soil, self.surface, self.sinkage, shear, self.share);
         integrate(&rim, self.wheel, self.surface)
@@ -260,7 +260,7 @@ impl<S: Scalar> Contact<'_, S> {
 
     /// Forces for `velocity >= 0` where the wheel touches. Side by side, wheels that roll forward are reckoned together
     /// and the others one by one.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn forward(&self, velocity: S, spin: S, touches: S::Mask) -> (Rolling<S>, S) {
         let rim_speed = self.wheel.radius * spin;
         // The quotient counts where the rim turns forward only, else it may be anything.
@@ -270,7 +270,7 @@ impl<S: Scalar> Contact<'_, S> {
         }
         let (safe, odd) = (rolls & touches, touches & !rolls);
         let choose = always(
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             |x: S, other: f64| S::select(safe, x, S::from(other)),
         );
         let (sinkage, depth) = (self.sinkage, self.wheel.radius * 1e-3);
@@ -303,7 +303,7 @@ impl<S: Scalar> Contact<'_, S> {
     }
 
     /// Forces of a rim that turns the way it moves.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn roll(&self, velocity: S, spin: S) -> (Rolling<S>, S) {
         let rim_speed = self.wheel.radius * spin;
         let ratio = velocity / rim_speed;
@@ -353,13 +353,13 @@ struct Integrals<S> {
 }
 
 /// The integrals (2.7)-(2.9) over one rim, and their slopes in V/(r omega).
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 fn integrate<S: Scalar>(rim: &Rim<S>, wheel: &Wheel<S>, surface: &Surface<S>) -> Integrals<S> {
     let sums = sums(rim);
     let area = wheel.radius * surface.arc * wheel.width;
     let (lugs, arm) = (surface.shear_radius, wheel.radius * surface.arm);
     let forces = always(
-        #[inline(always)]
+        #[cfg_attr(feature = "batch", inline(always))]
         |sigma_cos: S, sigma_sin: S, tau_cos: S, tau_sin: S, tau: S| Forces {
             normal: area * (sigma_cos + tau_sin * lugs),  // (2.7)
             drawbar: area * (tau_cos * lugs - sigma_sin), // (2.8)

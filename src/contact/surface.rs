@@ -30,12 +30,12 @@ pub struct Surface<S = f64> {
 }
 
 impl<S: From<f64>> Default for Surface<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn default() -> Self {
         let (zero, one) = (
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             || S::from(0.0),
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             || S::from(1.0),
         );
         Self {

@@ -47,13 +47,13 @@ impl<S: From<f64>> Default for Hold<S> {
 impl<S: Scalar> Hold<S> {
     /// The same direction with a length of at most 1.
     #[must_use]
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn bounded(self) -> Self {
         let length = norm(self.travel, self.turn);
         let short = length.at_most(S::from(1.0));
         let length = S::select(short, S::from(1.0), length);
         let within = always(
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             |x: S| S::select(short, x, x / length),
         );
         Self { travel: within(self.travel), turn: within(self.turn) }
@@ -79,7 +79,7 @@ impl<S: Scalar> Motion<S> {
     /// Slip as far as it is established: that of the direction e, times its length. In motion this is the
     /// slip; at standstill, where slip is 0/0, it stays what the contact remembers, without noise.
     #[must_use]
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn established_slip(&self, wheel: &Wheel<S>, soil: &Soil<S>) -> S {
         let rim_speed = wheel.radius * self.spin;
         let [travel, turn] = self.direction(rim_speed, norm(self.velocity, rim_speed), soil.hold_displacement).0;
@@ -87,11 +87,11 @@ impl<S: Scalar> Motion<S> {
     }
 
     /// The direction e at which the stresses are taken, and 1/(d + t |v|).
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn direction(&self, rim_speed: S, speed: S, distance: S) -> ([S; 2], S) {
         let scale = (distance + speed * HOLD_DAMPING_TIME).recip();
         let along = always(
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             |hold: S, velocity: S| (distance * hold + velocity * HOLD_DAMPING_TIME) * scale,
         );
         ([along(self.hold.travel, self.velocity), along(self.hold.turn, rim_speed)], scale)
@@ -142,12 +142,12 @@ beside!(Touch { forces, rate, slopes });
 #[inline(never)]
 pub fn touch<S: Scalar>(wheel: &Wheel<S>, soil: &Soil<S>, surface: &Surface<S>, motion: &Motion<S>) -> Touch<S> {
     S::wide(
-        #[inline(always)]
+        #[cfg_attr(feature = "batch", inline(always))]
         || touch_side_by_side(wheel, soil, surface, motion),
     )
 }
 
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 fn touch_side_by_side<S: Scalar>(
     wheel: &Wheel<S>,
     soil: &Soil<S>,
@@ -167,7 +167,7 @@ fn touch_side_by_side<S: Scalar>(
         turn: (rim_speed - hold.turn * speed) * per_distance,
     };
     let by = always(
-        #[inline(always)]
+        #[cfg_attr(feature = "batch", inline(always))]
         |component: S, own: f64, along: S| (S::from(own) - component * along) * per_distance,
     );
     let mut slopes = Slopes {
@@ -196,7 +196,7 @@ fn touch_side_by_side<S: Scalar>(
 
 /// Forces at the direction (travel, turn) of length at most 1, with their slopes in both components
 /// (the slope in the spin standing for that in `turn`).
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 fn at_direction<S: Scalar>(
     wheel: &Wheel<S>,
     soil: &Soil<S>,
@@ -212,7 +212,7 @@ fn at_direction<S: Scalar>(
     let is_there = length.over(0.0);
     let safe = S::select(is_there, length, S::from(1.0));
     let along = always(
-        #[inline(always)]
+        #[cfg_attr(feature = "batch", inline(always))]
         |component: S| S::select(is_there, component / safe, S::from(0.0)),
     );
     let mut direction = Rolling {
@@ -229,7 +229,7 @@ fn at_direction<S: Scalar>(
 }
 
 impl<S: Scalar> Slopes<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn zero() -> Self {
         let (zero, none) = (S::from(0.0), Forces::zero());
         Self {
@@ -246,7 +246,7 @@ impl<S: Scalar> Slopes<S> {
     }
 
     /// Of those with forces, `self` where the mask says so; both have the same rates.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn select(self, mask: S::Mask, none: &Self) -> Self {
         Self {
             velocity: Forces::select(mask, self.velocity, none.velocity),
@@ -260,12 +260,12 @@ impl<S: Scalar> Slopes<S> {
     }
 
     /// Chain rule from the direction e to the memory h and the motion v: de = (d dh + t (dv - e d|v|))/(d + t |v|).
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn follow(&mut self, at: &Rolling<S>, direction: [S; 2], heading: [S; 2], (by_hold, by_motion): (S, S), radius: S) {
         self.travel = at.by_velocity.scaled(by_hold);
         self.turn = at.by_spin.scaled(by_hold);
         let chain = always(
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             |own: [f64; 2], along: S| {
                 at.by_velocity
                     .scaled((S::from(own[0]) - direction[0] * along) * by_motion)
@@ -278,7 +278,7 @@ impl<S: Scalar> Slopes<S> {
 }
 
 /// Damping along the normal, which never makes the normal force negative.
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 fn add_damping<S: Scalar>(touch: &mut Touch<S>, soil: &Soil<S>, motion: &Motion<S>) {
     let coefficient = soil.damping * smooth_step(motion.sinkage / DAMPING_DEPTH);
     // Near n + 1/2, the power of Bekker's own approximation (4.18); only the integrator uses it.

@@ -18,7 +18,7 @@ parameters! {
 
 impl<S: Scalar> Bulldozing<S> {
     /// R on a wheel of width `width` at depth `depth`, N.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn resistance(&self, depth: S, width: S, cohesion: S, friction_angle: S) -> S {
         let root = (friction_angle * 0.5 + FRAC_PI_4).tan(); // sqrt K_p
         let weight = self.unit_weight * depth * depth * root * root * 0.5;
@@ -27,7 +27,7 @@ impl<S: Scalar> Bulldozing<S> {
 }
 
 impl<S: Scalar> Effect<S> for Bulldozing<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn surface(&self, place: &Place<S>, local: &mut Local<S>) {
         let sunk = place.sinkage.over(0.0);
         if self.share.is_exactly(0.0) || !sunk.any() {

@@ -24,7 +24,7 @@ parameters! {
 }
 
 impl<S: Scalar> Effect<S> for Drag<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn body_force(&self, motion: &BodyMotion<S>) -> Option<S> {
         if self.force.is_exactly(0.0) {
             return None;
@@ -35,7 +35,7 @@ impl<S: Scalar> Effect<S> for Drag<S> {
 }
 
 impl<S: Scalar> Effect<S> for Tether<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn body_force(&self, motion: &BodyMotion<S>) -> Option<S> {
         let pulls = motion.travelled.over(0.0);
         if self.stiffness.is_exactly(0.0) || !pulls.any() {

@@ -24,7 +24,7 @@ parameters! {
 }
 
 impl<S: Scalar> Effect<S> for CoulombFriction<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn drive_friction(&self, speed: S) -> Option<(S, S)> {
         if self.torque.is_exactly(0.0) {
             return None;
@@ -36,7 +36,7 @@ impl<S: Scalar> Effect<S> for CoulombFriction<S> {
 }
 
 impl<S: Scalar> Effect<S> for ViscousFriction<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn drive_friction(&self, speed: S) -> Option<(S, S)> {
         (!self.coefficient.is_exactly(0.0)).then(|| (self.coefficient * speed, self.coefficient))
     }

@@ -13,7 +13,7 @@ parameters! {
 }
 
 impl<S: Scalar> Effect<S> for ExitAngle<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn contact(&self, _place: &Place<S>, local: &mut Local<S>) {
         local.surface.exit_ratio += self.lambda;
     }

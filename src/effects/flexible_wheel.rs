@@ -26,7 +26,7 @@ parameters! {
 impl<S: Scalar> FlexibleWheel<S> {
     /// The part of `total`, the descent of the axle since touch-down, that is sinkage of the soil:
     /// z + C a z^p = total. In the logarithm of z the left side is convex, so Newton's method from `total` converges.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn sinkage(&self, total: S, local: &Local<S>) -> S {
         let (wheel, exponent) = (&local.wheel, local.soil.exponent);
         let power = exponent + 0.5;
@@ -48,7 +48,7 @@ impl<S: Scalar> FlexibleWheel<S> {
 }
 
 impl<S: Scalar> Effect<S> for FlexibleWheel<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn surface(&self, place: &Place<S>, local: &mut Local<S>) {
         let sunk = place.sinkage.over(0.0);
         if self.compliance.is_exactly(0.0) || !sunk.any() {

@@ -49,7 +49,7 @@ impl<S: Scalar> Curve<S> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn root(shifted: S) -> S {
         (shifted * shifted + REVERSAL_TORQUE * REVERSAL_TORQUE).sqrt()
     }
@@ -57,7 +57,7 @@ impl<S: Scalar> Curve<S> {
 
 impl<S: Scalar> GearEfficiency<S> {
     /// Torque behind the gear for a `torque` before it, both on the wheel's side; `None` without loss.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub(crate) fn output(&self, speed: S, torque: S) -> Option<Geared<S>> {
         if self.eta.is_exactly(1.0) {
             return None;
@@ -75,7 +75,7 @@ impl<S: Scalar> GearEfficiency<S> {
     }
 
     /// Torque before the gear that gives `torque` behind it: the exact inverse; `None` without loss.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub(crate) fn input(&self, speed: S, torque: S) -> Option<S> {
         if self.eta.is_exactly(1.0) {
             return None;

@@ -17,7 +17,7 @@ parameters! {
 }
 
 impl<S: Scalar> Effect<S> for Grousers<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn surface(&self, _place: &Place<S>, local: &mut Local<S>) {
         if self.height.is_exactly(0.0) {
             return;

@@ -40,7 +40,7 @@ parameters! {
 }
 
 impl<S: Scalar> Effect<S> for Moisture<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn contact(&self, _place: &Place<S>, local: &mut Local<S>) {
         if !self.cohesion_slope.is_exactly(0.0) {
             local.soil.cohesion += self.cohesion_slope * self.content;
@@ -49,7 +49,7 @@ impl<S: Scalar> Effect<S> for Moisture<S> {
 }
 
 impl<S: Scalar> Effect<S> for SoftPatch<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn contact(&self, place: &Place<S>, local: &mut Local<S>) {
         let Some(x) = place.x else { return };
         if self.softening.is_exactly(0.0) {
@@ -61,7 +61,7 @@ impl<S: Scalar> Effect<S> for SoftPatch<S> {
 }
 
 impl<S: Scalar> Effect<S> for SlopeStrength<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn contact(&self, place: &Place<S>, local: &mut Local<S>) {
         if self.beta.is_exactly(0.0) {
             return;

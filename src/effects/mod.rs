@@ -93,7 +93,7 @@ pub struct Local<S = f64> {
 impl<S: Scalar> Local<S> {
     /// A smooth rigid wheel.
     #[must_use]
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn new(wheel: Wheel<S>, soil: Soil<S>) -> Self {
         Self { wheel, soil, surface: Surface::default(), deflection: S::from(0.0) }
     }
@@ -122,61 +122,61 @@ pub struct Geared<S = f64> {
 /// Hooks of an effect into the simulation; the defaults change nothing.
 pub trait Effect<S: Scalar>: Parameters<S> {
     /// Changes wheel and soil at a contact, before the stresses are integrated.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn contact(&self, place: &Place<S>, local: &mut Local<S>) {
         let _ = (place, local);
     }
 
     /// Changes how the rim meets the soil, after all effects have changed wheel and soil.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn surface(&self, place: &Place<S>, local: &mut Local<S>) {
         let _ = (place, local);
     }
 
     /// Whether the effect needs to know which ground has been passed.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn remembers(&self) -> bool {
         false
     }
 
     /// Changes the forces of a contact, after the stresses are integrated.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn forces(&self, place: &Place<S>, local: &Local<S>, forces: &mut Forces<S>) {
         let _ = (place, local, forces);
     }
 
     /// Changes the wheel of the data sheet into the true one.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn wheel(&self, wheel: &mut Wheel<S>) {
         let _ = wheel;
     }
 
     /// Changes a true radius back into the one that the records are reckoned with.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn recorded_radius(&self, radius: &mut S) {
         let _ = radius;
     }
 
     /// Changes the chassis of the data sheet into the true one.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn chassis(&self, body: &mut Body<S>) {
         let _ = body;
     }
 
     /// Changes the motor of the data sheet into the true one, whose winding is warmer by `winding_rise` (K).
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn motor(&self, winding_rise: S, motor: &mut Motor<S>) {
         let _ = (winding_rise, motor);
     }
 
     /// True torque over the torque that the drive reckons with.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn torque_gain(&self) -> Option<S> {
         None
     }
 
     /// Dry friction of a passive joint turning at `rate` (rad/s): moment over rate, N m s/rad, finite at rest.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn joint_friction(&self, rate: S) -> Option<S> {
         let _ = rate;
         None
@@ -188,21 +188,21 @@ pub trait Effect<S: Scalar>: Parameters<S> {
     }
 
     /// Friction torque of a drive at this wheel speed, wheel side, and its slope in the speed.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn drive_friction(&self, speed: S) -> Option<(S, S)> {
         let _ = speed;
         None
     }
 
     /// Limits the torque of a motor, wheel side, at this wheel speed; where it limits, the slope in the speed.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn motor_torque(&self, motor: &Motor<S>, speed: S, torque: &mut S) -> Option<S> {
         let _ = (motor, speed, torque);
         None
     }
 
     /// Horizontal force on the chassis at its reference point, N.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn body_force(&self, motion: &BodyMotion<S>) -> Option<S> {
         let _ = motion;
         None
@@ -252,7 +252,7 @@ macro_rules! effects {
         /// Sums of the hooks over the library and the user's own effects.
         impl<S: Scalar> Effects<S> {
             /// What a contact sees of wheel, soil and rim.
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             pub(crate) fn contact(&self, place: &Place<S>, local: &mut Local<S>) -> Result<(), ExpressionFailure> {
                 $(self.$id.contact(place, local);)*
                 self.custom.contact(place, local)?;
@@ -261,12 +261,12 @@ macro_rules! effects {
             }
 
             /// Whether an effect needs to know which ground has been passed.
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             pub(crate) fn remember(&self) -> bool {
                 false $(|| self.$id.remembers())*
             }
 
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             pub(crate) fn forces(
                 &self,
                 place: &Place<S>,
@@ -277,29 +277,29 @@ macro_rules! effects {
                 self.custom.forces(place, forces)
             }
 
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             pub(crate) fn wheel(&self, wheel: &mut Wheel<S>) {
                 $(self.$id.wheel(wheel);)*
             }
 
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             pub(crate) fn recorded_radius(&self, mut radius: S) -> S {
                 $(self.$id.recorded_radius(&mut radius);)*
                 radius
             }
 
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             pub(crate) fn chassis(&self, body: &mut Body<S>) {
                 $(self.$id.chassis(body);)*
             }
 
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             pub(crate) fn motor(&self, winding_rise: S, motor: &mut Motor<S>) {
                 $(self.$id.motor(winding_rise, motor);)*
             }
 
             /// Product of the gains; `None` where there is none.
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             pub(crate) fn torque_gain(&self) -> Option<S> {
                 let mut product: Option<S> = None;
                 $(if let Some(gain) = self.$id.torque_gain() {
@@ -308,7 +308,7 @@ macro_rules! effects {
                 product
             }
 
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             pub(crate) fn joint_friction(&self, rate: S) -> S {
                 let mut sum = S::from(0.0);
                 $(if let Some(coefficient) = self.$id.joint_friction(rate) {
@@ -322,7 +322,7 @@ macro_rules! effects {
             }
 
             /// Friction torque of a drive and its slope in the wheel speed.
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             pub(crate) fn drive_friction(&self, speed: S) -> Result<(S, S), ExpressionFailure> {
                 let mut sum = self.custom.drive_friction(speed)?;
                 $(if let Some((torque, slope)) = self.$id.drive_friction(speed) {
@@ -333,7 +333,7 @@ macro_rules! effects {
             }
 
             /// Limits `torque`; returns the slope in the wheel speed of the limit that binds, 0 where none does.
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             pub(crate) fn motor_torque(&self, motor: &Motor<S>, speed: S, torque: &mut S) -> S {
                 let mut slope = S::from(0.0);
                 $(if let Some(limited) = self.$id.motor_torque(motor, speed, torque) {
@@ -342,7 +342,7 @@ macro_rules! effects {
                 slope
             }
 
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             pub(crate) fn body_force(&self, motion: &BodyMotion<S>) -> Result<S, ExpressionFailure> {
                 let mut sum = self.custom.body_force(motion)?;
                 $(if let Some(force) = self.$id.body_force(motion) {

@@ -15,12 +15,12 @@ parameters! {
 }
 
 impl<S: Scalar> Effect<S> for MultiPass<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn remembers(&self) -> bool {
         !self.growth.is_exactly(0.0)
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn contact(&self, place: &Place<S>, local: &mut Local<S>) {
         if self.growth.is_exactly(0.0) {
             return;

@@ -17,14 +17,14 @@ parameters! {
 }
 
 impl<S: Scalar> Effect<S> for RadiusScale<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn wheel(&self, wheel: &mut Wheel<S>) {
         if !self.deviation.is_exactly(0.0) {
             wheel.radius *= self.deviation + 1.0;
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn recorded_radius(&self, radius: &mut S) {
         if !self.deviation.is_exactly(0.0) {
             *radius /= self.deviation + 1.0;

@@ -19,7 +19,7 @@ parameters! {
 
 impl<S: Scalar> Rate<S> {
     /// (v/v_0)^m.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn factor(&self, speed: S, sinkage: S, radius: S) -> S {
         // tan^2(theta_1/2) = z/(2 r - z); a wheel sunk to its axle is an event, not a formula.
         let sinkage = sinkage.smaller(radius).larger(S::from(0.0));
@@ -31,7 +31,7 @@ impl<S: Scalar> Rate<S> {
 }
 
 impl<S: Scalar> Effect<S> for Rate<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn contact(&self, place: &Place<S>, local: &mut Local<S>) {
         if !self.exponent.is_exactly(0.0) {
             local.soil.scale_moduli(self.factor(place.velocity, place.sinkage, local.wheel.radius));

@@ -15,7 +15,7 @@ parameters! {
 }
 
 impl<S: Scalar> Effect<S> for RimAdhesion<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn surface(&self, _place: &Place<S>, local: &mut Local<S>) {
         if !self.loss.is_exactly(0.0) {
             local.surface.grip *= -self.loss + 1.0;

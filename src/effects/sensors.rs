@@ -37,7 +37,7 @@ impl<S: Scalar> Effect<S> for SensorLag<S> {}
 
 impl<S: Scalar> SensorLag<S> {
     /// Whether anything is lagged.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub(crate) fn acts(&self) -> bool {
         !(self.time_constant.is_exactly(0.0) && self.dead_time.is_exactly(0.0))
     }

@@ -13,7 +13,7 @@ parameters! {
 }
 
 impl<S: Scalar> Effect<S> for SlipSinkage<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn contact(&self, place: &Place<S>, local: &mut Local<S>) {
         if !self.n1.is_exactly(0.0) {
             local.soil.exponent += self.n1 * place.slip.abs().smaller(S::from(1.0));

@@ -16,7 +16,7 @@ parameters! {
 }
 
 impl<S: Scalar> Effect<S> for SuspensionFriction<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn joint_friction(&self, rate: S) -> Option<S> {
         if self.moment.is_exactly(0.0) {
             return None;

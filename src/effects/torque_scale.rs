@@ -16,14 +16,14 @@ parameters! {
 }
 
 impl<S: Scalar> Effect<S> for TorqueScale<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn motor(&self, _winding_rise: S, motor: &mut Motor<S>) {
         if !self.deviation.is_exactly(0.0) {
             motor.torque_constant *= self.deviation + 1.0;
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn torque_gain(&self) -> Option<S> {
         (!self.deviation.is_exactly(0.0)).then(|| self.deviation + 1.0)
     }

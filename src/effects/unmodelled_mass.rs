@@ -22,7 +22,7 @@ parameters! {
 }
 
 impl<S: Scalar> Effect<S> for Payload<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn chassis(&self, body: &mut Body<S>) {
         if !self.mass.is_exactly(0.0) {
             body.mass += self.mass;
@@ -31,7 +31,7 @@ impl<S: Scalar> Effect<S> for Payload<S> {
 }
 
 impl<S: Scalar> Effect<S> for CentreOfMass<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn chassis(&self, body: &mut Body<S>) {
         if !self.shift.is_exactly(0.0) {
             body.centre_of_mass_x += self.shift;

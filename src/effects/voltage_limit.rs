@@ -25,7 +25,7 @@ impl<S: Scalar> VoltageLimit<S> {
 }
 
 impl<S: Scalar> Effect<S> for VoltageLimit<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn motor_torque(&self, motor: &Motor<S>, speed: S, torque: &mut S) -> Option<S> {
         if self.inverse_voltage.is_exactly(0.0) {
             return None;

@@ -24,7 +24,7 @@ parameters! {
 }
 
 impl<S: Scalar> Effect<S> for WindingHeat<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn motor(&self, winding_rise: S, motor: &mut Motor<S>) {
         if !self.thermal_resistance.is_exactly(0.0) {
             let rise = winding_rise.smaller(S::from(MOST_RISE));
@@ -36,7 +36,7 @@ impl<S: Scalar> Effect<S> for WindingHeat<S> {
 
 impl<S: Scalar> WindingHeat<S> {
     /// Whether windings warm at all.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub(crate) fn acts(&self) -> bool {
         !self.thermal_resistance.is_exactly(0.0)
     }

@@ -196,12 +196,12 @@ impl<S: Scalar> Evaluation<S> {
         command: &Command<C>,
     ) -> Result<(), DynamicsError> {
         S::wide(
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             || self.update_side_by_side(rover, state, command),
         )
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn update_side_by_side<C: Copy + Into<S>>(
         &mut self,
         rover: &Rover<S>,
@@ -247,7 +247,7 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Weight, inertia and joint friction of chassis and links, and forces on the chassis.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn add_bodies(&mut self, rover: &Rover<S>, state: &State<S>, force: &mut Vector<S>) -> Result<(), DynamicsError> {
         let n = rover.coordinates();
         for row in self.mass.iter_mut().take(n) {
@@ -274,7 +274,7 @@ impl<S: Scalar> Evaluation<S> {
         Ok(())
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn add_mass(
         &mut self,
         rover: &Rover<S>,
@@ -296,7 +296,7 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Contact of wheel `k` with the ground, and the torque of its drive where that is commanded.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn touch_ground(
         &mut self,
         rover: &Rover<S>,
@@ -363,7 +363,7 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Torques and currents that follow from the accelerations.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn finish_drives(&mut self, rover: &Rover<S>, drive: Drive) -> Result<(), DynamicsError> {
         let n = rover.coordinates();
         for wheel in &mut self.wheels {
@@ -378,7 +378,7 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Angular acceleration of a wheel whose drive torque is commanded.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn spin_rate(&self, rover: &Rover<S>, k: usize) -> S {
         let torque = self.wheels[k].rim_torque - self.wheels[k].touch.forces.torque;
         let torque = self.outside.as_ref().map_or(torque, |outside| torque + outside.torque[k]);
@@ -386,7 +386,7 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Powers of the drives and of the soil.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn powers(&self) -> Powers<S> {
         let zero = S::from(0.0);
         let other_loss = self.other_loss;
@@ -404,7 +404,7 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Warms the windings over `h` seconds, at whose start `before` held, and renews what depends on them.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn warm(&mut self, rover: &Rover<S>, before: &Self, state: &mut State<S>, h: f64) {
         for ((wheel, before), moving) in self.wheels.iter_mut().zip(&before.wheels).zip(&mut state.wheels) {
             let mean = (before.winding_power() + wheel.winding_power()) * 0.5;
@@ -416,7 +416,7 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Kinetic and potential energy, J.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn mechanical_energy(&self, rover: &Rover<S>, state: &State<S>) -> S {
         let n = rover.coordinates();
         let mut twice = S::from(0.0);
@@ -457,7 +457,7 @@ impl<S: Scalar> WheelEvaluation<S> {
         }
     }
     /// Power dissipated in the winding, W (4.6).
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn winding_power(&self) -> S {
         self.motor.resistance * self.current * self.current
     }

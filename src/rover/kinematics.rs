@@ -54,7 +54,7 @@ impl<S: Scalar> Frames<S> {
     }
 
     /// Places all bodies.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn update(&mut self, rover: &Rover<S>, position: &[S], rate: &[S]) {
         let zero = S::from(0.0);
         let (sin, cos) = position[2].sine_cosine();
@@ -79,7 +79,7 @@ impl<S: Scalar> Frames<S> {
     }
 
     /// The point of `body` that lies at `reference` when all angles are zero.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn point(&self, rover: &Rover<S>, body: usize, reference: [S; 2]) -> Point<S> {
         let (position, bias) = self.frames[body].carry(reference);
         let (mut jacobian_x, mut jacobian_z) = (zeros(), zeros());
@@ -88,7 +88,7 @@ impl<S: Scalar> Frames<S> {
         for_each_turn(
             rover,
             body,
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             |turning, coordinate| {
                 let pivot = self.frames[turning].origin;
                 // Nose up turns (dx, dz) into (-dz, dx).
@@ -100,7 +100,7 @@ impl<S: Scalar> Frames<S> {
     }
 
     /// Angular rate of a body, nose up, rad/s.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn rate(&self, body: usize) -> S {
         self.frames[body].rate
     }
@@ -108,7 +108,7 @@ impl<S: Scalar> Frames<S> {
 
 impl<S: Scalar> Frame<S> {
     /// Place and bias acceleration of the point that lies at `reference` when all angles are zero.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn carry(&self, reference: [S; 2]) -> ([S; 2], [S; 2]) {
         let (dx, dz) = (reference[0] - self.reference[0], reference[1] - self.reference[1]);
         let (x, z) = (self.cos * dx - self.sin * dz, self.sin * dx + self.cos * dz);
@@ -118,20 +118,20 @@ impl<S: Scalar> Frame<S> {
 }
 
 /// Jacobian of a body's angle: 1 for the pitch and for every joint between it and the chassis.
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 pub(crate) fn turn_jacobian<S: Scalar>(rover: &Rover<S>, body: usize) -> Vector<S> {
     let mut jacobian = zeros();
     for_each_turn(
         rover,
         body,
-        #[inline(always)]
+        #[cfg_attr(feature = "batch", inline(always))]
         |_, coordinate| jacobian[coordinate] = S::from(1.0),
     );
     jacobian
 }
 
 /// Calls `f` with every body from `body` down to the chassis and the coordinate that turns it.
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 fn for_each_turn<S>(rover: &Rover<S>, body: usize, mut f: impl FnMut(usize, usize)) {
     let mut turning = body;
     loop {
@@ -145,7 +145,7 @@ fn for_each_turn<S>(rover: &Rover<S>, body: usize, mut f: impl FnMut(usize, usiz
 
 impl<S: Scalar> Point<S> {
     /// Jacobian of the component along `direction` in the first `n` coordinates.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn along(&self, direction: [S; 2], n: usize) -> Vector<S> {
         let mut row = zeros();
         for (i, entry) in row.iter_mut().enumerate().take(n) {

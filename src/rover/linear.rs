@@ -14,12 +14,12 @@ pub(crate) type Vector<S> = [S; MAX_COORDINATES];
 /// A square matrix over the generalised coordinates.
 pub(crate) type Matrix<S> = [Vector<S>; MAX_COORDINATES];
 
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 pub(crate) fn zeros<S: Scalar>() -> Vector<S> {
     [S::from(0.0); MAX_COORDINATES]
 }
 
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 pub(crate) fn dot<S: Scalar>(a: &Vector<S>, b: &Vector<S>, n: usize) -> S {
     let mut sum = S::from(0.0);
     for i in 0..n {
@@ -29,7 +29,7 @@ pub(crate) fn dot<S: Scalar>(a: &Vector<S>, b: &Vector<S>, n: usize) -> S {
 }
 
 /// `matrix += factor a b^T`.
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 pub(crate) fn add_outer<S: Scalar>(matrix: &mut Matrix<S>, factor: S, a: &Vector<S>, b: &Vector<S>, n: usize) {
     for i in 0..n {
         let scaled = factor * a[i];
@@ -40,7 +40,7 @@ pub(crate) fn add_outer<S: Scalar>(matrix: &mut Matrix<S>, factor: S, a: &Vector
 }
 
 /// `vector += factor a`.
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 pub(crate) fn add_scaled<S: Scalar>(vector: &mut Vector<S>, factor: S, a: &Vector<S>, n: usize) {
     for i in 0..n {
         vector[i] += factor * a[i];
@@ -64,7 +64,7 @@ enum Pivot<R> {
 impl<S: Scalar> Factors<S> {
     /// Factors `matrix`; `None` where it is singular or not finite (side by side: where any is).
     #[allow(clippy::needless_range_loop, reason = "two rows at a time")]
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn new(matrix: &Matrix<S>, n: usize) -> Option<Self> {
         let mut lu = *matrix;
         let mut pivots = [Pivot::Same(0); MAX_COORDINATES];
@@ -98,7 +98,7 @@ impl<S: Scalar> Factors<S> {
     }
 
     /// Solves for one right-hand side, which may carry derivatives that the matrix does not have.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn solve<T: Scalar + Mul<S, Output = T> + DivAssign<S>>(&self, right: &Vector<T>) -> Vector<T> {
         let mut x = *right;
         for k in 0..self.n {
@@ -132,7 +132,7 @@ impl<S: Scalar> Factors<S> {
 }
 
 /// The last of the rows from k on with the largest entry in column k; `None` where that is zero, or one is not finite.
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 fn pivot<S: Scalar>(lu: &Matrix<S>, k: usize, n: usize) -> Option<Pivot<S::Plain>> {
     let mut best = lu[k][k].plain().abs();
     let (mut sum, mut rows) = (best, S::Plain::from(k as f64));

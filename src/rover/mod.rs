@@ -137,7 +137,7 @@ impl<S: Scalar> Rover<S> {
     }
 
     /// The wheel as it is: that of the data sheet, changed by the effects.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub(crate) fn true_wheel(&self) -> Wheel<S> {
         let mut wheel = self.wheel;
         self.effects.wheel(&mut wheel);
@@ -145,7 +145,7 @@ impl<S: Scalar> Rover<S> {
     }
 
     /// The chassis as it is.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub(crate) fn true_body(&self) -> Body<S> {
         let mut body = self.body;
         self.effects.chassis(&mut body);
@@ -235,7 +235,7 @@ beside!(State { position, rate, wheels, start_x });
 
 impl<S: Scalar> State<S> {
     /// Takes the values of a state of the same rover over, without allocating.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub(crate) fn copy_from(&mut self, other: &Self) {
         self.position.copy_from_slice(&other.position);
         self.rate.copy_from_slice(&other.rate);

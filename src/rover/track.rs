@@ -29,7 +29,7 @@ impl<S: From<f64>> Default for Track<S> {
 
 impl<S: Scalar> Track<S> {
     /// Takes the foot's place over where it is in contact.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub(crate) fn extend(&mut self, x: S, covers: S::Mask) {
         self.low = S::select(covers, self.low.smaller(x), self.low);
         self.high = S::select(covers, self.high.larger(x), self.high);
@@ -37,7 +37,7 @@ impl<S: Scalar> Track<S> {
 
     /// How far the ground at `x` counts as passed: 0 at the ends and outside, 1 well inside.
     #[must_use]
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn covers(&self, x: S) -> S {
         let inside = self.low.below(x) & x.below(self.high);
         if !inside.any() {
@@ -49,7 +49,7 @@ impl<S: Scalar> Track<S> {
 
 /// Number of wheels that have passed the ground at `x`. Each counts once, however often it came; a wheel counts on its
 /// own track once it has reversed by the length of a contact: while it goes on, it stands at its track's end.
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 pub(super) fn passes<S: Scalar>(wheels: &[WheelState<S>], x: S) -> S {
     wheels.iter().fold(S::from(0.0), |sum, wheel| sum + wheel.track.covers(x))
 }

@@ -97,7 +97,7 @@ impl<S: Scalar> Terrain<S> {
 
     /// Height, slope and curvature at `x`. Beyond the samples of a sampled profile it goes on straight.
     #[must_use]
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn at(&self, x: S) -> Sample<S> {
         if let Some(several) = self.several.as_ref().filter(|several| several.shapes()) {
             let Sample { height, slope, curvature } = several.at(x.plain());
@@ -120,7 +120,7 @@ impl<S: Scalar> Terrain<S> {
     ///
     /// # Errors
     /// [`TerrainError`]: beyond the samples, too far from the ground, or not finite.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn foot(&self, centre: [S; 2]) -> Result<Foot<S>, TerrainError> {
         if let Some(several) = self.several.as_ref().filter(|several| several.shapes()) {
             return foot::on_several(several, centre);
@@ -143,7 +143,7 @@ impl<S: Scalar> Terrain<S> {
     }
 
     /// The soil at `x`: `base` with what the table says there; `base` itself, bit for bit, without a table.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     #[must_use]
     pub fn soil(&self, base: &Soil<S>, x: S) -> Soil<S> {
         if let Some(several) = &self.several {

@@ -55,10 +55,10 @@ fn level<S: Scalar>(height: S) -> Sample<S> {
 
 impl<S: Scalar> Sample<S> {
     /// `self`, or level ground at `height` where the mask says so.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn or_level(self, mask: S::Mask, height: S) -> Self {
         let choose = always(
-            #[inline(always)]
+            #[cfg_attr(feature = "batch", inline(always))]
             |level: S, own: S| S::select(mask, level, own),
         );
         Self {
@@ -87,7 +87,7 @@ impl<S: Scalar> Curve<S> for Slope<S> {
 }
 
 impl<S: Scalar> Curve<S> for Waves<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn at(&self, x: S) -> Sample<S> {
         let along = x - self.start;
         let before = along.under(0.0);
@@ -114,7 +114,7 @@ impl<S: Scalar> Curve<S> for Waves<S> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn most_bend(&self) -> S {
         let k = S::from(TAU) / self.wavelength;
         self.amplitude * k * k
@@ -134,7 +134,7 @@ impl<S: Scalar> Ditch<S> {
 }
 
 impl<S: Scalar> Curve<S> for Ditch<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn at(&self, x: S) -> Sample<S> {
         let along = x - self.position;
         let outside = (self.width * 0.5).at_most(along.abs());
@@ -161,7 +161,7 @@ impl<S: Scalar> Curve<S> for Ditch<S> {
         }
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn most_bend(&self) -> S {
         let k = S::from(TAU) / self.width;
         self.depth.abs() * 0.5 * k * k
@@ -180,7 +180,7 @@ impl<S: Scalar> Step<S> {
 }
 
 impl<S: Scalar> Curve<S> for Step<S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn at(&self, x: S) -> Sample<S> {
         let u = (x - self.position) / self.length;
         let (before, behind) = (u.at_most(S::from(0.0)), S::from(1.0).at_most(u));
@@ -205,7 +205,7 @@ impl<S: Scalar> Curve<S> for Step<S> {
         if from < left || to > right { face.max(0.0) } else { face }
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn most_bend(&self) -> S {
         // At the ends of the face; a little more than rounding makes of it.
         self.height.abs() * 6.000_001 / (self.length * self.length)

@@ -106,7 +106,7 @@ impl<'a, S: Scalar> Sum<'a, S> {
 }
 
 impl<S: Scalar> Curve<S> for Sum<'_, S> {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn at(&self, x: S) -> Sample<S> {
         let zero = S::from(0.0);
         let mut sample = Sample { height: zero, slope: zero, curvature: zero };

@@ -136,7 +136,7 @@ impl Samples {
     }
 
     /// The piece that holds `x`: [x_0, z_0, c_1, c_2, c_3].
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub(super) fn piece(&self, x: f64) -> [f64; 5] {
         let Piece { start, height, c } = self.pieces[self.locate(x)];
         [start, height, c[0], c[1], c[2]]
@@ -193,7 +193,7 @@ impl<S: Scalar> Curve<S> for Samples {
 }
 
 /// A piece at `x`, as [`Samples::piece`] gives it.
-#[inline(always)]
+#[cfg_attr(feature = "batch", inline(always))]
 pub(super) fn cubic<S: Scalar>(x: S, [start, height, c_1, c_2, c_3]: [S; 5]) -> Sample<S> {
     let u = x - start;
     Sample {

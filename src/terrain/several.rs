@@ -38,7 +38,7 @@ impl Several {
         )
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn at<R: Plain>(&self, x: R) -> Sample<R> {
         if self.sampled {
             return Curve::<R>::at(self, x);
@@ -52,7 +52,7 @@ impl Several {
         Sample { height: several(heights), slope: several(slopes), curvature: several(curvatures) }
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn foot<R: Plain>(&self, centre: [R; 2]) -> Result<Foot<R>, TerrainError> {
         let one = |k: usize| self.grounds[k].foot(centre.map(|c| c.lane(k)));
         if !self.sampled {
@@ -72,7 +72,7 @@ impl Several {
     }
 
     /// The soil at `x` where there are tables.
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     pub fn soil<S: Scalar>(&self, base: &Soil<S>, x: S) -> Soil<S> {
         if self.tables { self.soil_of_tables(base, x) } else { *base }
     }
@@ -98,7 +98,7 @@ impl Several {
 }
 
 impl<R: Plain> Curve<R> for Several {
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn at(&self, x: R) -> Sample<R> {
         let mut pieces = [[0.0; 8]; 5];
         for (k, ground) in self.grounds.iter().enumerate().take(8) {
@@ -114,7 +114,7 @@ impl<R: Plain> Curve<R> for Several {
         f64::INFINITY
     }
 
-    #[inline(always)]
+    #[cfg_attr(feature = "batch", inline(always))]
     fn most_bend(&self) -> R {
         R::from_lanes(|k| self.bends[k])
     }
