@@ -66,8 +66,13 @@ fn build(job: &Build) {
     cargo.env("CARGO_PROFILE_RELEASE_PANIC", "unwind").env("CARGO_PROFILE_RELEASE_STRIP", "symbols");
     // `cargo clippy` and the like put themselves between cargo and the compiler; this build is not theirs.
     cargo.env_remove("RUSTC_WORKSPACE_WRAPPER");
+    cargo.arg("--");
     if glibc.is_none() && job.target.ends_with("linux-gnu") {
-        cargo.arg("--").arg(without_libgcc_s(job.out));
+        cargo.arg(without_libgcc_s(job.out));
+    }
+    if job.features.is_empty() {
+        // 28 kB less, at the same speed.
+        cargo.arg("-Cllvm-args=-inline-threshold=0");
     }
     let output = cargo.output().unwrap_or_else(|error| panic!("cannot run {cargo:?} for the FMU library: {error}"));
     let messages = String::from_utf8_lossy(&output.stderr);

@@ -1,7 +1,6 @@
 //! Arrays of FMI 3.0: the same quantity of every wheel, link or obstacle as one variable.
 
 use super::{Causality, Entry, Kind};
-use std::collections::{BTreeMap, BTreeSet};
 
 /// Which entries of a description are shown together as one array; none by default.
 ///
@@ -9,64 +8,59 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Continuous states, their derivatives and enumerations stay by themselves.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Arrays {
-    /// References of the elements, by that of the first.
-    elements: BTreeMap<usize, Vec<usize>>,
-    /// Elements but the first.
-    hidden: BTreeSet<usize>,
+    /// References of each array's elements, in the order of the first.
+    arrays: Vec<Vec<usize>>,
 }
 
 impl Arrays {
     /// All arrays that `entries` allow: at least two numbered parts, of one causality, variability, unit and range.
     #[must_use]
     pub fn of(entries: &[Entry]) -> Self {
-        let states: BTreeSet<usize> = entries.iter().filter_map(|entry| entry.derivative_of).collect();
-        let mut groups: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+        let mut groups: Vec<(String, Vec<usize>)> = Vec::new();
         for (reference, entry) in entries.iter().enumerate() {
-            let alone = entry.kind != Kind::Real || entry.derivative_of.is_some() || states.contains(&reference);
-            if let Some((name, _)) = numbered(&entry.variable.name).filter(|_| !alone) {
-                groups.entry(name).or_default().push(reference);
+            let state = entries.iter().any(|other| other.derivative_of == Some(reference));
+            let alone = state || entry.kind != Kind::Real || entry.derivative_of.is_some();
+            let Some((name, _)) = numbered(&entry.variable.name).filter(|_| !alone) else { continue };
+            match groups.iter_mut().find(|(other, _)| *other == name) {
+                Some((_, elements)) => elements.push(reference),
+                None => groups.push((name, vec![reference])),
             }
         }
-        let mut arrays = Self::default();
-        for (name, elements) in groups {
-            let fits = elements.len() > 1
-                && entries.iter().all(|entry| entry.variable.name != name)
+        groups.retain(|(name, elements)| {
+            elements.len() > 1
+                && entries.iter().all(|entry| entry.variable.name != *name)
                 && elements.iter().enumerate().all(|(k, reference)| {
                     let number = numbered(&entries[*reference].variable.name).map(|(_, number)| number);
                     number == Some(k + 1) && alike(&entries[*reference], &entries[elements[0]])
-                });
-            if fits {
-                arrays.hidden.extend(&elements[1..]);
-                arrays.elements.insert(elements[0], elements);
-            }
-        }
-        arrays
+                })
+        });
+        Self { arrays: groups.into_iter().map(|(_, elements)| elements).collect() }
     }
 
     /// Whether every entry is shown by itself.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.elements.is_empty()
+        self.arrays.is_empty()
     }
 
     /// The references of an array's elements, where `reference` is one's.
     #[must_use]
     pub fn elements(&self, reference: usize) -> Option<&[usize]> {
-        self.elements.get(&reference).map(Vec::as_slice)
+        let place = self.arrays.binary_search_by_key(&reference, |elements| elements[0]).ok()?;
+        Some(&self.arrays[place])
     }
 
     /// The reference under which an entry is shown and its place there, from 0 on.
     #[must_use]
     pub fn shown(&self, reference: usize) -> (usize, usize) {
-        let held =
-            self.elements.iter().find_map(|(first, all)| Some((*first, all.iter().position(|r| *r == reference)?)));
-        held.unwrap_or((reference, 0))
+        let place = |elements: &Vec<usize>| Some((elements[0], elements.iter().position(|other| *other == reference)?));
+        self.arrays.iter().find_map(place).unwrap_or((reference, 0))
     }
 
     /// Whether a reference is that of a later element, which no variable has.
     #[must_use]
     pub fn hides(&self, reference: usize) -> bool {
-        self.hidden.contains(&reference)
+        self.shown(reference).1 > 0
     }
 
     /// The name under which an entry is shown.
