@@ -18,13 +18,17 @@ fn main() {
     let root = canonical(&Path::new(&variable("CARGO_MANIFEST_DIR")).join(ROOT));
     let manifest = root.join("fmu/Cargo.toml");
     let target = variable("TARGET").into_string().unwrap_or_else(|name| panic!("target {name:?} is not a text"));
-    // A target directory of its own: the outer cargo holds the lock of the other one.
     let out = PathBuf::from(variable("OUT_DIR"));
-    let directory = out.join("target");
+    let glibc = env::var_os(GLIBC).map(|version| version.to_string_lossy().into_owned());
     let (prefix, extension) = names();
-    for (name, features) in [("PLAIN", ""), ("RIGID", "rigid")] {
-        let built = directory.join(&target).join("release").join(format!("{prefix}bekker_fmu.{extension}"));
-        build(&Build { manifest: &manifest, target: &target, directory: &directory, features, out: &out });
+    let libraries = [("PLAIN", ""), ("RIGID", "rigid")].map(|(name, features)| {
+        let directory = shared(&out, name, glibc.as_deref());
+        (name, Build { manifest: &manifest, target: &target, directory, features, glibc: glibc.as_deref() })
+    });
+    // Side by side: the linker's optimisation, which takes most of the time, has one thread.
+    std::thread::scope(|scope| libraries.iter().for_each(|(_, library)| drop(scope.spawn(|| build(library)))));
+    for (name, library) in libraries {
+        let built = library.directory.join(&target).join("release").join(format!("{prefix}bekker_fmu.{extension}"));
         let kept = out.join(format!("{name}.{extension}"));
         std::fs::copy(&built, &kept).unwrap_or_else(|error| panic!("cannot copy `{}`: {error}", built.display()));
         watch(&built.with_extension("d"), &root);
@@ -40,26 +44,36 @@ fn main() {
 struct Build<'a> {
     manifest: &'a Path,
     target: &'a str,
-    directory: &'a Path,
+    directory: PathBuf,
     features: &'a str,
-    out: &'a Path,
+    glibc: Option<&'a str>,
 }
 
 /// The oldest glibc that the library shall load with (`2.17`), by cargo-zigbuild; without it, that of this machine.
 const GLIBC: &str = "BEKKER_FMU_GLIBC";
 
+/// The target directory of one library. It is not the outer one, whose lock the outer cargo holds, but lies in it,
+/// beside the profiles' folders: tests, lints and the Python package, which each run this script anew, find the library
+/// built. What the compiler is not told, and cargo would not notice, is in the folder's name.
+fn shared(out: &Path, name: &str, glibc: Option<&str>) -> PathBuf {
+    // <target>/<profile>/build/<crate>/out
+    let outer = out.ancestors().nth(4).unwrap_or_else(|| panic!("`{}` is not in a target directory", out.display()));
+    let glibc = glibc.map(|version| format!("-glibc-{version}")).unwrap_or_default();
+    outer.join("fmu-libraries").join(name.to_lowercase() + &glibc)
+}
+
 fn build(job: &Build) {
-    let glibc = env::var_os(GLIBC).map(|version| version.to_string_lossy().into_owned());
+    let Build { glibc, directory, .. } = job;
     let mut cargo = Command::new(if glibc.is_some() { OsString::from("cargo-zigbuild") } else { variable("CARGO") });
-    let target = glibc.as_ref().map_or(job.target.to_owned(), |version| format!("{}.{version}", job.target));
+    let target = glibc.map_or(job.target.to_owned(), |version| format!("{}.{version}", job.target));
     // Offline: whatever the library needs, the outer build has needed and fetched.
     cargo.args(["rustc", "--offline", "--lib", "--crate-type", "cdylib", "--release", "--target", &target]);
     cargo.args(["--no-default-features", "--features", job.features]);
-    cargo.arg("--manifest-path").arg(job.manifest).arg("--target-dir").arg(job.directory);
+    cargo.arg("--manifest-path").arg(job.manifest).arg("--target-dir").arg(directory);
     cargo.env("CARGO_PROFILE_RELEASE_LTO", "fat").env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "1");
     if job.features.is_empty() {
-        // Small: it travels in every FMU. With `z` for parts of it, it is larger. With `s` it simulates 195 s a second where level 3 does
-        // 204; results are the same bits. Rapier, in the other library, must be fast.
+        // Small: it travels in every FMU. With `z` for parts of it, it is larger. Results are the same bits. Rapier, in
+        // the other library, must be fast.
         cargo.env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "s");
     }
     // A panic must be caught at the C border, so it has to unwind.
@@ -68,10 +82,10 @@ fn build(job: &Build) {
     cargo.env_remove("RUSTC_WORKSPACE_WRAPPER");
     cargo.arg("--");
     if glibc.is_none() && job.target.ends_with("linux-gnu") {
-        cargo.arg(without_libgcc_s(job.out));
+        cargo.arg(without_libgcc_s(directory));
     }
     if job.features.is_empty() {
-        // 28 kB less, at the same speed.
+        // 28 kB less; what must be fast is marked in the core.
         cargo.arg("-Cllvm-args=-inline-threshold=0");
     }
     let output = cargo.output().unwrap_or_else(|error| panic!("cannot run {cargo:?} for the FMU library: {error}"));
@@ -81,8 +95,8 @@ fn build(job: &Build) {
 
 /// The compiler asks for the shared `libgcc_s`, which a host may lack; a linker script of that name gives it the
 /// static parts instead.
-fn without_libgcc_s(out: &Path) -> String {
-    let folder = out.join("link");
+fn without_libgcc_s(directory: &Path) -> String {
+    let folder = directory.join("link");
     let script = "/* GNU ld script: unwinding from the static library. */\nGROUP ( -lgcc_eh -lgcc -lc )\n";
     let written = std::fs::create_dir_all(&folder).and_then(|()| std::fs::write(folder.join("libgcc_s.so"), script));
     written.unwrap_or_else(|error| panic!("cannot write in `{}`: {error}", folder.display()));

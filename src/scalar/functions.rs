@@ -16,7 +16,7 @@ const FRAC_PI_2: [f64; 3] = [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11,
 const LARGE_ANGLE: f64 = 1e6;
 
 /// Horner's scheme, highest power first.
-#[cfg_attr(feature = "batch", inline(always))]
+#[inline(always)]
 fn horner<R: Plain, const N: usize>(x: R, coefficients: [f64; N]) -> R {
     let mut sum = R::from(coefficients[0]);
     for coefficient in coefficients.into_iter().skip(1) {
@@ -26,7 +26,7 @@ fn horner<R: Plain, const N: usize>(x: R, coefficients: [f64; N]) -> R {
 }
 
 /// The sum of c_i x^i in pairs (Estrin's scheme): half the chain of dependent operations.
-#[cfg_attr(feature = "batch", inline(always))]
+#[inline(always)]
 fn pairs<R: Plain, const N: usize>(x: R, coefficients: [[f64; 2]; N]) -> R {
     let squared = x * x;
     let mut sum = x * coefficients[0][0] + coefficients[0][1];
@@ -37,7 +37,7 @@ fn pairs<R: Plain, const N: usize>(x: R, coefficients: [[f64; 2]; N]) -> R {
 }
 
 /// e^x; relative error under 3e-16 for -708 <= x <= 709. Below it stays at e^-708, above 710 it is infinite.
-#[cfg_attr(feature = "batch", inline(always))]
+#[inline(always)]
 pub fn exp<R: Plain>(x: R) -> R {
     let x = x.larger(R::from(-708.0)).smaller(R::from(710.0));
     let shifted = x * LOG2_E + ROUNDING;
@@ -59,7 +59,7 @@ pub fn exp<R: Plain>(x: R) -> R {
 }
 
 /// Sine and cosine; absolute error under 2e-16 for |x| <= 1e6, libm's beyond.
-#[cfg_attr(feature = "batch", inline(always))]
+#[inline(always)]
 pub fn sin_cos<R: Plain>(x: R) -> (R, R) {
     let shifted = x * FRAC_2_PI + ROUNDING;
     let quarter = shifted - ROUNDING;
@@ -100,7 +100,7 @@ pub fn sin_cos<R: Plain>(x: R) -> (R, R) {
 }
 
 /// Natural logarithm of a positive normal number; relative error under 3e-16 (absolute near 1: 1e-16).
-#[cfg_attr(feature = "batch", inline(always))]
+#[inline(always)]
 pub fn ln<R: Plain>(x: R) -> R {
     let (m, k) = x.split();
     let f = m - 1.0;
@@ -124,7 +124,7 @@ pub fn ln<R: Plain>(x: R) -> R {
 
 /// x^n for x >= 0 and a finite result: exp(n ln x), `x` itself for n = 1, and 0 below the smallest normal number.
 /// Relative error under 4e-16 (1 + |n ln x|).
-#[cfg_attr(feature = "batch", inline(always))]
+#[inline(always)]
 pub fn power<R: Plain>(x: R, exponent: R) -> R {
     // The thesis's soil has n = 1, where the power takes longer than the rest of a node.
     let plain = exponent.same(R::from(1.0));

@@ -41,22 +41,22 @@ pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output
 }
 
 impl Mask for bool {
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn any(self) -> bool {
         self
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn all(self) -> bool {
         self
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn lane(self, _: usize) -> bool {
         self
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn from_lanes(mut f: impl FnMut(usize) -> bool) -> Self {
         f(0)
     }
@@ -119,55 +119,55 @@ pub trait Scalar: DualNum<Primitive = f64> + Copy + Send + Sync {
 
     /// Whether it is less than another, by their real parts.
     #[must_use]
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn below(self, other: Self) -> Self::Mask {
         self.plain().less(other.plain())
     }
 
     /// Whether it is no more than another, by their real parts.
     #[must_use]
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn at_most(self, other: Self) -> Self::Mask {
         self.plain().less_or_same(other.plain())
     }
 
     /// Whether it is less than a constant.
     #[must_use]
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn under(self, limit: f64) -> Self::Mask {
         self.plain().less(limit.into())
     }
 
     /// Whether it is more than a constant.
     #[must_use]
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn over(self, limit: f64) -> Self::Mask {
         Self::Plain::from(limit).less(self.plain())
     }
 
     /// The smaller of two numbers, by their real parts.
     #[must_use]
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn smaller(self, other: Self) -> Self {
         Self::select(other.below(self), other, self)
     }
 
     /// The larger of two numbers, by their real parts.
     #[must_use]
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn larger(self, other: Self) -> Self {
         Self::select(self.below(other), other, self)
     }
 
     /// `self`, or its negative where the mask says so.
     #[must_use]
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn negative_where(self, mask: Self::Mask) -> Self {
         Self::select(mask, -self, self)
     }
 
     /// Calls `f`, compiled for the instructions that numbers side by side live on.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn wide<T>(f: impl FnOnce() -> T) -> T {
         f()
     }
@@ -212,7 +212,7 @@ pub trait Plain: Scalar<Plain = Self> {
 
     /// `f` of each number.
     #[must_use]
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn each(self, mut f: impl FnMut(f64) -> f64) -> Self {
         Self::from_lanes(|k| f(self.lane(k)))
     }
@@ -220,7 +220,7 @@ pub trait Plain: Scalar<Plain = Self> {
 
 /// The closure itself. An attribute `#[inline(always)]` may stand before an argument, not before a value of `let`; what is not
 /// inlined is not compiled for the instructions of [`Scalar::wide`].
-#[cfg_attr(feature = "batch", inline(always))]
+#[inline(always)]
 pub(crate) fn always<F>(f: F) -> F {
     f
 }
@@ -244,17 +244,17 @@ impl Scalar for f64 {
     type Mask = bool;
     type Plain = f64;
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn plain(self) -> f64 {
         self
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn from_plain(plain: f64) -> f64 {
         plain
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn select(mask: bool, yes: f64, no: f64) -> f64 {
         if mask { yes } else { no }
     }
@@ -298,42 +298,42 @@ impl Scalar for f64 {
 impl Plain for f64 {
     const LANES: usize = 1;
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn lane(self, _: usize) -> f64 {
         self
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn from_lanes(mut f: impl FnMut(usize) -> f64) -> f64 {
         f(0)
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn less(self, other: f64) -> bool {
         self < other
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn less_or_same(self, other: f64) -> bool {
         self <= other
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn same(self, other: f64) -> bool {
         self == other
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn power_of_two(self) -> f64 {
         f64::from_bits(self.to_bits().wrapping_add(1023) << 52)
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn bit(self, k: u32) -> bool {
         self.to_bits() >> k & 1 != 0
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn split(self) -> (f64, f64) {
         let shifted = self.to_bits().wrapping_add(SPLIT_SHIFT);
         let exponent = f64::from_bits(shifted >> 52 | SPLIT_MAGIC) - SPLIT_BIAS;
@@ -345,17 +345,17 @@ impl<const N: usize> Scalar for Dual<N> {
     type Mask = bool;
     type Plain = f64;
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn plain(self) -> f64 {
         self.re
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn from_plain(plain: f64) -> Self {
         Self::from(plain)
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[inline(always)]
     fn select(mask: bool, yes: Self, no: Self) -> Self {
         if mask { yes } else { no }
     }

@@ -5,7 +5,7 @@ use super::outputs::{measurements, readings};
 use super::place::Place;
 use super::state::{read_list, write_list};
 use super::tuning::wanted;
-use super::{Kind, description};
+use super::{Packed, description};
 use crate::model::{Failure, Model, Outcome};
 use bekker::model::{ControlKind, ControllerRun, Model as RoverModel};
 use bekker::snapshot::{Fingerprint, Reader, SnapshotError, Writer, close, open};
@@ -48,7 +48,7 @@ impl Controller {
     ///
     /// # Errors
     /// A sentence where a parameter makes no sense to it.
-    pub fn new(model: RoverModel, text: &str) -> Result<Self, String> {
+    pub fn new(model: RoverModel, packed: Packed) -> Result<Self, String> {
         let mode = usual_mode(&model);
         let run = in_mode(&model, mode).start_controller().map_err(|error| error.to_string())?;
         let mut entries = vec![Entry::time(), mode_entry(mode)];
@@ -69,7 +69,7 @@ impl Controller {
         let outputs = inputs.end..entries.len();
         let values: Vec<f64> = entries.iter().map(|entry| entry.start).collect();
         let (tuned, applied) = (model.clone(), values[parameters.clone()].to_vec());
-        let description = Arc::new(description(&model, Kind::Controller, run.period(), text, entries)?);
+        let description = Arc::new(description(&model, packed, run.period(), entries));
         Ok(Self { description, model, tuned, applied, run, mode, values, parameters, inputs, outputs, time: 0.0 })
     }
 

@@ -1,12 +1,10 @@
 //! What of a model an FMU offers.
 
 use bekker::model::{ControlKind, Model};
-use serde::Deserialize;
 use std::str::FromStr;
 
 /// What of a model an FMU offers: `kind` in the section `[fmu]` of the packed model file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// The plant: wheel torques or speeds in (whichever the model has, torques where it has a controller), true and
     /// measured signals out.
@@ -42,6 +40,12 @@ impl Kind {
         }
     }
 
+    fn from_word(word: &str) -> Result<Self, String> {
+        let all = [Self::Rover, Self::Controller, Self::RoverWithController];
+        let found = all.into_iter().find(|kind| kind.word() == word);
+        found.ok_or_else(|| format!("`fmu.kind` = `{word}`: expected one of {}", all.map(Self::word).join(", ")))
+    }
+
     /// What the FMU is, for people.
     pub(super) fn about(self) -> &'static str {
         match self {
@@ -62,8 +66,7 @@ impl Kind {
 }
 
 /// The section `[fmu]` of a packed model file: what of the model the FMU offers, and how.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Offer {
     /// What of the model; the usual kind where missing.
     pub kind: Option<Kind>,
@@ -78,13 +81,23 @@ impl Offer {
     /// # Errors
     /// A sentence where the file is not TOML or the section has something unknown.
     pub fn of(text: &str) -> Result<Self, String> {
-        #[derive(Deserialize)]
-        struct File {
-            #[serde(default)]
-            fmu: Offer,
+        let mut file: toml::Table = toml::from_str(text).map_err(|error| error.to_string())?;
+        let section = match file.remove("fmu") {
+            None => return Ok(Self::default()),
+            Some(toml::Value::Table(section)) => section,
+            Some(other) => return Err(wrong("fmu", "a table", &other)),
+        };
+        let mut offer = Self::default();
+        for (key, value) in section {
+            match (key.as_str(), value) {
+                ("kind", toml::Value::String(word)) => offer.kind = Some(Kind::from_word(&word)?),
+                ("arrays", toml::Value::Boolean(arrays)) => offer.arrays = arrays,
+                ("kind", other) => return Err(wrong("fmu.kind", "a text", &other)),
+                ("arrays", other) => return Err(wrong("fmu.arrays", "true or false", &other)),
+                _ => return Err(format!("`fmu.{key}`: expected one of the keys kind, arrays")),
+            }
         }
-        let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
-        Ok(file.fmu)
+        Ok(offer)
     }
 
     /// `text`, the model file of `model`, with this offer in it. What is usual is not written.
@@ -101,6 +114,10 @@ impl Offer {
         }
         text
     }
+}
+
+fn wrong(key: &str, expected: &str, found: &toml::Value) -> String {
+    format!("`{key}`: expected {expected}, found {}", found.type_str())
 }
 
 impl From<Kind> for Offer {

@@ -67,10 +67,20 @@ pub fn load(folder: &Path) -> Result<Box<dyn Model>, String> {
 /// A sentence where the text is no valid model, or has not what its kind needs.
 pub fn parse(text: &str) -> Result<Box<dyn Model>, String> {
     let model = RoverModel::from_toml(text, None).map_err(|error| error.to_string())?;
-    Ok(match Offer::of(text)?.kind.unwrap_or_else(|| Kind::usual(&model)) {
-        Kind::Controller => Box::new(Controller::new(model, text)?),
-        kind => Box::new(Rover::new(model, kind, text)?),
+    let offer = Offer::of(text)?;
+    let packed = Packed { text, kind: offer.kind.unwrap_or_else(|| Kind::usual(&model)), arrays: offer.arrays };
+    Ok(match packed.kind {
+        Kind::Controller => Box::new(Controller::new(model, packed)?),
+        _ => Box::new(Rover::new(model, packed)?),
     })
+}
+
+/// A packed model file and what of its model the FMU offers.
+#[derive(Clone, Copy)]
+struct Packed<'a> {
+    text: &'a str,
+    kind: Kind,
+    arrays: bool,
 }
 
 /// Model file and description of a model's FMU, found in the way in which the library will find them again.
@@ -95,19 +105,13 @@ pub fn describe_as(model: &RoverModel, offer: impl Into<Offer>) -> Result<(Strin
     Ok((text, description))
 }
 
-fn description(
-    model: &RoverModel,
-    kind: Kind,
-    inner_step: f64,
-    text: &str,
-    entries: Vec<Entry>,
-) -> Result<Description, String> {
+fn description(model: &RoverModel, packed: Packed, inner_step: f64, entries: Vec<Entry>) -> Description {
     let step = (USUAL_STEP / inner_step).round().max(1.0) * inner_step;
-    let arrays = if Offer::of(text)?.arrays { Arrays::of(&entries) } else { Arrays::default() };
-    Ok(Description {
+    let arrays = if packed.arrays { Arrays::of(&entries) } else { Arrays::default() };
+    Description {
         name: model.name.clone(),
         identifier: identifier(&model.name),
-        description: format!("{}: {}", model.name, kind.about()),
+        description: format!("{}: {}", model.name, packed.kind.about()),
         version: env!("CARGO_PKG_VERSION").into(),
         license: env!("CARGO_PKG_LICENSE").into(),
         generation_tool: concat!("Bekker ", env!("CARGO_PKG_VERSION")).into(),
@@ -115,8 +119,8 @@ fn description(
         inner_step,
         date: None,
         log_categories: crate::LOG_CATEGORIES,
-        content: text.to_owned(),
+        content: packed.text.to_owned(),
         entries,
         arrays,
-    })
+    }
 }

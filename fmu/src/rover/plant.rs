@@ -3,7 +3,7 @@
 use super::continuous::Ordinary;
 use super::outputs::{event, measurements, number, write_readings};
 use super::place::Place;
-use super::{Kind, USUAL_STEP, description};
+use super::{Kind, Packed, USUAL_STEP, description};
 use crate::model::{Continuous, Failure, Model, Outcome};
 use bekker::model::{ControlKind, Model as RoverModel, Plant, Run};
 use bekker::simulation::Status;
@@ -53,7 +53,8 @@ impl Rover {
     ///
     /// # Errors
     /// A sentence where the model does not start.
-    pub fn new(mut model: RoverModel, kind: Kind, text: &str) -> Result<Self, String> {
+    pub fn new(mut model: RoverModel, packed: Packed) -> Result<Self, String> {
+        let kind = packed.kind;
         let mut sensing = None;
         if kind == Kind::Rover && model.control.kind != ControlKind::SpeedLoop {
             sensing = Some(reading_period(&model)?);
@@ -90,7 +91,7 @@ impl Rover {
         let (states, derivatives) = (group(states), group(derivatives));
         let references = References { parameters, inputs, signals, measured, event, states, derivatives };
         let values: Vec<f64> = entries.iter().map(|entry| entry.start).collect();
-        let description = Arc::new(description(&model, kind, run.step_size(), text, entries)?);
+        let description = Arc::new(description(&model, packed, run.step_size(), entries));
         let mut rover = Self {
             description,
             before: vec![0.0; references.signals.len()],
