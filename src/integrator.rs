@@ -14,9 +14,9 @@ use crate::contact::Forces;
 use crate::rover::dynamics::{DynamicsError, Evaluation, WheelEvaluation};
 use crate::rover::linear::{Factors, Matrix, Vector, add_outer, add_scaled, dot, zeros};
 use crate::rover::{Rover, State};
-use crate::scalar::{Scalar, always, beside};
+use crate::scalar::{Scalar, always};
 use crate::signals::{Command, Drive};
-use crate::snapshot::moving;
+use crate::snapshot::moving_beside;
 
 /// gamma = 1 - 1/sqrt 2.
 pub(crate) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
@@ -70,8 +70,7 @@ pub(crate) struct Integrator<S = f64> {
     condensed: Vec<Condensed<S>>,
 }
 
-moving!(Integrator { now } { ahead, predicted, first, second, condensed });
-beside!(Integrator { now } { ahead, predicted, first, second, condensed });
+moving_beside!(Integrator { now } { ahead, predicted, first, second, condensed });
 
 impl<S: Scalar> Integrator<S> {
     pub fn new(rover: &Rover<S>, state: &State<S>) -> Self {
@@ -194,29 +193,20 @@ impl<S: Scalar> Integrator<S> {
     ) -> Result<(), DynamicsError> {
         S::wide(
             #[cfg_attr(feature = "batch", inline(always))]
-            || self.stages_side_by_side(rover, state, command, h),
+            || {
+                let gh = GAMMA * h;
+                let factors = self.condense(rover, command.drive, gh)?;
+                self.first.set(rover, state, &self.now);
+                self.first.solve(rover, &self.now, &self.condensed, &factors, command.drive, gh);
+                self.predicted.copy_from(state);
+                self.first.add_to(&mut self.predicted, h);
+                self.ahead.update(rover, &self.predicted, command)?;
+                self.second.set(rover, &self.predicted, &self.ahead);
+                self.second.add_scaled(&self.first, -2.0, rover.coordinates());
+                self.second.solve(rover, &self.now, &self.condensed, &factors, command.drive, gh);
+                Ok(())
+            },
         )
-    }
-
-    #[cfg_attr(feature = "batch", inline(always))]
-    fn stages_side_by_side<C: Copy + Into<S>>(
-        &mut self,
-        rover: &Rover<S>,
-        state: &State<S>,
-        command: &Command<C>,
-        h: f64,
-    ) -> Result<(), DynamicsError> {
-        let gh = GAMMA * h;
-        let factors = self.condense(rover, command.drive, gh)?;
-        self.first.set(rover, state, &self.now);
-        self.first.solve(rover, &self.now, &self.condensed, &factors, command.drive, gh);
-        self.predicted.copy_from(state);
-        self.first.add_to(&mut self.predicted, h);
-        self.ahead.update(rover, &self.predicted, command)?;
-        self.second.set(rover, &self.predicted, &self.ahead);
-        self.second.add_scaled(&self.first, -2.0, rover.coordinates());
-        self.second.solve(rover, &self.now, &self.condensed, &factors, command.drive, gh);
-        Ok(())
     }
 
     /// Warms the windings over the step of size `h` just made, where they warm.

@@ -42,29 +42,36 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#![cfg_attr(not(feature = "batch"), allow(dead_code, reason = "what only a batch uses of the modules that it shares"))]
+
 #[cfg(feature = "batch")]
 pub mod batch;
 pub mod contact;
 pub mod control;
+#[cfg(feature = "experiments")]
 pub mod diagnosis;
 pub mod effects;
 pub mod equations;
 pub mod estimation;
 mod integrator;
 pub mod linear_stress;
+#[cfg(feature = "experiments")]
 pub mod measurement;
 pub mod model;
 pub mod motor;
 pub mod obstacle;
+#[cfg(feature = "experiments")]
 mod parallel;
 mod recording;
 #[cfg(feature = "report")]
 pub mod report;
+#[cfg(feature = "experiments")]
 pub mod reproduction;
 #[cfg(feature = "rigid")]
 pub mod rigid;
 pub mod rover;
 pub mod scalar;
+#[cfg(feature = "experiments")]
 pub mod script;
 pub mod sensors;
 pub mod signals;

@@ -2,8 +2,7 @@
 
 use crate::effects::{Effects, ExpressionFailure};
 use crate::scalar::Scalar;
-use crate::scalar::beside;
-use crate::snapshot::moving;
+use crate::snapshot::moving_beside;
 use bekker_modeldescription::{Unit, parameters};
 
 parameters! {
@@ -22,8 +21,7 @@ parameters! {
     }
 }
 
-moving!(Motor { gear_ratio, torque_constant, resistance, inverse_torque_limit, inverse_current_limit });
-beside!(Motor { gear_ratio, torque_constant, resistance, inverse_torque_limit, inverse_current_limit });
+moving_beside!(Motor { gear_ratio, torque_constant, resistance, inverse_torque_limit, inverse_current_limit });
 
 /// What one drive gives at one instant; torques on the wheel's side of the gear, N m.
 #[derive(Clone, Copy, Debug)]

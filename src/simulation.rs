@@ -4,10 +4,9 @@ use crate::integrator::Integrator;
 use crate::recording::Recorder;
 use crate::rover::dynamics::{DynamicsError, Evaluation, Powers};
 use crate::rover::{Rover, SettleError, State};
-use crate::scalar::beside;
 use crate::scalar::{Mask, Plain, Scalar, always};
 use crate::signals::{Command, Drive, Signals};
-use crate::snapshot::{Moving, Reader, SnapshotError, Writer, moving, moving_code};
+use crate::snapshot::{Moving, Reader, SnapshotError, Writer, moving, moving_beside, moving_code};
 use crate::terrain::TerrainError;
 use num_traits::Signed;
 use std::fmt;
@@ -61,6 +60,30 @@ pub enum Status {
     Running,
     /// It has ended; further steps change nothing.
     Ended(Event),
+}
+
+impl Status {
+    /// What [`Status::word`] may say, as scripts, FMUs and the environment write it.
+    pub const WORDS: [&str; 6] = ["running", "stuck", "tipped_over", "belly_contact", "left_terrain", "sunk_to_axle"];
+
+    /// Its place among [`Status::WORDS`].
+    #[must_use]
+    pub fn place(self) -> usize {
+        match self {
+            Status::Running => 0,
+            Status::Ended(Event::Stuck) => 1,
+            Status::Ended(Event::TippedOver) => 2,
+            Status::Ended(Event::BellyContact) => 3,
+            Status::Ended(Event::LeftTerrain) => 4,
+            Status::Ended(Event::SunkToAxle) => 5,
+        }
+    }
+
+    /// One word for it.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        Self::WORDS[self.place()]
+    }
 }
 
 impl Moving for Status {
@@ -143,8 +166,7 @@ pub(crate) struct Energies<S> {
     pub other_loss: S,
 }
 
-moving!(Energies<f64> { dissipated, electrical, drive, soil_loss, other_loss });
-beside!(Energies { dissipated, electrical, drive, soil_loss, other_loss });
+moving_beside!(Energies<f64> { dissipated, electrical, drive, soil_loss, other_loss });
 
 /// Progress since the present window of rim travel began.
 #[derive(Clone, Copy, Debug, Default)]
@@ -155,8 +177,7 @@ pub(crate) struct Window<R = f64> {
     rim_progress: R,
 }
 
-moving!(Window { start_x, rim_travel, rim_progress });
-beside!(Window { start_x, rim_travel, rim_progress });
+moving_beside!(Window { start_x, rim_travel, rim_progress });
 
 impl<R: Plain> Window<R> {
     /// A window that begins at `x`.
@@ -248,8 +269,7 @@ pub(crate) struct Motion<S: Scalar = f64> {
 }
 
 // Of the integrator's memory only the evaluation at the present state outlives a step.
-moving!(Motion<f64> { state, integrator, energies, window });
-beside!(Motion { state, integrator, energies, window });
+moving_beside!(Motion<f64> { state, integrator, energies, window });
 
 impl<S: Scalar> Motion<S> {
     /// A rover in `state` under `command`.

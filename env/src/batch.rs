@@ -2,7 +2,7 @@
 
 use crate::error::{self, InputError, SimulationError};
 use crate::measured;
-use crate::run::{Run, id, row};
+use crate::run::{Run, row};
 use bekker::batch::{Batch as CoreBatch, BatchError};
 use bekker::simulation::Status;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
@@ -34,9 +34,13 @@ pub struct Batch {
 }
 
 /// Words for `codes`, by place. A run that failed is not running any more, and its error tells why.
-pub const STATUSES: [&str; 7] =
-    ["running", "stuck", "tipped_over", "belly_contact", "left_terrain", "sunk_to_axle", "failed"];
-const FAILED: usize = STATUSES.len() - 1;
+pub const STATUSES: [&str; FAILED + 1] = {
+    let mut words = ["failed"; FAILED + 1];
+    let (known, _) = words.split_at_mut(FAILED);
+    known.copy_from_slice(&Status::WORDS);
+    words
+};
+const FAILED: usize = Status::WORDS.len();
 
 #[pymethods]
 impl Batch {
@@ -88,7 +92,7 @@ impl Batch {
     fn replace(&mut self, py: Python<'_>, index: usize, run: &Run) -> PyResult<()> {
         self.inside(index)?;
         let run = run.taken()?;
-        let (status, values) = (place(run.status()), row(run.signals()));
+        let (status, values) = (run.status().place(), row(run.signals()));
         self.core.replace(index, run).map_err(|refused| failed(&refused))?;
         let width = values.len();
         let mine = index * width..(index + 1) * width;
@@ -168,7 +172,7 @@ impl Batch {
         written(py, "signals", &self.signals, |all| self.core.signals(all))?;
         written(py, "codes", &self.codes, |codes| {
             for (index, (code, status)) in codes.iter_mut().zip(self.core.statuses()).enumerate() {
-                *code = if self.core.error(index).is_some() { FAILED } else { place(*status) } as u8;
+                *code = if self.core.error(index).is_some() { FAILED } else { status.place() } as u8;
             }
         })?;
         let Some(measured) = &self.measured else { return Ok(()) };
@@ -199,10 +203,6 @@ fn written<T: numpy::Element, D: numpy::ndarray::Dimension>(
 
 fn copy(all: &mut [f64], mine: std::ops::Range<usize>, values: &[f64]) {
     all[mine].copy_from_slice(values);
-}
-
-fn place(status: Status) -> usize {
-    STATUSES.iter().position(|word| *word == id(status)).unwrap_or(FAILED)
 }
 
 fn refuse(name: &str, why: &impl std::fmt::Display) -> PyErr {

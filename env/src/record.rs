@@ -2,7 +2,7 @@
 
 use crate::error::{self, InputError};
 use crate::model::Model;
-use crate::run::{Refused, event, id, row};
+use crate::run::{Refused, event, row};
 use bekker::model::Run;
 use bekker::simulation::Status;
 use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike2, PyArrayMethods};
@@ -56,7 +56,7 @@ pub fn record<'py>(
     }
     let width = tape.signals.len() / tape.time.len();
     let signals = PyArray1::from_vec(py, tape.signals).reshape([tape.time.len(), width])?;
-    Ok((PyArray1::from_vec(py, tape.time), signals, id(run.status()), event(run.status())))
+    Ok((PyArray1::from_vec(py, tape.time), signals, run.status().word(), event(run.status())))
 }
 
 fn drive(run: &mut Run, tape: &mut Tape, rows: &[Vec<f64>], steps: u64) -> Result<(), Refused> {

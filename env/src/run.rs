@@ -5,7 +5,7 @@ use crate::measured;
 use bekker::model::{Run as CoreRun, RunError};
 use bekker::modeldescription::{Lookup, Parameters};
 use bekker::signals::Signals;
-use bekker::simulation::{Event, Status};
+use bekker::simulation::Status;
 use numpy::{AllowTypeChange, PyArray1, PyArrayLike1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -90,7 +90,7 @@ impl Run {
         if let Some(out) = out {
             self.read(out)?;
         }
-        Ok(id(status))
+        Ok(status.word())
     }
 
     /// Writes the true signals into `out`, in the order of `signal_names`.
@@ -143,7 +143,7 @@ impl Run {
     /// "running", or the id of the event that ended the run.
     #[getter]
     fn status(&self) -> &'static str {
-        id(self.core.status())
+        self.core.status().word()
     }
 
     /// What ended the run, in words; None while it goes on.
@@ -189,18 +189,6 @@ impl Run {
 
     fn __repr__(&self) -> String {
         format!("<bekker.Run t = {} s, {}>", self.time(), self.status())
-    }
-}
-
-/// One word for a status.
-pub fn id(status: Status) -> &'static str {
-    match status {
-        Status::Running => "running",
-        Status::Ended(Event::Stuck) => "stuck",
-        Status::Ended(Event::TippedOver) => "tipped_over",
-        Status::Ended(Event::BellyContact) => "belly_contact",
-        Status::Ended(Event::LeftTerrain) => "left_terrain",
-        Status::Ended(Event::SunkToAxle) => "sunk_to_axle",
     }
 }
 

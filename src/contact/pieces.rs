@@ -47,47 +47,44 @@ impl Cuts {
 pub(super) fn sums<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
     S::wide(
         #[cfg_attr(feature = "batch", inline(always))]
-        || sums_side_by_side(rim),
+        || {
+            // A rim that slides fully may carry little load beside its pressure, of which the error is a part: 12 nodes.
+            let (Shear::Ratio(ratio) | Shear::OnSurface(ratio)) = rim.shear else { return whole(rim, &NODES_12) };
+            let displacement = Displacement::new(rim, ratio.plain());
+            let change = displacement.largest_change();
+            let grips = !rim.grip.under(1.0);
+            let signs = displacement.changes_sign();
+            let [up_to_few, up_to_few_cut, up_to_more] = [FEW_NODES, FEW_NODES_BOTH_SIGNS, MORE_NODES].map(
+                #[cfg_attr(feature = "batch", inline(always))]
+                |limit| change.at_most(limit.into()),
+            );
+            let (little, some) = (grips & !signs & up_to_few, grips & !signs & up_to_more);
+            let (cut, cut_more) = (grips & signs & up_to_few_cut, grips & signs & up_to_more);
+            let mut sums = Sums::zero();
+            if little.any() {
+                sums.take(little, &whole(rim, &NODES_8));
+            }
+            let more = some & !little;
+            if more.any() {
+                sums.take(more, &whole(rim, &NODES_12));
+            }
+            if (cut | cut_more).any() {
+                let angles = displacement.sign_changes(cut | cut_more);
+                if cut.any() {
+                    sums.take(cut, &between(rim, angles, &NODES_8));
+                }
+                let more = cut_more & !cut;
+                if more.any() {
+                    sums.take(more, &between(rim, angles, &NODES_12));
+                }
+            }
+            let rest = !(some | cut_more);
+            if rest.any() {
+                each(rim, rest, &mut sums);
+            }
+            sums
+        },
     )
-}
-
-#[cfg_attr(feature = "batch", inline(always))]
-fn sums_side_by_side<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
-    // A rim that slides fully may carry little load beside its pressure, of which the error is a part: 12 nodes.
-    let (Shear::Ratio(ratio) | Shear::OnSurface(ratio)) = rim.shear else { return whole(rim, &NODES_12) };
-    let displacement = Displacement::new(rim, ratio.plain());
-    let change = displacement.largest_change();
-    let grips = !rim.grip.under(1.0);
-    let signs = displacement.changes_sign();
-    let [up_to_few, up_to_few_cut, up_to_more] = [FEW_NODES, FEW_NODES_BOTH_SIGNS, MORE_NODES].map(
-        #[cfg_attr(feature = "batch", inline(always))]
-        |limit| change.at_most(limit.into()),
-    );
-    let (little, some) = (grips & !signs & up_to_few, grips & !signs & up_to_more);
-    let (cut, cut_more) = (grips & signs & up_to_few_cut, grips & signs & up_to_more);
-    let mut sums = Sums::zero();
-    if little.any() {
-        sums.take(little, &whole(rim, &NODES_8));
-    }
-    let more = some & !little;
-    if more.any() {
-        sums.take(more, &whole(rim, &NODES_12));
-    }
-    if (cut | cut_more).any() {
-        let angles = displacement.sign_changes(cut | cut_more);
-        if cut.any() {
-            sums.take(cut, &between(rim, angles, &NODES_8));
-        }
-        let more = cut_more & !cut;
-        if more.any() {
-            sums.take(more, &between(rim, angles, &NODES_12));
-        }
-    }
-    let rest = !(some | cut_more);
-    if rest.any() {
-        each(rim, rest, &mut sums);
-    }
-    sums
 }
 
 /// The contacts that neither rule suits, one by one.

@@ -5,9 +5,8 @@
 use super::pieces::sums;
 use super::rim::{Rim, Shear};
 use super::surface::Surface;
-use crate::scalar::beside;
 use crate::scalar::{Mask, Plain, Scalar, always, smooth_step, smooth_step_slope};
-use crate::snapshot::moving;
+use crate::snapshot::moving_beside;
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 
@@ -32,8 +31,7 @@ pub struct Forces<S = f64> {
     pub torque: S,
 }
 
-moving!(Forces { normal, drawbar, torque });
-beside!(Forces { normal, drawbar, torque });
+moving_beside!(Forces { normal, drawbar, torque });
 
 impl<S: Scalar> Forces<S> {
     /// No force.

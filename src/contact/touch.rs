@@ -13,9 +13,8 @@
 
 use super::rolling::{Forces, Rolling, norm, rolling_share, slip};
 use super::surface::Surface;
-use crate::scalar::beside;
 use crate::scalar::{Mask, Scalar, always, smooth_step};
-use crate::snapshot::moving;
+use crate::snapshot::moving_beside;
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 
@@ -35,8 +34,7 @@ pub struct Hold<S = f64> {
     pub turn: S,
 }
 
-moving!(Hold { travel, turn });
-beside!(Hold { travel, turn });
+moving_beside!(Hold { travel, turn });
 
 impl<S: From<f64>> Default for Hold<S> {
     fn default() -> Self {
@@ -121,8 +119,7 @@ pub struct Slopes<S = f64> {
     pub rate_own: S,
 }
 
-moving!(Slopes { velocity, spin, travel, turn, damping, stiffness, rate_by_velocity, rate_by_spin, rate_own });
-beside!(Slopes { velocity, spin, travel, turn, damping, stiffness, rate_by_velocity, rate_by_spin, rate_own });
+moving_beside!(Slopes { velocity, spin, travel, turn, damping, stiffness, rate_by_velocity, rate_by_spin, rate_own });
 
 /// Forces of a contact, the rates of its memory, and the slopes of both.
 #[derive(Clone, Copy, Debug)]
@@ -135,63 +132,63 @@ pub struct Touch<S = f64> {
     pub slopes: Slopes<S>,
 }
 
-moving!(Touch { forces, rate, slopes });
-beside!(Touch { forces, rate, slopes });
+moving_beside!(Touch { forces, rate, slopes });
 
 /// Forces on a wheel in `motion` with this `surface` of its rim.
 #[inline(never)]
 pub fn touch<S: Scalar>(wheel: &Wheel<S>, soil: &Soil<S>, surface: &Surface<S>, motion: &Motion<S>) -> Touch<S> {
     S::wide(
         #[cfg_attr(feature = "batch", inline(always))]
-        || touch_side_by_side(wheel, soil, surface, motion),
+        || {
+            let distance = soil.hold_displacement;
+            let (hold, rim_speed) = (motion.hold, wheel.radius * motion.spin);
+            let speed = norm(motion.velocity, rim_speed);
+            let moves = speed.over(0.0);
+            let safe = S::select(moves, speed, S::from(1.0));
+            let zero = S::from(0.0);
+            let heading = [S::select(moves, motion.velocity / safe, zero), S::select(moves, rim_speed / safe, zero)];
+            let per_distance = distance.recip();
+            let rate = Hold {
+                travel: (motion.velocity - hold.travel * speed) * per_distance,
+                turn: (rim_speed - hold.turn * speed) * per_distance,
+            };
+            let by = always(
+                #[cfg_attr(feature = "batch", inline(always))]
+                |component: S, own: f64, along: S| (S::from(own) - component * along) * per_distance,
+            );
+            let mut slopes = Slopes {
+                rate_by_velocity: [by(hold.travel, 1.0, heading[0]), by(hold.turn, 0.0, heading[0])],
+                rate_by_spin: [
+                    by(hold.travel, 0.0, heading[1]) * wheel.radius,
+                    by(hold.turn, 1.0, heading[1]) * wheel.radius,
+                ],
+                rate_own: -(speed * per_distance),
+                ..Slopes::zero()
+            };
+            let touches = motion.sinkage.over(0.0);
+            let none = Touch { forces: Forces::zero(), rate, slopes };
+            if !touches.any() {
+                return none;
+            }
+            let ([travel, turn], scale) = motion.direction(rim_speed, speed, distance);
+            let direction = at_direction(wheel, soil, surface, motion.sinkage, travel, turn);
+            slopes.follow(
+                &direction,
+                [travel, turn],
+                heading,
+                (distance * scale, scale * HOLD_DAMPING_TIME),
+                wheel.radius,
+            );
+            let mut touch = Touch { forces: direction.forces, rate, slopes };
+            add_damping(&mut touch, soil, motion);
+            if touches.all() {
+                return touch;
+            }
+            touch.forces = Forces::select(touches, touch.forces, none.forces);
+            touch.slopes = touch.slopes.select(touches, &none.slopes);
+            touch
+        },
     )
-}
-
-#[cfg_attr(feature = "batch", inline(always))]
-fn touch_side_by_side<S: Scalar>(
-    wheel: &Wheel<S>,
-    soil: &Soil<S>,
-    surface: &Surface<S>,
-    motion: &Motion<S>,
-) -> Touch<S> {
-    let distance = soil.hold_displacement;
-    let (hold, rim_speed) = (motion.hold, wheel.radius * motion.spin);
-    let speed = norm(motion.velocity, rim_speed);
-    let moves = speed.over(0.0);
-    let safe = S::select(moves, speed, S::from(1.0));
-    let zero = S::from(0.0);
-    let heading = [S::select(moves, motion.velocity / safe, zero), S::select(moves, rim_speed / safe, zero)];
-    let per_distance = distance.recip();
-    let rate = Hold {
-        travel: (motion.velocity - hold.travel * speed) * per_distance,
-        turn: (rim_speed - hold.turn * speed) * per_distance,
-    };
-    let by = always(
-        #[cfg_attr(feature = "batch", inline(always))]
-        |component: S, own: f64, along: S| (S::from(own) - component * along) * per_distance,
-    );
-    let mut slopes = Slopes {
-        rate_by_velocity: [by(hold.travel, 1.0, heading[0]), by(hold.turn, 0.0, heading[0])],
-        rate_by_spin: [by(hold.travel, 0.0, heading[1]) * wheel.radius, by(hold.turn, 1.0, heading[1]) * wheel.radius],
-        rate_own: -(speed * per_distance),
-        ..Slopes::zero()
-    };
-    let touches = motion.sinkage.over(0.0);
-    let none = Touch { forces: Forces::zero(), rate, slopes };
-    if !touches.any() {
-        return none;
-    }
-    let ([travel, turn], scale) = motion.direction(rim_speed, speed, distance);
-    let direction = at_direction(wheel, soil, surface, motion.sinkage, travel, turn);
-    slopes.follow(&direction, [travel, turn], heading, (distance * scale, scale * HOLD_DAMPING_TIME), wheel.radius);
-    let mut touch = Touch { forces: direction.forces, rate, slopes };
-    add_damping(&mut touch, soil, motion);
-    if touches.all() {
-        return touch;
-    }
-    touch.forces = Forces::select(touches, touch.forces, none.forces);
-    touch.slopes = touch.slopes.select(touches, &none.slopes);
-    touch
 }
 
 /// Forces at the direction (travel, turn) of length at most 1, with their slopes in both components

@@ -8,9 +8,8 @@ use crate::contact::{Motion, Surface, Touch, slip, touch};
 use crate::effects::{BodyMotion, ExpressionFailure, Local, Place};
 use crate::motor::{self, Motor};
 use crate::scalar::Scalar;
-use crate::scalar::beside;
 use crate::signals::{Command, Drive};
-use crate::snapshot::moving;
+use crate::snapshot::moving_beside;
 use crate::terrain::TerrainError;
 
 /// Why the right-hand side could not be evaluated.
@@ -62,27 +61,7 @@ pub(crate) struct WheelEvaluation<S> {
     pub drive_slope: S,
 }
 
-moving!(WheelEvaluation<f64> {
-    touch,
-    normal,
-    tangent,
-    turn,
-    velocity,
-    normal_velocity,
-    spin,
-    speed,
-    slip,
-    sinkage,
-    contact_angle,
-    motor,
-    foot_x,
-    motor_torque,
-    rim_torque,
-    current,
-    drive_slope,
-});
-
-beside!(WheelEvaluation {
+moving_beside!(WheelEvaluation<f64> {
     touch,
     normal,
     tangent,
@@ -145,19 +124,7 @@ pub(crate) struct Evaluation<S> {
 }
 
 // Without forces from outside, which the plant of rigid bodies alone has.
-moving!(Evaluation<f64> {
-    frames,
-    mass,
-    system,
-    wheels,
-    acceleration,
-    joint_friction,
-    potential,
-    other_loss,
-    resistance,
-} { outside });
-
-beside!(Evaluation {
+moving_beside!(Evaluation<f64> {
     frames,
     mass,
     system,
@@ -197,53 +164,45 @@ impl<S: Scalar> Evaluation<S> {
     ) -> Result<(), DynamicsError> {
         S::wide(
             #[cfg_attr(feature = "batch", inline(always))]
-            || self.update_side_by_side(rover, state, command),
-        )
-    }
-
-    #[cfg_attr(feature = "batch", inline(always))]
-    fn update_side_by_side<C: Copy + Into<S>>(
-        &mut self,
-        rover: &Rover<S>,
-        state: &State<S>,
-        command: &Command<C>,
-    ) -> Result<(), DynamicsError> {
-        let n = rover.coordinates();
-        self.frames.update(rover, &state.position, &state.rate);
-        let mut force = zeros();
-        self.add_bodies(rover, state, &mut force)?;
-        for (row, mass) in self.system.iter_mut().zip(&self.mass).take(n) {
-            row[..n].copy_from_slice(&mass[..n]);
-        }
-        for k in 0..rover.wheels.len() {
-            self.touch_ground(rover, state, (command.drive, command.values[k].into()), k)?;
-            let wheel = &mut self.wheels[k];
-            let (forces, body_torque) = (wheel.touch.forces, &mut wheel.rim_torque);
-            match command.drive {
-                Drive::Torque => {}
-                // The drive gives what the soil takes; the wheel's inertia moves with its body.
-                Drive::Speed => {
-                    *body_torque = forces.torque;
-                    if let Some(outside) = &self.outside {
-                        *body_torque -= outside.torque[k];
-                    }
-                    add_outer(&mut self.system, rover.wheel.inertia, &wheel.turn, &wheel.turn, n);
+            || {
+                let n = rover.coordinates();
+                self.frames.update(rover, &state.position, &state.rate);
+                let mut force = zeros();
+                self.add_bodies(rover, state, &mut force)?;
+                for (row, mass) in self.system.iter_mut().zip(&self.mass).take(n) {
+                    row[..n].copy_from_slice(&mass[..n]);
                 }
-            }
-            let reaction = *body_torque;
-            add_scaled(&mut force, forces.normal, &wheel.normal, n);
-            add_scaled(&mut force, forces.drawbar, &wheel.tangent, n);
-            add_scaled(&mut force, reaction, &wheel.turn, n);
-        }
-        if let Some(outside) = &self.outside {
-            add_scaled(&mut force, S::from(1.0), &outside.force, n);
-        }
-        let factors = Factors::new(&self.system, n).ok_or(DynamicsError::NotFinite)?;
-        self.acceleration = factors.solve(&force);
-        if !self.acceleration[..n].iter().all(|a| a.plain().all_finite()) {
-            return Err(DynamicsError::NotFinite);
-        }
-        self.finish_drives(rover, command.drive)
+                for k in 0..rover.wheels.len() {
+                    self.touch_ground(rover, state, (command.drive, command.values[k].into()), k)?;
+                    let wheel = &mut self.wheels[k];
+                    let (forces, body_torque) = (wheel.touch.forces, &mut wheel.rim_torque);
+                    match command.drive {
+                        Drive::Torque => {}
+                        // The drive gives what the soil takes; the wheel's inertia moves with its body.
+                        Drive::Speed => {
+                            *body_torque = forces.torque;
+                            if let Some(outside) = &self.outside {
+                                *body_torque -= outside.torque[k];
+                            }
+                            add_outer(&mut self.system, rover.wheel.inertia, &wheel.turn, &wheel.turn, n);
+                        }
+                    }
+                    let reaction = *body_torque;
+                    add_scaled(&mut force, forces.normal, &wheel.normal, n);
+                    add_scaled(&mut force, forces.drawbar, &wheel.tangent, n);
+                    add_scaled(&mut force, reaction, &wheel.turn, n);
+                }
+                if let Some(outside) = &self.outside {
+                    add_scaled(&mut force, S::from(1.0), &outside.force, n);
+                }
+                let factors = Factors::new(&self.system, n).ok_or(DynamicsError::NotFinite)?;
+                self.acceleration = factors.solve(&force);
+                if !self.acceleration[..n].iter().all(|a| a.plain().all_finite()) {
+                    return Err(DynamicsError::NotFinite);
+                }
+                self.finish_drives(rover, command.drive)
+            },
+        )
     }
 
     /// Weight, inertia and joint friction of chassis and links, and forces on the chassis.

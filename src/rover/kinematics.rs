@@ -7,8 +7,7 @@
 use super::Rover;
 use super::linear::{Vector, zeros};
 use crate::scalar::Scalar;
-use crate::scalar::beside;
-use crate::snapshot::moving;
+use crate::snapshot::moving_beside;
 
 /// A body's place at one instant.
 #[derive(Clone, Copy, Debug)]
@@ -25,8 +24,7 @@ pub(crate) struct Frame<S> {
     bias: [S; 2],
 }
 
-moving!(Frame<f64> { origin, reference, cos, sin, rate, bias });
-beside!(Frame { origin, reference, cos, sin, rate, bias });
+moving_beside!(Frame<f64> { origin, reference, cos, sin, rate, bias });
 
 /// A point fixed on a body: place, bias acceleration, and its Jacobian in the generalised coordinates.
 #[derive(Clone, Copy, Debug)]
@@ -43,8 +41,7 @@ pub(crate) struct Frames<S> {
     frames: Vec<Frame<S>>,
 }
 
-moving!(Frames<f64> { frames });
-beside!(Frames { frames });
+moving_beside!(Frames<f64> { frames });
 
 impl<S: Scalar> Frames<S> {
     pub fn new(rover: &Rover<S>) -> Self {

@@ -12,8 +12,7 @@ use crate::contact::Hold;
 use crate::effects::Effects;
 use crate::motor::Motor;
 use crate::scalar::Scalar;
-use crate::scalar::beside;
-use crate::snapshot::moving;
+use crate::snapshot::moving_beside;
 use crate::soil::Soil;
 use crate::terrain::Terrain;
 use crate::wheel::Wheel;
@@ -214,8 +213,7 @@ pub struct WheelState<S = f64> {
     pub track: Track<S>,
 }
 
-moving!(WheelState { spin, hold, winding_rise, track });
-beside!(WheelState { spin, hold, winding_rise, track });
+moving_beside!(WheelState { spin, hold, winding_rise, track });
 
 /// Moving data of a rover: everything that a step changes.
 #[derive(Clone, Debug, PartialEq)]
@@ -230,8 +228,7 @@ pub struct State<S = f64> {
     pub start_x: S,
 }
 
-moving!(State { position, rate, wheels, start_x });
-beside!(State { position, rate, wheels, start_x });
+moving_beside!(State { position, rate, wheels, start_x });
 
 impl<S: Scalar> State<S> {
     /// Takes the values of a state of the same rover over, without allocating.

@@ -1,9 +1,8 @@
 //! Which ground a wheel has passed.
 
 use super::WheelState;
-use crate::scalar::beside;
 use crate::scalar::{Mask, Scalar, smooth_step};
-use crate::snapshot::moving;
+use crate::snapshot::moving_beside;
 
 /// Distance inside the end of a track over which its ground turns from fresh to passed, m: about the length of a
 /// small wheel's contact, so that the ground under a wheel is not yet ground that it has passed.
@@ -18,8 +17,7 @@ pub struct Track<S = f64> {
     pub high: S,
 }
 
-moving!(Track { low, high });
-beside!(Track { low, high });
+moving_beside!(Track { low, high });
 
 impl<S: From<f64>> Default for Track<S> {
     fn default() -> Self {

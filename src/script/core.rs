@@ -2,7 +2,6 @@
 
 use super::door::Door;
 use super::read::Script;
-use super::word;
 use crate::model::{Model, Run};
 use bekker_modeldescription::{Lookup, Parameters};
 
@@ -71,6 +70,6 @@ impl Door for Core {
     }
 
     fn status(&mut self) -> Result<String, String> {
-        Ok(word(self.run()?.status()).to_owned())
+        Ok(self.run()?.status().word().to_owned())
     }
 }

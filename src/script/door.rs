@@ -40,7 +40,7 @@ pub trait Door {
     /// A sentence where they cannot be read.
     fn signals(&mut self, out: &mut [f64]) -> Result<(), String>;
 
-    /// How the run stands: one of [`STATUSES`](super::STATUSES).
+    /// How the run stands: one of [`Status::WORDS`](crate::simulation::Status::WORDS).
     ///
     /// # Errors
     /// A sentence where that cannot be told.
@@ -58,7 +58,7 @@ pub struct Recording {
     pub times: Vec<f64>,
     /// One row a time, one value a signal.
     pub rows: Vec<Vec<f64>>,
-    /// How the run stood at the end: one of [`STATUSES`](super::STATUSES).
+    /// How the run stood at the end: one of [`Status::WORDS`](crate::simulation::Status::WORDS).
     pub status: String,
 }
 

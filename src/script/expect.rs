@@ -1,11 +1,12 @@
 //! What a script expects of a drive.
 
+use super::SAME_TIME;
 use super::error::Problem;
 use super::file::{Allowed, Expect, Parts};
 use super::read::whole;
 use super::rows::Rows;
-use super::{SAME_TIME, STATUSES};
 use crate::measurement::Table;
+use crate::simulation::Status;
 use std::path::{Path, PathBuf};
 
 /// How far a value may be from the expected one: |value - expected| <= absolute + relative |expected|.
@@ -61,8 +62,8 @@ impl Expectation {
         recording: bool,
     ) -> Result<Self, Problem> {
         let status = read.status.clone().unwrap_or_else(|| "running".to_owned());
-        if !STATUSES.contains(&status.as_str()) {
-            return Err(Problem::value("expect.status", format!("\"{status}\""), STATUSES.join(", ")));
+        if !Status::WORDS.contains(&status.as_str()) {
+            return Err(Problem::value("expect.status", format!("\"{status}\""), Status::WORDS.join(", ")));
         }
         let file = read.signals.as_ref().and_then(toml::Value::as_str).map(|name| folder.join(name));
         let rows = match (&read.signals, recording) {

@@ -52,23 +52,5 @@ pub use expect::{Expectation, Tolerance};
 pub use read::Script;
 pub use report::{Deviation, Report, SignalReport};
 
-use crate::simulation::{Event, Status};
-
-/// Words for how a run may stand, as scripts, FMUs and the environment write them.
-pub const STATUSES: [&str; 6] = ["running", "stuck", "tipped_over", "belly_contact", "left_terrain", "sunk_to_axle"];
-
-/// The word for a status, one of [`STATUSES`].
-#[must_use]
-pub fn word(status: Status) -> &'static str {
-    match status {
-        Status::Running => "running",
-        Status::Ended(Event::Stuck) => "stuck",
-        Status::Ended(Event::TippedOver) => "tipped_over",
-        Status::Ended(Event::BellyContact) => "belly_contact",
-        Status::Ended(Event::LeftTerrain) => "left_terrain",
-        Status::Ended(Event::SunkToAxle) => "sunk_to_axle",
-    }
-}
-
 /// Times that only rounding keeps apart, relative to an interval.
 const SAME_TIME: f64 = 1e-6;

@@ -26,7 +26,7 @@ mod moving;
 
 pub use bytes::{Reader, Writer};
 pub use frame::{Fingerprint, FrameError, close, open};
-pub(crate) use moving::{Moving, load_all, load_grown, loaded, moving, moving_code, save_all};
+pub(crate) use moving::{Moving, load_all, load_grown, loaded, moving, moving_beside, moving_code, save_all};
 
 /// Why a state cannot be written or taken over.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -38,6 +38,19 @@ macro_rules! moving {
 }
 pub(crate) use moving;
 
+/// [`moving!`], and [`beside!`](crate::scalar::beside) with the same fields.
+macro_rules! moving_beside {
+    ($part:ident<$number:ident> $($fields:tt)*) => {
+        $crate::snapshot::moving!($part<$number> $($fields)*);
+        $crate::scalar::beside!($part $($fields)*);
+    };
+    ($part:ident { $($fields:tt)* } $($other:tt)*) => {
+        $crate::snapshot::moving!($part { $($fields)* } $($other)*);
+        $crate::scalar::beside!($part { $($fields)* } $($other)*);
+    };
+}
+pub(crate) use moving_beside;
+
 /// Lists the values of an enumeration with the codes by which they are written.
 macro_rules! moving_code {
     ($part:ty, $what:literal { $($value:pat => $code:literal => $made:expr),* $(,)? }) => {

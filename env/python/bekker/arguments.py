@@ -20,7 +20,7 @@ from .simulation import whole
 from .tasks import PERIOD, TARGET, TERRAIN_SEED, Task, task_of
 from .vocabulary import unknown
 
-__all__ = ["Arguments", "Draw", "Options", "Setup", "assign"]
+__all__ = ["Arguments", "Draw", "Levelled", "Options", "Setup", "assign"]
 
 _SEEDS = 2**32
 
@@ -198,6 +198,21 @@ class Options:
         scatter = {name: distribution(name, d) for name, d in given.get("randomise", {}).items()}
         setup.check_ends(scatter)
         return cls(dict(given.get("parameters", {})) | direct, None if level is None else checked_level(level), scatter)
+
+
+class Levelled:
+    """What environments have of the curriculum."""
+
+    setup: Setup
+
+    @property
+    def level(self) -> float:
+        """Level of the curriculum, 0 to 1, from the next reset on."""
+        return self.setup.level
+
+    @level.setter
+    def level(self, level: float) -> None:
+        self.setup.level = level
 
 
 def checked_level(level: float) -> float:

@@ -10,7 +10,7 @@ from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Unpack
 
-from .arguments import Arguments, Options, Setup
+from .arguments import Arguments, Levelled, Options, Setup
 from .mechanics import Mechanics, MechanicsState
 from .models import ModelLike
 from .render import RENDER_MODES, Gallery
@@ -31,7 +31,7 @@ class RoverSnapshot:
     """State of the random numbers."""
 
 
-class RoverEnv(gymnasium.Env[Observation, Action]):
+class RoverEnv(Levelled, gymnasium.Env[Observation, Action]):
     """A rover on deformable soil: every wheel sinks, slips and pulls as the stresses under it say.
 
     The physics is that of `bekker.simulate` to the last bit; a step holds the action for `period`. The page
@@ -65,18 +65,8 @@ class RoverEnv(gymnasium.Env[Observation, Action]):
         self.mechanics = Mechanics(self.setup, 1)
         self.observation_space, self.action_space = spaces_of(self.setup, self.mechanics)
         self.render_mode = render_mode
-        fps = 1.0 / self.setup.period
-        self.metadata = {"render_modes": RENDER_MODES, "render_fps": max(round(fps), 1)}
-        self._gallery = Gallery(render_mode, fps)
-
-    @property
-    def level(self) -> float:
-        """Level of the curriculum, 0 to 1, from the next reset on."""
-        return self.setup.level
-
-    @level.setter
-    def level(self, level: float) -> None:
-        self.setup.level = level
+        self._gallery = Gallery(render_mode, self.setup.period)
+        self.metadata = self._gallery.metadata
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None

@@ -39,12 +39,17 @@ class Window(Protocol):
 class Gallery:
     """The renderers of some rovers: each remembers the ruts of its episode, so a new model gets a new one."""
 
-    def __init__(self, mode: str | None, fps: float) -> None:
+    def __init__(self, mode: str | None, period: float) -> None:
         if mode is not None and mode not in RENDER_MODES:
             raise gymnasium.error.UnsupportedMode(f"render_mode = {mode!r}: expected {', '.join(RENDER_MODES)} or None")
-        self.mode, self._fps = mode, fps
+        self.mode, self._period = mode, period
         self._renderers: dict[int, tuple[Model, Renderer]] = {}
         self._window: Window | None = None
+
+    @property
+    def metadata(self) -> dict[str, Any]:
+        """What gymnasium wants to know of an environment's pictures."""
+        return {"render_modes": RENDER_MODES, "render_fps": max(round(1.0 / self._period), 1)}
 
     def render(self, mechanics: Mechanics, index: int) -> Frame | str | None:
         """The rover as it is now."""
@@ -65,7 +70,7 @@ class Gallery:
         if self.mode == "rgb_array":
             return frame
         if self._window is None:
-            self._window = _window(self._fps)
+            self._window = _window(1.0 / self._period)
         self._window.show(frame)
         return None
 
@@ -76,10 +81,10 @@ class Gallery:
             self._window = None
 
     def __deepcopy__(self, memo: dict[int, Any]) -> "Gallery":
-        return Gallery(self.mode, self._fps)
+        return Gallery(self.mode, self._period)
 
     def __reduce__(self) -> tuple[type["Gallery"], tuple[str | None, float]]:
-        return Gallery, (self.mode, self._fps)
+        return Gallery, (self.mode, self._period)
 
 
 def _window(fps: float) -> Window:

@@ -13,12 +13,12 @@ from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Unpack
 
-from .arguments import Arguments, Options, Setup
+from .arguments import Arguments, Levelled, Options, Setup
 from .env import spaces_of
 from .errors import InputError
 from .mechanics import Mechanics, MechanicsState
 from .models import ModelLike
-from .render import RENDER_MODES, Gallery
+from .render import Gallery
 from .tasks import Task
 
 __all__ = ["RoverVectorEnv", "VectorSnapshot"]
@@ -37,7 +37,7 @@ class VectorSnapshot:
     done: Bools
 
 
-class RoverVectorEnv(VectorEnv[Array, Array, Array]):
+class RoverVectorEnv(Levelled, VectorEnv[Array, Array, Array]):
     """Many rovers, each as :class:`bekker.RoverEnv`: environment i of a batch that is reset with a seed s does, bit for bit,
     what a single one does that is reset with the seed s + i, for any number of environments and threads.
 
@@ -73,24 +73,14 @@ class RoverVectorEnv(VectorEnv[Array, Array, Array]):
         self.copy = copy
         self.setup = Setup(task, model, num_envs, arguments)
         self.mechanics = Mechanics(self.setup, num_envs, threads)
-        fps = 1.0 / self.setup.period
-        self.metadata = {"render_modes": RENDER_MODES, "render_fps": max(round(fps), 1), "autoreset_mode": self.autoreset_mode}
-        self._gallery = Gallery(render_mode, fps)
+        self._gallery = Gallery(render_mode, self.setup.period)
+        self.metadata = self._gallery.metadata | {"autoreset_mode": self.autoreset_mode}
         self.single_observation_space, self.single_action_space = spaces_of(self.setup, self.mechanics)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self._random: list[Generator | None] = [None] * num_envs
         self._done = np.zeros(num_envs, np.bool_)
         self._observations = np.zeros(self.observation_space.shape or (), np.float32)
-
-    @property
-    def level(self) -> float:
-        """Level of the curriculum, 0 to 1, from the next resets on."""
-        return self.setup.level
-
-    @level.setter
-    def level(self, level: float) -> None:
-        self.setup.level = level
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None

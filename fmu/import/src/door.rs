@@ -4,9 +4,10 @@ use crate::ImportError;
 use crate::archive::Fmu;
 use crate::description::{Kind, Version};
 use crate::slave::Slave;
-use bekker::script::{Door, STATUSES, Script};
+use bekker::script::{Door, Script};
+use bekker::simulation::Status;
 
-/// The output that says why a simulation ended: its values are the places in [`STATUSES`].
+/// The output that says why a simulation ended: its values are the places in [`Status::WORDS`].
 const EVENT: &str = "event";
 
 /// An instance of an FMU, driven through a script.
@@ -39,7 +40,7 @@ impl<'a> FmuDoor<'a> {
         let (parameters, inputs) = (references(&names)?, references(&script.input_names)?);
         let signals = references(&script.signals)?;
         let event = slave.reference(EVENT, Kind::Integer);
-        let event = if script.expect.status == STATUSES[0] { event.ok() } else { Some(event?) };
+        let event = if script.expect.status == Status::WORDS[0] { event.ok() } else { Some(event?) };
         Ok(Self {
             version: fmu.description.version,
             interval: script.interval,
@@ -101,11 +102,11 @@ impl Door for FmuDoor<'_> {
 
     fn status(&mut self) -> Result<String, String> {
         let Some(event) = self.event else {
-            let word = if self.ended { "ended by the FMU, which has no output `event`" } else { STATUSES[0] };
+            let word = if self.ended { "ended by the FMU, which has no output `event`" } else { Status::WORDS[0] };
             return Ok(word.to_owned());
         };
         let number = self.slave.integer(event).map_err(|error| error.to_string())?;
-        let word = usize::try_from(number).ok().and_then(|number| STATUSES.get(number));
+        let word = usize::try_from(number).ok().and_then(|number| Status::WORDS.get(number));
         word.map(|word| (*word).to_owned())
             .ok_or_else(|| format!("the output `event` is {number}, which has no meaning"))
     }
