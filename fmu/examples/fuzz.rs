@@ -7,7 +7,8 @@
 use bekker::model::Model;
 use bekker_fmu::fmi2::*;
 use bekker_fmu::fmi3::*;
-use rand::{RngExt, SeedableRng, rngs::StdRng};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::path::PathBuf;
 use std::ptr::{null, null_mut};
@@ -72,7 +73,7 @@ fn done(_: Status) {}
 
 /// The FMU's files, and what the importer holds.
 struct Fuzz {
-    random: StdRng,
+    random: ChaCha8Rng,
     token: CString,
     path: CString,
     uri: CString,
@@ -106,7 +107,7 @@ impl Fuzz {
             environment: null_mut(),
         };
         Self {
-            random: StdRng::seed_from_u64(seed),
+            random: ChaCha8Rng::seed_from_u64(seed),
             token: CString::new(description.token().unwrap()).unwrap(),
             path: CString::new(path).unwrap(),
             uri: CString::new(format!("file://{path}")).unwrap(),

@@ -9,7 +9,8 @@ use bekker_fmu::Kind;
 use bekker_fmu::model::Model;
 use bekker_modeldescription::xml::{Causality, Entry, Kind as Type, Variability};
 use core_support::{all, bits, get, loaded, set};
-use rand::{RngExt, SeedableRng, rngs::StdRng};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 
 /// A model, its kind, and parameters that are set before the start.
 type Case = (RoverModel, Kind, Vec<(&'static str, f64)>);
@@ -31,7 +32,7 @@ fn models() -> Vec<Case> {
 }
 
 /// Inputs of the size that each of them has.
-fn steer(model: &mut dyn Model, dice: &mut StdRng) {
+fn steer(model: &mut dyn Model, dice: &mut ChaCha8Rng) {
     for input in all(model, Causality::Input) {
         let name = model.description().entries[input].variable.name.clone();
         let value = match name.rsplit('.').next().unwrap() {
@@ -45,7 +46,7 @@ fn steer(model: &mut dyn Model, dice: &mut StdRng) {
 }
 
 /// Goes on over some points, on whole steps and between.
-fn drive(model: &mut dyn Model, points: usize, dice: &mut StdRng) {
+fn drive(model: &mut dyn Model, points: usize, dice: &mut ChaCha8Rng) {
     for _ in 0..points {
         steer(model, dice);
         let time = model.elapsed() + dice.random_range(0.3..4.0) * model.inner_step();
@@ -56,7 +57,7 @@ fn drive(model: &mut dyn Model, points: usize, dice: &mut StdRng) {
 #[test]
 fn property_a_state_goes_on_to_the_same_bits_in_a_fresh_instance() {
     for (k, (model, kind, parameters)) in models().into_iter().enumerate() {
-        let mut dice = StdRng::seed_from_u64(k as u64);
+        let mut dice = ChaCha8Rng::seed_from_u64(k as u64);
         let mut first = loaded(&model, kind);
         for (name, value) in parameters {
             set(&mut *first, name, value);
@@ -68,7 +69,7 @@ fn property_a_state_goes_on_to_the_same_bits_in_a_fresh_instance() {
         second.deserialise(&bytes).unwrap();
         assert_eq!(bits(&*second), bits(&*first), "model {k}");
         assert_eq!(second.elapsed(), first.elapsed());
-        let (mut dice, mut same) = (StdRng::seed_from_u64(99), StdRng::seed_from_u64(99));
+        let (mut dice, mut same) = (ChaCha8Rng::seed_from_u64(99), ChaCha8Rng::seed_from_u64(99));
         drive(&mut *first, 60, &mut dice);
         drive(&mut *second, 60, &mut same);
         assert_eq!(bits(&*second), bits(&*first), "model {k}: later on");
@@ -88,9 +89,9 @@ fn property_a_state_goes_on_to_the_same_bits_in_a_fresh_instance() {
             drive(&mut *second, 5, &mut same);
             let mut third = loaded(&model, kind);
             third.deserialise(&first.serialise().unwrap()).unwrap();
-            drive(&mut *third, 5, &mut StdRng::seed_from_u64(7));
-            drive(&mut *first, 5, &mut StdRng::seed_from_u64(7));
-            drive(&mut *second, 5, &mut StdRng::seed_from_u64(7));
+            drive(&mut *third, 5, &mut ChaCha8Rng::seed_from_u64(7));
+            drive(&mut *first, 5, &mut ChaCha8Rng::seed_from_u64(7));
+            drive(&mut *second, 5, &mut ChaCha8Rng::seed_from_u64(7));
             assert_eq!(bits(&*second), bits(&*first), "model {k}: `{name}` on the way");
             assert_eq!(bits(&*third), bits(&*first), "model {k}: `{name}` from before");
         }
