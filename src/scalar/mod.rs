@@ -9,11 +9,14 @@
 #[cfg(feature = "batch")]
 mod arch;
 mod beside;
+mod dual;
 pub mod functions;
 #[cfg(feature = "batch")]
 mod lanes;
+mod plain;
+mod smooth;
 
-use num_dual::{DualNum, DualSVec64};
+use num_dual::DualNum;
 use std::ops::{BitAnd, BitOr, Not};
 
 #[cfg(feature = "batch")]
@@ -23,8 +26,13 @@ pub(crate) use arch::{Avx2, Avx512};
 #[cfg(feature = "batch")]
 pub(crate) use beside::Beside;
 pub(crate) use beside::beside;
+pub use dual::Dual;
 #[cfg(feature = "batch")]
 pub(crate) use lanes::Lanes;
+pub(crate) use plain::ROUNDING;
+#[cfg(feature = "batch")]
+use plain::{SPLIT_BIAS, SPLIT_FRACTION, SPLIT_MAGIC, SPLIT_ROOT, SPLIT_SHIFT};
+pub use smooth::{smooth_step, smooth_step_slope};
 
 /// Yes or no, for each of the numbers side by side.
 pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
@@ -223,194 +231,4 @@ pub trait Plain: Scalar<Plain = Self> {
 #[inline(always)]
 pub(crate) fn always<F>(f: F) -> F {
     f
-}
-
-/// A number with `N` exact partial derivatives.
-pub type Dual<const N: usize> = DualSVec64<N>;
-
-/// 1.5 2^52: numbers added to it are rounded to whole ones, which then stand in its low bits.
-pub(crate) const ROUNDING: f64 = 6_755_399_441_055_744.0;
-
-/// Added to the bits of a positive number, it carries into the exponent where the fraction is above that of sqrt 2.
-const SPLIT_SHIFT: u64 = (0x3ff0_0000 - 0x3fe6_a09e) << 32;
-const SPLIT_FRACTION: u64 = 0x000f_ffff_ffff_ffff;
-/// Bits of a number just below sqrt(1/2).
-const SPLIT_ROOT: u64 = 0x3fe6_a09e << 32;
-/// Bits of 2^52: a whole number below 2^52 in their low part is that much more.
-const SPLIT_MAGIC: u64 = 0x4330_0000_0000_0000;
-const SPLIT_BIAS: f64 = 4_503_599_627_370_496.0 + 1023.0;
-
-impl Scalar for f64 {
-    type Mask = bool;
-    type Plain = f64;
-
-    #[inline(always)]
-    fn plain(self) -> f64 {
-        self
-    }
-
-    #[inline(always)]
-    fn from_plain(plain: f64) -> f64 {
-        plain
-    }
-
-    #[inline(always)]
-    fn select(mask: bool, yes: f64, no: f64) -> f64 {
-        if mask { yes } else { no }
-    }
-
-    #[inline]
-    fn power(self, exponent: f64) -> f64 {
-        functions::power(self, exponent)
-    }
-
-    #[inline]
-    fn exponential(self) -> f64 {
-        functions::exp(self)
-    }
-
-    #[inline]
-    fn sine_cosine(self) -> (f64, f64) {
-        functions::sin_cos(self)
-    }
-
-    #[inline]
-    fn arc_tangent(self) -> f64 {
-        functions::atan(self)
-    }
-
-    #[inline]
-    fn arc_cosine(self) -> f64 {
-        functions::acos(self)
-    }
-
-    #[inline]
-    fn is_exactly(self, x: f64) -> bool {
-        self == x
-    }
-
-    #[inline]
-    fn all_finite(self) -> bool {
-        self.is_finite()
-    }
-}
-
-impl Plain for f64 {
-    const LANES: usize = 1;
-
-    #[inline(always)]
-    fn lane(self, _: usize) -> f64 {
-        self
-    }
-
-    #[inline(always)]
-    fn from_lanes(mut f: impl FnMut(usize) -> f64) -> f64 {
-        f(0)
-    }
-
-    #[inline(always)]
-    fn less(self, other: f64) -> bool {
-        self < other
-    }
-
-    #[inline(always)]
-    fn less_or_same(self, other: f64) -> bool {
-        self <= other
-    }
-
-    #[inline(always)]
-    fn same(self, other: f64) -> bool {
-        self == other
-    }
-
-    #[inline(always)]
-    fn power_of_two(self) -> f64 {
-        f64::from_bits(self.to_bits().wrapping_add(1023) << 52)
-    }
-
-    #[inline(always)]
-    fn bit(self, k: u32) -> bool {
-        self.to_bits() >> k & 1 != 0
-    }
-
-    #[inline(always)]
-    fn split(self) -> (f64, f64) {
-        let shifted = self.to_bits().wrapping_add(SPLIT_SHIFT);
-        let exponent = f64::from_bits(shifted >> 52 | SPLIT_MAGIC) - SPLIT_BIAS;
-        (f64::from_bits((shifted & SPLIT_FRACTION).wrapping_add(SPLIT_ROOT)), exponent)
-    }
-}
-
-impl<const N: usize> Scalar for Dual<N> {
-    type Mask = bool;
-    type Plain = f64;
-
-    #[inline(always)]
-    fn plain(self) -> f64 {
-        self.re
-    }
-
-    #[inline(always)]
-    fn from_plain(plain: f64) -> Self {
-        Self::from(plain)
-    }
-
-    #[inline(always)]
-    fn select(mask: bool, yes: Self, no: Self) -> Self {
-        if mask { yes } else { no }
-    }
-
-    fn power(self, exponent: Self) -> Self {
-        // The limit at zero: x^n and its derivatives in n vanish, and no node of a quadrature lies there.
-        if self.re <= 0.0 {
-            return Self::from(0.0);
-        }
-        let value = functions::power(self.re, exponent.re);
-        let change = self.eps * (exponent.re / self.re) + exponent.eps * self.re.ln();
-        Self::new(value, change * value)
-    }
-
-    fn exponential(self) -> Self {
-        let value = functions::exp(self.re);
-        Self::new(value, self.eps * value)
-    }
-
-    fn sine_cosine(self) -> (Self, Self) {
-        let (sin, cos) = functions::sin_cos(self.re);
-        (Self::new(sin, self.eps * cos), Self::new(cos, self.eps * -sin))
-    }
-
-    fn arc_tangent(self) -> Self {
-        Self::new(functions::atan(self.re), self.eps * (self.re * self.re + 1.0).recip())
-    }
-
-    fn arc_cosine(self) -> Self {
-        let slope = -(1.0 - self.re * self.re).sqrt().recip();
-        Self::new(functions::acos(self.re), self.eps * slope)
-    }
-
-    fn is_exactly(self, x: f64) -> bool {
-        self.re == x && self.eps.0.is_none()
-    }
-
-    fn all_finite(self) -> bool {
-        self.re.is_finite() && self.eps.0.is_none_or(|all| all.iter().all(|part| part.is_finite()))
-    }
-}
-
-/// A smooth step: 0 below 0, 1 above 1, with continuous first derivative.
-#[must_use]
-#[cfg_attr(feature = "batch", inline(always))]
-pub fn smooth_step<S: Scalar>(x: S) -> S {
-    let within = x * x * (S::from(3.0) - x * 2.0);
-    let upper = S::select(x.at_most(S::from(0.0)), S::from(0.0), within);
-    S::select(S::from(1.0).at_most(x), S::from(1.0), upper)
-}
-
-/// Derivative of [`smooth_step`].
-#[must_use]
-#[cfg_attr(feature = "batch", inline(always))]
-pub fn smooth_step_slope<S: Scalar>(x: S) -> S {
-    let outside = x.at_most(S::from(0.0)) | S::from(1.0).at_most(x);
-    S::select(outside, S::from(0.0), x * (S::from(1.0) - x) * 6.0)
 }
