@@ -1,8 +1,9 @@
 //! A model's controller by itself: its measurements come from outside, its torques go there.
 
 use super::closed_loop::AtWork;
+use super::inputs::VelocityCommand;
 use super::origin::Origin;
-use super::run::{VelocityCommand, whole_multiple};
+use super::run::whole_multiple;
 use super::{ControlKind, Model, RunError};
 use crate::control::Rtc;
 use crate::signals::{Command, LinkMeasurement, Measurement, Reference, Signals, WheelMeasurement};

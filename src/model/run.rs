@@ -2,119 +2,16 @@
 
 use super::closed_loop::AtWork;
 use super::origin::Origin;
-use super::{AnyPlant, ControlKind, Model};
+use super::{AnyPlant, ControlKind, Inputs, Model};
 use crate::control::{ControlError, Rtc};
 use crate::sensors::SensorSuite;
 use crate::signals::{Command, Drive, Measurement, Reference, Signals};
 use crate::simulation::{Simulation, Status, StepError};
-use bekker_modeldescription::{Lookup, ParameterError, Parameters, Unit, Variable, join, parameters};
+use bekker_modeldescription::{Lookup, ParameterError};
 
 /// A control period must be a whole number of inner steps, to this relative tolerance (a decimal
 /// fraction such as 0.01/0.001 is off by rounding only).
 const WHOLE: f64 = 1e-9;
-
-const ANY: std::ops::RangeInclusive<f64> = -1e4..=1e4;
-
-parameters! {
-    /// Command of one wheel's torque.
-    pub struct TorqueCommand {
-        /// Commanded motor torque, wheel side of the gear.
-        torque_command: [Unit::NEWTON_METRE] = 0.0, ANY, Signal, "input";
-    }
-}
-
-parameters! {
-    /// Command of one wheel's speed.
-    pub struct SpeedCommand {
-        /// Commanded wheel speed relative to the carrying body.
-        speed_command: [Unit::RADIAN_PER_SECOND] = 0.0, ANY, Signal, "input";
-    }
-}
-
-parameters! {
-    /// Command of the rover's speed.
-    pub struct VelocityCommand {
-        /// Desired speed of the body along its path.
-        velocity_command: [Unit::METRE_PER_SECOND] = 0.25, -10.0..=10.0, Signal, "input; 25 cm/s in Iagnemma 2001, 4.4.1";
-    }
-}
-
-/// Inputs of a run, by the vocabulary's names.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Inputs {
-    /// `wheel[k].torque_command`, N m.
-    Torque(Vec<TorqueCommand>),
-    /// `wheel[k].speed_command`, rad/s.
-    Speed(Vec<SpeedCommand>),
-    /// `velocity_command`, m/s.
-    Velocity(VelocityCommand),
-}
-
-impl Inputs {
-    pub(super) fn new(model: &Model) -> Self {
-        let wheels = model.rover.wheels.len();
-        match model.control.kind {
-            ControlKind::Torque => Self::Torque(vec![TorqueCommand::default(); wheels]),
-            ControlKind::Speed | ControlKind::SpeedLoop => Self::Speed(vec![SpeedCommand::default(); wheels]),
-            ControlKind::Velocity
-            | ControlKind::VelocityTuned
-            | ControlKind::Rtc
-            | ControlKind::Slip
-            | ControlKind::EqualTorque => Self::Velocity(VelocityCommand::default()),
-        }
-    }
-
-    /// Sets the inputs from values in the vocabulary's order.
-    ///
-    /// # Errors
-    /// [`RunError::InputLength`] for a wrong number of values, [`RunError::Parameter`] for one that is not
-    /// finite or out of range.
-    pub fn set_all(&mut self, values: &[f64]) -> Result<(), RunError> {
-        let mut expected = 0;
-        self.values(&mut |_| expected += 1);
-        if values.len() != expected {
-            return Err(RunError::InputLength { got: values.len(), expected });
-        }
-        if values.iter().all(|value| value.is_finite() && value.abs() <= *ANY.end()) {
-            let mut next = values.iter();
-            let mut put = |place: &mut f64| {
-                if let Some(value) = next.next() {
-                    *place = *value;
-                }
-            };
-            match self {
-                Self::Torque(wheels) => wheels.iter_mut().for_each(|w| put(&mut w.torque_command)),
-                Self::Speed(wheels) => wheels.iter_mut().for_each(|w| put(&mut w.speed_command)),
-                Self::Velocity(command) => put(&mut command.velocity_command),
-            }
-            return Ok(());
-        }
-        let names: Vec<String> = self.list().into_iter().map(|(variable, _)| variable.name).collect();
-        for (name, &value) in names.iter().zip(values) {
-            self.set(name, value)?;
-        }
-        Ok(())
-    }
-}
-
-impl Parameters<f64> for Inputs {
-    fn visit(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut f64)) {
-        let wheel = |k: usize| join(prefix, &format!("wheel[{}]", k + 1));
-        match self {
-            Self::Torque(wheels) => wheels.iter_mut().enumerate().for_each(|(k, w)| w.visit(&wheel(k), f)),
-            Self::Speed(wheels) => wheels.iter_mut().enumerate().for_each(|(k, w)| w.visit(&wheel(k), f)),
-            Self::Velocity(command) => command.visit(prefix, f),
-        }
-    }
-
-    fn values(&self, f: &mut dyn FnMut(f64)) {
-        match self {
-            Self::Torque(wheels) => wheels.iter().for_each(|w| w.values(f)),
-            Self::Speed(wheels) => wheels.iter().for_each(|w| w.values(f)),
-            Self::Velocity(command) => command.values(f),
-        }
-    }
-}
 
 /// Why a run cannot start or go on.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
