@@ -49,6 +49,7 @@ fn agreement_of_the_fmu_with_the_core() {
         assert_eq!(fmi3EnterInitializationMode(instance, 0, 0.0, 0.0, 0, 0.0), Status::Ok);
         assert_eq!(fmi3ExitInitializationMode(instance), Status::Ok, "{:?}", messages());
         let mut run = model.start().unwrap();
+        let mut fastest = 0.0_f64;
         for k in 0..100 {
             let values = torques(&mut random, &model);
             assert_eq!(set(instance, &inputs, &values), Status::Ok, "{:?}", messages());
@@ -59,8 +60,9 @@ fn agreement_of_the_fmu_with_the_core() {
             let mut expected = Vec::new();
             run.signals().values(&mut |value| expected.push(value));
             assert_eq!(bits(&get(instance, &signals).unwrap()), bits(&expected), "{preset}, step {k}");
+            fastest = fastest.max(run.signals().body.velocity.abs());
         }
-        assert!(run.signals().body.velocity.abs() > 1e-3, "{preset}: the rover has moved");
+        assert!(fastest > 1e-3, "{preset}: the rover has moved, at most at {fastest} m/s");
         fmi3FreeInstance(instance);
     }
 }
