@@ -45,7 +45,7 @@ def main() -> None:
                               autoreset_mode=AutoresetMode.SAME_STEP, period=PERIOD, max_episode_steps=limit)
     width, height = envs.single_observation_space.shape[0], envs.single_action_space.shape[0]
     actor, critic = network(width, height, 0.01), network(width, 1, 1.0)
-    spread = nn.Parameter(torch.full((height,), -0.5))
+    spread = nn.Parameter(torch.full((height,), -0.8))
     weights = [*actor.parameters(), *critic.parameters(), spread]
     optimiser = torch.optim.Adam(weights, lr=rate, eps=1e-5)
 
