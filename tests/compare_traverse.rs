@@ -17,18 +17,23 @@ const RECOVERY: f64 = 1e-3;
 
 const MEASURED: [&str; 6] = ["x", "pitch", "velocity", "wheel[1].torque", "wheel[2].torque", "wheel[2].sinkage"];
 
-fn hill() -> (Vec<f64>, Vec<f64>) {
+/// Waves on a plane of this slope.
+fn hill(slope: f64) -> (Vec<f64>, Vec<f64>) {
     let x: Vec<f64> = (0..121).map(|k| -2.0 + 0.05 * f64::from(k)).collect();
-    let z = x.iter().map(|x| 0.03 * (2.0 * x).sin()).collect();
+    let z = x.iter().map(|x| slope * x + 0.03 * (2.0 * x).sin()).collect();
     (x, z)
 }
 
 /// A rover with planted friction angle and shear modulus.
 fn planted(kind: &str) -> Model {
+    planted_on(0.0, kind)
+}
+
+fn planted_on(slope: f64, kind: &str) -> Model {
     let mut model = Model::preset(kind).unwrap();
     model.set("soil.friction_angle", 0.55).unwrap();
     model.set("soil.shear_modulus", 0.018).unwrap();
-    let (x, z) = hill();
+    let (x, z) = hill(slope);
     model.rover.terrain.profile = Profile::Samples(Samples::new(&x, &z).unwrap().into());
     model.start.x0 = 0.2;
     model
@@ -36,9 +41,20 @@ fn planted(kind: &str) -> Model {
 
 /// Drives the planted rover with a command that changes from row to row, and writes the folder.
 fn recorded(name: &str, kind: &str, commands: &str, command: impl Fn(usize) -> f64, settings: &str) -> PathBuf {
+    recorded_on(0.0, name, kind, commands, command, settings)
+}
+
+fn recorded_on(
+    slope: f64,
+    name: &str,
+    kind: &str,
+    commands: &str,
+    command: impl Fn(usize) -> f64,
+    settings: &str,
+) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("compare_traverse").join(name);
     std::fs::create_dir_all(&folder).unwrap();
-    let mut run = planted(kind).start().unwrap();
+    let mut run = planted_on(slope, kind).start().unwrap();
     let names = MEASURED.map(str::to_owned);
     let mut record = Record::new(&mut run.signals().clone(), Some(&names)).unwrap();
     let steps = (PERIOD / run.step_size()).round() as u64;
@@ -59,7 +75,7 @@ fn recorded(name: &str, kind: &str, commands: &str, command: impl Fn(usize) -> f
         csv += &format!("{row},{front:?},{rear:?}\n");
     }
     std::fs::write(folder.join("drive.csv"), csv).unwrap();
-    let (x, z) = hill();
+    let (x, z) = hill(slope);
     let hill: String = x.iter().zip(&z).map(|(x, z)| format!("{x:?},{z:?}\n")).collect();
     std::fs::write(folder.join("hill.csv"), format!("x,z\n{hill}")).unwrap();
     let run = "[[run]]\nfile = \"drive.csv\"\nterrain = \"hill.csv\"\nx0 = 0.2\n";
@@ -94,14 +110,18 @@ fn agreement_a_replay_is_the_simulation_bit_for_bit() {
     }
 }
 
-#[test]
-fn property_calibration_recovers_a_planted_soil_from_a_drive() {
+/// Everything of the soil but its friction angle and shear modulus, so that a drive has two values to tell.
+fn all_but_two() -> String {
     let soil = Model::preset("two_wheeled").unwrap().rover.soil;
-    // Everything else of the soil is stated, so that the drive has two values to tell.
-    let settings = format!(
+    format!(
         "[parameters]\n\"soil.cohesion\" = {}\n\"soil.k_phi\" = {}\n\"soil.exponent\" = 1\n\"soil.c1\" = 0.4\n\"soil.c2\" = 0.2\n",
         soil.cohesion, soil.k_phi
-    );
+    )
+}
+
+#[test]
+fn property_calibration_recovers_a_planted_soil_from_a_drive() {
+    let settings = all_but_two();
     let folder = recorded("r", "two_wheeled_speed", "speed_command", |row| 2.0 + (row as f64 * 0.3).sin(), &settings);
     let experiment = Experiment::read(&folder).unwrap();
     let model = Model::preset("two_wheeled_speed").unwrap();
@@ -116,6 +136,28 @@ fn property_calibration_recovers_a_planted_soil_from_a_drive() {
     }
     let given = comparison.given.as_ref().unwrap();
     assert!(fit.rmse["x"] < 1e-3 * given.rmse["x"], "{:?} {:?}", fit.rmse, given.rmse);
+}
+
+#[test]
+fn property_calibration_leads_out_of_a_soil_in_which_the_rover_is_stuck() {
+    let command = |row: usize| 2.0 + (row as f64 * 0.3).sin();
+    let kind = "two_wheeled_speed";
+    let folder = recorded_on(0.1, "stuck", kind, "speed_command", command, &all_but_two());
+    let mut weak = Model::preset(kind).unwrap();
+    weak.set("soil.friction_angle", 0.3).unwrap();
+    let experiment = Experiment::read(&folder).unwrap();
+    let options = CompareOptions { calibrate: true, ..CompareOptions::default() };
+    let comparison = compare(&weak, &experiment, &options).unwrap();
+    let given = comparison.given.as_ref().unwrap_err().to_string();
+    assert!(given.contains("stuck"), "{given}");
+    let (calibration, _) = comparison.calibrated.as_ref().unwrap();
+    let mut truth = planted(kind);
+    for parameter in &calibration.parameters {
+        let planted = truth.get(&parameter.variable.name).unwrap();
+        assert!((parameter.value / planted - 1.0).abs() < RECOVERY, "{parameter:?}");
+    }
+    let refused = compare(&weak, &experiment, &CompareOptions::default()).unwrap_err().to_string();
+    assert!(refused.contains("stuck"), "what is not searched for is not held: {refused}");
 }
 
 #[cfg(feature = "report")]

@@ -5,8 +5,9 @@
 //! modulus trade against each other.
 
 use super::free::{Free, Prior};
-use super::least_squares::{LeastSquares, Minimum};
+use super::least_squares::{LeastSquares, Minimum, Pace};
 use super::weighted::Weighted;
+use crate::measurement::Kind;
 use bekker_modeldescription::Variable;
 use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng};
@@ -27,20 +28,37 @@ const AGREEING_COST: f64 = 1e-4;
 /// Singular values below this share of the largest count as zero: the experiment does not determine that direction.
 const RANK_TOLERANCE: f64 = 1e-10;
 
-/// How many starts a calibration tries.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// How many starts a calibration tries, and how long it follows them.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Effort {
     /// Draws from which the starts are chosen by their cost.
     pub draws: usize,
     /// How many of them are searched from, besides the given values.
     pub searches: usize,
+    /// How long a search is followed.
+    pub pace: Pace,
 }
 
 impl Effort {
-    /// A wheel on a carriage: an evaluation takes under a millisecond.
-    pub const STEADY: Self = Self { draws: 64, searches: 5 };
-    /// A traverse: an evaluation takes tenths of a second.
-    pub const TRAVERSE: Self = Self { draws: 8, searches: 1 };
+    /// For an experiment of this kind. A wheel on a carriage is evaluated in under a millisecond. A traverse takes tenths of
+    /// a second; where a soil lets the rover get stuck its cost is flat, so that many draws are needed to find one that
+    /// gets through.
+    pub fn of(kind: Kind) -> Self {
+        match kind {
+            Kind::SingleWheel => Self { draws: 64, searches: 5, pace: Pace::PATIENT },
+            Kind::Traverse => Self { draws: 48, searches: 3, pace: Pace::BRISK },
+        }
+    }
+
+    /// A first look at an effect on a traverse, from the given starts and so many draws.
+    pub fn scouting(searches: usize) -> Self {
+        Self { draws: 8 * searches, searches, pace: Pace::SHORT }
+    }
+
+    /// From the given starts only.
+    pub fn without_draws(self) -> Self {
+        Self { draws: 0, searches: 0, ..self }
+    }
 }
 
 /// One free parameter after a calibration, in its SI unit.
@@ -90,7 +108,15 @@ pub struct Calibration {
     pub agreeing: usize,
 }
 
+/// Chi-square over its freedom beyond which a fit is far from the measurements.
+const FAR: f64 = 2.0;
+
 impl Calibration {
+    /// Whether the misfit is so large that sensitivities around it say little.
+    pub(crate) fn is_far(&self) -> bool {
+        self.chi_square > FAR * self.degrees_of_freedom as f64
+    }
+
     /// The values of the free parameters.
     pub(crate) fn values(&self) -> Vec<f64> {
         self.parameters.iter().map(|parameter| parameter.value).collect()
@@ -99,26 +125,23 @@ impl Calibration {
 
 /// Calibrates from the given values and from seeded draws. `None` where no start has a finite cost.
 pub(crate) fn calibrate(weighted: &Weighted, weights: &BTreeMap<String, f64>, effort: Effort) -> Option<Calibration> {
-    let free = weighted.free;
-    let residual = |u: &[f64]| weighted.residual(u);
-    let jacobian = |u: &[f64]| weighted.jacobian(u);
-    let problem = least_squares(weighted, &residual, &jacobian);
-    let starts = starts(&problem, free, effort);
-    search(weighted, &problem, &starts, weights)
+    let given: Vec<f64> = weighted.free.iter().map(|free| free.start).collect();
+    calibrate_from(weighted, weights, &[given], effort)
 }
 
-/// Calibrates from the given starts only, values in SI units. `None` where none has a finite cost.
+/// Calibrates from the given starts, values in SI units, and from seeded draws. `None` where none has a finite cost.
 pub(crate) fn calibrate_from(
     weighted: &Weighted,
     weights: &BTreeMap<String, f64>,
     starts: &[Vec<f64>],
+    effort: Effort,
 ) -> Option<Calibration> {
     let residual = |u: &[f64]| weighted.residual(u);
     let jacobian = |u: &[f64]| weighted.jacobian(u);
     let problem = least_squares(weighted, &residual, &jacobian);
-    let starts: Vec<Vec<f64>> =
-        starts.iter().map(|values| weighted.coordinates(values)).filter(|u| problem.cost_at(u).is_finite()).collect();
-    search(weighted, &problem, &starts, weights)
+    let given = starts.iter().map(|values| weighted.coordinates(values)).filter(|u| problem.cost_at(u).is_finite());
+    let starts: Vec<Vec<f64>> = given.chain(drawn(&problem, weighted.free, effort)).collect();
+    search(weighted, &problem, &starts, weights, effort.pace)
 }
 
 fn least_squares<'a>(
@@ -127,7 +150,7 @@ fn least_squares<'a>(
     jacobian: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
 ) -> LeastSquares<'a> {
     let (lower, upper) = weighted.free.iter().map(Free::bounds).unzip();
-    LeastSquares { lower, upper, tolerance: weighted.predict.tolerance(), residual, jacobian }
+    LeastSquares { lower, upper, rows: weighted.rows(), tolerance: weighted.predict.tolerance(), residual, jacobian }
 }
 
 fn search(
@@ -135,8 +158,10 @@ fn search(
     problem: &LeastSquares,
     starts: &[Vec<f64>],
     weights: &BTreeMap<String, f64>,
+    pace: Pace,
 ) -> Option<Calibration> {
-    let minima: Vec<Minimum> = starts.iter().filter_map(|start| problem.minimise(start)).collect();
+    let mut minima = problem.minimise(starts, pace);
+    minima.retain(|minimum| weighted.is_valid(&minimum.x));
     let best = minima.iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?.clone();
     let agreeing = minima.iter().filter(|m| m.cost <= best.cost * (1.0 + AGREEING_COST)).count();
     Some(Calibration { searches: minima.len(), agreeing, ..finished(weighted, problem, best, weights) })
@@ -148,7 +173,7 @@ pub(crate) fn settled(weighted: &Weighted, weights: &BTreeMap<String, f64>, valu
     let jacobian = |u: &[f64]| weighted.jacobian(u);
     let problem = least_squares(weighted, &residual, &jacobian);
     let x = weighted.coordinates(values);
-    let cost = Some(problem.cost_at(&x)).filter(|cost| cost.is_finite())?;
+    let cost = Some(problem.cost_at(&x)).filter(|cost| cost.is_finite() && weighted.is_valid(&x))?;
     Some(finished(weighted, &problem, Minimum { x, cost, steps: 0, converged: true }, weights))
 }
 
@@ -160,7 +185,7 @@ fn finished(
     weights: &BTreeMap<String, f64>,
 ) -> Calibration {
     let free = weighted.free;
-    let at_bound = put_on_bounds(problem, &mut best);
+    let at_bound = put_on_bounds(weighted, problem, &mut best);
     let degrees_of_freedom = weighted.rows().saturating_sub(free.len());
     let chi_square = 2.0 * best.cost;
     let deviations = deviations(weighted, &best.x, &at_bound, chi_square, degrees_of_freedom);
@@ -185,8 +210,8 @@ fn finished(
     }
 }
 
-/// The given values, and the best of seeded draws around them.
-fn starts(problem: &LeastSquares, free: &[Free], effort: Effort) -> Vec<Vec<f64>> {
+/// The best of seeded draws around the given values.
+fn drawn(problem: &LeastSquares, free: &[Free], effort: Effort) -> Vec<Vec<f64>> {
     let given: Vec<f64> = free.iter().map(|f| f.coordinate(f.start)).collect();
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
     let mut drawn: Vec<(f64, Vec<f64>)> = (0..effort.draws)
@@ -203,12 +228,11 @@ fn starts(problem: &LeastSquares, free: &[Free], effort: Effort) -> Vec<Vec<f64>
         .filter(|(cost, _)| cost.is_finite())
         .collect();
     drawn.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let given = Some(given).filter(|u| problem.cost_at(u).is_finite());
-    given.into_iter().chain(drawn.into_iter().map(|(_, u)| u).take(effort.searches)).collect()
+    drawn.into_iter().map(|(_, u)| u).take(effort.searches).collect()
 }
 
 /// Puts coordinates that have all but reached a bound on it; returns which.
-fn put_on_bounds(problem: &LeastSquares, minimum: &mut Minimum) -> Vec<bool> {
+fn put_on_bounds(weighted: &Weighted, problem: &LeastSquares, minimum: &mut Minimum) -> Vec<bool> {
     let mut at_bound = vec![false; minimum.x.len()];
     for k in 0..minimum.x.len() {
         let (lower, upper) = (problem.lower[k], problem.upper[k]);
@@ -223,7 +247,7 @@ fn put_on_bounds(problem: &LeastSquares, minimum: &mut Minimum) -> Vec<bool> {
         let mut moved = minimum.x.clone();
         moved[k] = bound;
         let cost = problem.cost_at(&moved);
-        if cost <= minimum.cost * (1.0 + SAME_COST) {
+        if cost <= minimum.cost * (1.0 + SAME_COST) && weighted.is_valid(&moved) {
             (minimum.x, minimum.cost, at_bound[k]) = (moved, cost, true);
         }
     }

@@ -9,7 +9,7 @@ use super::prediction::{Predict, PredictionError};
 use super::problem::Problem;
 use super::weighted::Weighted;
 use crate::effects::DefinitionError;
-use crate::measurement::{Experiment, Kind};
+use crate::measurement::Experiment;
 use crate::model::Model;
 use bekker_modeldescription::ParameterError;
 use std::collections::BTreeMap;
@@ -152,11 +152,7 @@ fn calibrated_with(predict: &dyn Predict, problem: &Problem, weights: &BTreeMap<
     let whitening = Whitening::new(&problem.layout, &noise, &|_, _| true)?;
     let (layout, free) = (&problem.layout, &problem.base);
     let weighted = Weighted { predict, layout, free, whitening: &whitening, robust: f64::INFINITY };
-    let effort = match problem.experiment.kind {
-        Kind::SingleWheel => Effort::STEADY,
-        Kind::Traverse => Effort::TRAVERSE,
-    };
-    calibrate(&weighted, weights, effort)
+    calibrate(&weighted, weights, Effort::of(problem.experiment.kind))
 }
 
 /// Standard deviation by signal: the noise floor, or where it is unknown the signal's own scatter, which weighs the

@@ -1,5 +1,6 @@
 //! A parameter that a fit may move, and the coordinate in which it is searched.
 
+use super::linear_algebra::Reach;
 use bekker_modeldescription::Variable;
 
 /// Ratio of the bounds from which a positive parameter is searched in logarithms.
@@ -42,6 +43,13 @@ impl Free {
     /// dp/du.
     pub fn slope(&self, value: f64) -> f64 {
         if self.logarithmic() { value } else { self.variable.max - self.variable.min }
+    }
+
+    /// How far the coordinate may go from that of `value`.
+    pub fn reach(&self, value: f64) -> Reach {
+        let (low, high) = self.bounds();
+        let here = self.coordinate(value);
+        Reach { low: (low - here).min(0.0), high: (high - here).max(0.0) }
     }
 
     /// Bounds of the coordinate.

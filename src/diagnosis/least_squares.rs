@@ -6,8 +6,8 @@
 //! no bounds.
 
 use basin::{
-    BoxBounds, ConstraintSet, Constraints, CostFunction, DenseMatrix, Executor, Jacobian, Residual, TerminationCode,
-    TrustRegionReflective,
+    BoxBounds, ConstraintSet, Constraints, CostFunction, DenseMatrix, Executor, Jacobian, Residual, State, StepOutcome,
+    TerminationCode, TrustRegionReflective,
 };
 use std::convert::Infallible;
 
@@ -17,12 +17,41 @@ const STEP_TOLERANCE: f64 = 1e-10;
 /// Steps after which a search gives up; fits here take 10 to 60.
 const MAX_STEPS: u64 = 300;
 
+/// Steps over which a search must have gained something worth its time.
+const STRETCH: usize = 10;
+
+/// How long searches from several starts are followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pace {
+    /// Steps after which only the best search goes on, and those whose cost is within [`BEATEN`] of it.
+    pub heat: usize,
+    /// How many steps these go on.
+    pub after: usize,
+    /// A search ends where over ten steps it brought its misfit beyond noise down by less than this share: into the corner
+    /// of a box a search crawls, and where the model lacks an effect the last of such steps are not worth their time.
+    pub least_fall: f64,
+}
+
+/// Share by which a search may be behind the best after the first heat.
+const BEATEN: f64 = 0.05;
+
+impl Pace {
+    /// Every search to its end.
+    pub const PATIENT: Self = Self { heat: usize::MAX, after: 0, least_fall: 0.0 };
+    /// Where an evaluation takes tenths of a second.
+    pub const BRISK: Self = Self { heat: 12, after: usize::MAX, least_fall: 5e-3 };
+    /// A few steps that tell which way is worth going on.
+    pub const SHORT: Self = Self { heat: 8, after: 0, least_fall: 5e-3 };
+}
+
 /// Residuals and their Jacobian over a box.
 pub(crate) struct LeastSquares<'a> {
     /// Lower bounds.
     pub lower: Vec<f64>,
     /// Upper bounds, each above its lower bound.
     pub upper: Vec<f64>,
+    /// Number of residuals.
+    pub rows: usize,
     /// Residuals; infinite where the model has no answer.
     pub residual: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
     /// Share by which the cost may still fall between accepted steps when the search stops.
@@ -48,18 +77,86 @@ impl LeastSquares<'_> {
         0.5 * (self.residual)(x).iter().map(|r| r * r).sum::<f64>()
     }
 
-    /// Searches from `start`, which must have a finite cost; `None` where the bounds are not an interval each.
-    pub fn minimise(&self, start: &[f64]) -> Option<Minimum> {
-        let solver = TrustRegionReflective::new()
-            .with_relative_cost_change_tolerance(self.tolerance)
-            .with_relative_step_tolerance(STEP_TOLERANCE);
-        let result = Executor::from_start(Borrowed(self), solver, start.to_vec()).max_iter(MAX_STEPS).run().ok()?;
-        let converged = !matches!(
-            result.report.termination.code(),
-            TerminationCode::SolverFailed | TerminationCode::MaxIter | TerminationCode::MaxTime
-        );
-        Some(Minimum { x: result.param().clone(), cost: result.cost(), steps: result.iter(), converged })
+    /// Searches from each of `starts`, which must have finite costs; where each ended. Empty where the bounds are not an
+    /// interval each.
+    pub fn minimise(&self, starts: &[Vec<f64>], pace: Pace) -> Vec<Minimum> {
+        let mut searches: Vec<Search> = starts.iter().filter_map(|start| Search::new(self, start, pace)).collect();
+        for search in &mut searches {
+            search.follow(pace.heat);
+        }
+        let best = searches.iter().map(|search| search.at.cost).fold(f64::INFINITY, f64::min);
+        for search in searches.iter_mut().filter(|search| search.at.cost <= (1.0 + BEATEN) * best) {
+            search.follow(pace.after);
+        }
+        searches.into_iter().map(|search| search.at).collect()
     }
+}
+
+/// A search under way.
+struct Search<'a> {
+    /// One step of it: where it is then, and whether it ended there; `None` where it broke down.
+    step: Box<dyn FnMut() -> Option<(Minimum, bool)> + 'a>,
+    at: Minimum,
+    ended: bool,
+    /// Cost after each step.
+    costs: Vec<f64>,
+    least_fall: f64,
+    /// Cost that noise alone leaves.
+    noise: f64,
+}
+
+impl<'a> Search<'a> {
+    fn new(problem: &'a LeastSquares<'a>, start: &[f64], pace: Pace) -> Option<Self> {
+        let solver = TrustRegionReflective::new()
+            .with_relative_cost_change_tolerance(problem.tolerance)
+            .with_relative_step_tolerance(STEP_TOLERANCE);
+        let executor = Executor::from_start(Borrowed(problem), solver, start.to_vec()).max_iter(MAX_STEPS);
+        let mut stepper = executor.into_stepper().ok()?;
+        let at = Minimum { x: start.to_vec(), cost: stepper.state().cost(), steps: 0, converged: false };
+        let step = move || {
+            let stopped = match stepper.step().ok()? {
+                StepOutcome::Continue => None,
+                StepOutcome::Stopped(report) => Some(met_tolerance(report.termination.code())),
+            };
+            let state = stepper.state();
+            let at = Minimum {
+                x: state.param().clone(),
+                cost: state.cost(),
+                steps: state.iter(),
+                converged: stopped.unwrap_or(false),
+            };
+            Some((at, stopped.is_some()))
+        };
+        let noise = 0.5 * problem.rows.saturating_sub(start.len()) as f64;
+        Some(Self { step: Box::new(step), at, ended: false, costs: Vec::new(), least_fall: pace.least_fall, noise })
+    }
+
+    /// Goes on until the search ends, at most so many steps.
+    fn follow(&mut self, steps: usize) {
+        for _ in 0..steps {
+            if self.ended {
+                return;
+            }
+            let Some(after) = (self.step)() else {
+                self.ended = true;
+                return;
+            };
+            (self.at, self.ended) = after;
+            self.costs.push(self.at.cost);
+            if !self.ended && self.crawls() {
+                (self.ended, self.at.converged) = (true, true);
+            }
+        }
+    }
+
+    fn crawls(&self) -> bool {
+        let Some(before) = self.costs.len().checked_sub(STRETCH + 1) else { return false };
+        self.costs[before] - self.at.cost < self.least_fall * (self.at.cost - self.noise)
+    }
+}
+
+fn met_tolerance(code: TerminationCode) -> bool {
+    !matches!(code, TerminationCode::SolverFailed | TerminationCode::MaxIter | TerminationCode::MaxTime)
 }
 
 /// What `basin` takes by value.

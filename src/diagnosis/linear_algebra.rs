@@ -70,41 +70,46 @@ pub(crate) fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// Which way a coefficient may go.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Sign {
-    Up,
-    Down,
-    Both,
+/// Interval that a coefficient may not leave; it holds 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Reach {
+    pub low: f64,
+    pub high: f64,
 }
 
-impl Sign {
-    fn allows(self, x: f64) -> bool {
-        match self {
-            Self::Up => x >= 0.0,
-            Self::Down => x <= 0.0,
-            Self::Both => true,
+impl Reach {
+    /// Share of `x` that lies within, up to 1; `None` where `x` goes where nothing may.
+    fn share(self, x: f64) -> Option<f64> {
+        let end = if x > 0.0 { self.high } else { self.low };
+        if x == 0.0 {
+            Some(1.0)
+        } else if end == 0.0 {
+            None
+        } else {
+            Some((end / x).min(1.0))
         }
     }
 }
 
-/// Largest fall of |r - X d|^2 over d within the signs, and that d; `gram` is X^T X (row by row), `along` X^T r.
+/// Largest fall of |r - X d|^2 over d within its reach, and that d; `gram` is X^T X (row by row), `along` X^T r.
 ///
 /// All subsets of nonzero coefficients are tried, since there are a handful of columns at most; a subset that is
-/// singular adds nothing to its parts.
-pub(crate) fn best_fall(gram: &[f64], along: &[f64], signs: &[Sign]) -> (f64, Vec<f64>) {
+/// singular adds nothing to its parts. A solution that leaves its reach is followed as far as that goes: slopes say
+/// nothing of values that no parameter may have.
+pub(crate) fn best_fall(gram: &[f64], along: &[f64], reach: &[Reach]) -> (f64, Vec<f64>) {
     let n = along.len();
     let mut best = (0.0, vec![0.0; n]);
     for subset in 1_u32..1 << n {
         let members: Vec<usize> = (0..n).filter(|k| subset >> k & 1 == 1).collect();
         let Some(d) = solve(gram, along, n, &members) else { continue };
-        if members.iter().zip(&d).any(|(k, d)| !signs[*k].allows(*d)) {
-            continue;
-        }
-        let fall: f64 = members.iter().zip(&d).map(|(k, d)| along[*k] * d).sum();
+        let within = members.iter().zip(&d).map(|(k, d)| reach[*k].share(*d));
+        let Some(share) = within.reduce(|a, b| Some(a?.min(b?))).flatten() else { continue };
+        let whole: f64 = members.iter().zip(&d).map(|(k, d)| along[*k] * d).sum();
+        // Along the way to the solution |r - X (t d)|^2 falls by (2 t - t^2) of the whole.
+        let fall = whole * share * (2.0 - share);
         if fall > best.0 {
             best = (fall, vec![0.0; n]);
-            members.iter().zip(d).for_each(|(k, d)| best.1[*k] = d);
+            members.iter().zip(d).for_each(|(k, d)| best.1[*k] = share * d);
         }
     }
     best

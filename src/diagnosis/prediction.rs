@@ -86,6 +86,17 @@ pub(crate) trait Predict: Sync {
     /// The modelled values and, for each free parameter, their derivatives in it.
     fn slopes(&self, free: &[f64]) -> Result<(Vec<f64>, Vec<Vec<f64>>), PredictionError>;
 
+    /// As [`values`](Predict::values), but a run that ends early, a rover that is stuck say, stays as it was at the last row
+    /// that it reached: what a search may cross on its way, whose end has to have values.
+    fn values_onward(&self, free: &[f64]) -> Result<Vec<f64>, PredictionError> {
+        self.values(free)
+    }
+
+    /// [`slopes`](Predict::slopes) of what [`values_onward`](Predict::values_onward) gives.
+    fn slopes_onward(&self, free: &[f64]) -> Result<(Vec<f64>, Vec<Vec<f64>>), PredictionError> {
+        self.slopes(free)
+    }
+
     /// Share of the cost below which a further fall of it means nothing to a fit.
     fn tolerance(&self) -> f64 {
         1e-12

@@ -190,7 +190,7 @@ impl<'a> Problem<'a> {
     /// The task of fitting the baseline with these effects added.
     pub fn task(&self, effects: &[String], starts: Vec<Vec<f64>>) -> Task {
         let parameters = self.free(effects)[self.base.len()..].iter().map(|free| free.variable.name.clone()).collect();
-        Task { effects: effects.to_vec(), parameters, starts, left_out: Vec::new(), prior_factor: 1.0 }
+        Task { effects: effects.to_vec(), parameters, starts, scouting: None, left_out: Vec::new(), prior_factor: 1.0 }
     }
 
     /// The model with fitted values; what the experiment says of single runs is not part of it.

@@ -8,7 +8,7 @@ use crate::model::{ControlKind, Model, RunError};
 use crate::rover::Rover;
 use crate::scalar::Scalar;
 use crate::signals::{Drive, Signals};
-use crate::simulation::Status;
+use crate::simulation::{Event, Status};
 use bekker_modeldescription::{Lookup, Parameters};
 
 /// How a run is driven.
@@ -18,6 +18,15 @@ pub(super) enum Drives {
     Open(Replay),
     /// By a feedback loop on every wheel; its commands row by row, one value a wheel.
     Loop(Vec<f64>),
+}
+
+/// What a run gives.
+#[derive(Debug)]
+pub(super) struct Traced<S> {
+    /// The recorded signals, row by row; as at the last row reached, where the run ended.
+    pub values: Vec<S>,
+    /// How the run ended before its last row.
+    pub ended: Option<PredictionError>,
 }
 
 /// A recorded run, and those that repeat it.
@@ -100,19 +109,17 @@ impl Recorded {
     }
 
     /// The traced signals of an open-loop replay, row by row.
-    pub fn replayed<S: Scalar>(&self, replay: &Replay, rover: Rover<S>, x0: S) -> Result<Vec<S>, PredictionError> {
+    pub fn replayed<S: Scalar>(&self, replay: &Replay, rover: Rover<S>, x0: S) -> Result<Traced<S>, PredictionError> {
         let mut trace = vec![S::from(f64::NAN); self.time.len() * self.traced];
-        let replayed = replay.run(rover, x0, |row, signals| self.read(signals, row, &mut trace));
-        replayed.map(|()| trace).map_err(|error| match error {
-            ReplayError::Step(source) => self.failed(source.into()),
-            ReplayError::Ended { row, event } => {
-                PredictionError::Ended { run: self.name.clone(), time: self.time[row], event }
-            }
-        })
+        match replay.run(rover, x0, |row, signals| self.read(signals, row, &mut trace)) {
+            Ok(()) => Ok(Traced { values: trace, ended: None }),
+            Err(ReplayError::Ended { row, event }) => Ok(self.ended(trace, row, event)),
+            Err(ReplayError::Step(source)) => Err(self.failed(source.into())),
+        }
     }
 
     /// The traced signals of a run with its feedback loops, row by row.
-    pub fn driven(&self, model: &Model, commands: &[f64]) -> Result<Vec<f64>, PredictionError> {
+    pub fn driven(&self, model: &Model, commands: &[f64]) -> Result<Traced<f64>, PredictionError> {
         let mut trace = vec![f64::NAN; self.time.len() * self.traced];
         let mut run = model.start().map_err(|source| self.failed(source))?;
         let wheels = model.rover.wheels.len();
@@ -122,13 +129,23 @@ impl Recorded {
             let status = run.advance(due.saturating_sub(done)).map_err(|source| self.failed(source))?;
             done = due;
             if let Status::Ended(event) = status {
-                return Err(PredictionError::Ended { run: self.name.clone(), time: *time, event });
+                return Ok(self.ended(trace, row, event));
             }
             self.read(run.signals(), row, &mut trace);
             let command = &commands[row * wheels..(row + 1) * wheels];
             run.inputs_mut().set_all(command).map_err(|source| self.failed(source))?;
         }
-        Ok(trace)
+        Ok(Traced { values: trace, ended: None })
+    }
+
+    /// A trace whose rows from `row` on repeat the one before: the first row is the start, which cannot end.
+    fn ended<S: Scalar>(&self, mut values: Vec<S>, row: usize, event: Event) -> Traced<S> {
+        let reached = row * self.traced;
+        for at in reached..values.len() {
+            values[at] = values[at - self.traced];
+        }
+        let error = PredictionError::Ended { run: self.name.clone(), time: self.time[row], event };
+        Traced { values, ended: Some(error) }
     }
 
     fn read<S: Scalar>(&self, signals: &Signals<S>, row: usize, trace: &mut [S]) {

@@ -11,7 +11,7 @@
 use super::free::Free;
 use super::layout::Layout;
 use super::prediction::{Derivatives, Predict, PredictionError};
-use super::recorded::{Drives, Recorded};
+use super::recorded::{Drives, Recorded, Traced};
 use crate::measurement::{Experiment, Run as Measured};
 use crate::model::{ControlKind, Model};
 use crate::parallel::map_in_order;
@@ -43,6 +43,8 @@ struct Task<'a> {
 struct Traces {
     values: Vec<f64>,
     slopes: Vec<Vec<f64>>,
+    /// How the run ended before its last row.
+    ended: Option<PredictionError>,
 }
 
 impl<'a> TraversePrediction<'a> {
@@ -85,7 +87,7 @@ impl<'a> TraversePrediction<'a> {
         run.felt.iter().copied().find(|at| self.free[*at].variable.name == name)
     }
 
-    fn trace(&self, run: &Recorded, free: &[f64]) -> Result<Vec<f64>, PredictionError> {
+    fn trace(&self, run: &Recorded, free: &[f64]) -> Result<Traced<f64>, PredictionError> {
         let model = self.model(run, free)?;
         match &run.drives {
             Drives::Open(replay) => run.replayed(replay, model.rover, model.start.x0),
@@ -105,10 +107,11 @@ impl<'a> TraversePrediction<'a> {
         let mut rover: Rover<Dual<N>> = model.rover.map(&Dual::<N>::from);
         rover.visit("", &mut |variable, value| *value = seeded(&variable.name, value.value()));
         let traced = run.replayed(replay, rover, seeded("x0", model.start.x0))?;
-        let partial = |k: usize| traced.iter().map(|value| value.eps.0.map_or(0.0, |eps| eps[k])).collect();
+        let partial = |k: usize| traced.values.iter().map(|value| value.eps.0.map_or(0.0, |eps| eps[k])).collect();
         Ok(Traces {
-            values: traced.iter().map(|value| value.re).collect(),
+            values: traced.values.iter().map(|value| value.re).collect(),
             slopes: (0..task.covered.len()).map(partial).collect(),
+            ended: traced.ended,
         })
     }
 
@@ -120,13 +123,14 @@ impl<'a> TraversePrediction<'a> {
             let at = |value: f64| {
                 let mut shifted = free.to_vec();
                 shifted[k] = value.clamp(variable.min, variable.max);
-                self.trace(task.run, &shifted).map(|values| (shifted[k], values))
+                self.trace(task.run, &shifted).map(|traced| (shifted[k], traced.values))
             };
             let ((low, below), (high, above)) = (at(free[k] - step)?, at(free[k] + step)?);
             Ok(above.iter().zip(&below).map(|(a, b)| (a - b) / (high - low)).collect())
         };
         let slopes = task.covered.iter().map(slope).collect::<Result<_, PredictionError>>()?;
-        Ok(Traces { values: self.trace(task.run, free)?, slopes })
+        let Traced { values, ended } = self.trace(task.run, free)?;
+        Ok(Traces { values, slopes, ended })
     }
 
     /// The derivatives of all runs in parts of `width` parameters.
@@ -141,19 +145,51 @@ impl<'a> TraversePrediction<'a> {
         tasks
     }
 
-    fn slopes_by<const N: usize>(&self, free: &[f64]) -> Result<(Vec<f64>, Vec<Vec<f64>>), PredictionError> {
+    /// Values and derivatives, also where a run ends early, with how the first such one ended.
+    fn slopes_by<const N: usize>(&self, free: &[f64]) -> Result<Slopes, PredictionError> {
         let tasks = self.tasks(N);
         let mut values = vec![f64::NAN; self.layout.len()];
         let mut slopes = vec![vec![0.0; self.layout.len()]; free.len()];
+        let mut ended = None;
         for (task, traces) in tasks.iter().zip(map_in_order(&tasks, |task| self.traces::<N>(task, free))) {
             let traces = traces?;
+            ended = ended.or(traces.ended);
             task.run.store(&traces.values, &mut values);
             for (k, slope) in task.covered.iter().zip(&traces.slopes) {
                 task.run.store(slope, &mut slopes[*k]);
             }
         }
-        Ok((values, slopes))
+        Ok(((values, slopes), ended))
     }
+
+    fn all_slopes(&self, free: &[f64]) -> Result<Slopes, PredictionError> {
+        // A pass with 6 derivatives costs about four plain replays, as one with 4 does; twice as many cost less than twice.
+        match free.len() {
+            0..=6 => self.slopes_by::<6>(free),
+            7..=8 => self.slopes_by::<8>(free),
+            _ => self.slopes_by::<12>(free),
+        }
+    }
+
+    /// Values, also where a run ends early, with how the first such one ended.
+    fn all_values(&self, free: &[f64]) -> Result<(Vec<f64>, Option<PredictionError>), PredictionError> {
+        let mut values = vec![f64::NAN; self.layout.len()];
+        let mut ended = None;
+        for (run, traced) in self.runs.iter().zip(map_in_order(&self.runs, |run| self.trace(run, free))) {
+            let traced = traced?;
+            run.store(&traced.values, &mut values);
+            ended = ended.or(traced.ended);
+        }
+        Ok((values, ended))
+    }
+}
+
+/// Values, their derivatives, and how a run ended before its last row.
+type Slopes = ((Vec<f64>, Vec<Vec<f64>>), Option<PredictionError>);
+
+/// Values of runs that all reached their last rows.
+fn whole<T>((values, ended): (T, Option<PredictionError>)) -> Result<T, PredictionError> {
+    ended.map_or(Ok(values), Err)
 }
 
 /// The model on a run's ground, commanded as the run was.
@@ -191,20 +227,19 @@ impl Predict for TraversePrediction<'_> {
     }
 
     fn values(&self, free: &[f64]) -> Result<Vec<f64>, PredictionError> {
-        let mut values = vec![f64::NAN; self.layout.len()];
-        for (run, trace) in self.runs.iter().zip(map_in_order(&self.runs, |run| self.trace(run, free))) {
-            run.store(&trace?, &mut values);
-        }
-        Ok(values)
+        whole(self.all_values(free)?)
     }
 
     fn slopes(&self, free: &[f64]) -> Result<(Vec<f64>, Vec<Vec<f64>>), PredictionError> {
-        // A pass with 6 derivatives costs about four plain replays, as one with 4 does; twice as many cost less than twice.
-        match free.len() {
-            0..=6 => self.slopes_by::<6>(free),
-            7..=8 => self.slopes_by::<8>(free),
-            _ => self.slopes_by::<12>(free),
-        }
+        whole(self.all_slopes(free)?)
+    }
+
+    fn values_onward(&self, free: &[f64]) -> Result<Vec<f64>, PredictionError> {
+        Ok(self.all_values(free)?.0)
+    }
+
+    fn slopes_onward(&self, free: &[f64]) -> Result<(Vec<f64>, Vec<Vec<f64>>), PredictionError> {
+        Ok(self.all_slopes(free)?.0)
     }
 
     fn derivatives(&self) -> Derivatives {

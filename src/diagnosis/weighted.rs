@@ -47,10 +47,15 @@ impl Weighted<'_> {
         all
     }
 
+    /// Whether every run reaches its last row at search coordinates.
+    pub fn is_valid(&self, u: &[f64]) -> bool {
+        self.predict.values(&self.values(u)).is_ok()
+    }
+
     /// Residuals whose squares are Huber's loss; infinite where the model has no answer, which rejects a step.
     pub fn residual(&self, u: &[f64]) -> Vec<f64> {
         let values = self.values(u);
-        match self.predict.values(&values) {
+        match self.predict.values_onward(&values) {
             Ok(modelled) => {
                 let mut all = self.whitened(&modelled, &values);
                 all[..self.whitening.len()].iter_mut().for_each(|r| *r = self.huber(*r).0);
@@ -88,7 +93,7 @@ impl Weighted<'_> {
     /// [`PredictionError`] where the model has no answer.
     pub fn sensitivities(&self, u: &[f64]) -> Result<(Vec<f64>, Vec<Vec<f64>>), PredictionError> {
         let values = self.values(u);
-        let (modelled, slopes) = self.predict.slopes(&values)?;
+        let (modelled, slopes) = self.predict.slopes_onward(&values)?;
         let residual = self.whitened(&modelled, &values);
         Ok((residual, self.columns(&slopes, &values)))
     }

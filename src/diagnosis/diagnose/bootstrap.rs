@@ -6,7 +6,7 @@
 
 use super::signature::{Column, Signature};
 use crate::diagnosis::layout::Layout;
-use crate::diagnosis::linear_algebra::{Basis, Sign, best_fall, dot};
+use crate::diagnosis::linear_algebra::{Basis, Reach, best_fall, dot};
 use crate::diagnosis::noise::{NoiseModel, Repeats, Whitening, estimate_near};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -56,7 +56,7 @@ pub(crate) struct Projected {
     pub base: Basis,
     /// By signature and view: columns outside the base.
     pub views: Vec<Vec<Vec<Vec<f64>>>>,
-    signs: Vec<Vec<Vec<Sign>>>,
+    reach: Vec<Vec<Vec<Reach>>>,
 }
 
 impl Projected {
@@ -75,25 +75,27 @@ impl Projected {
             .iter()
             .map(|s| s.views.iter().map(|view| view.columns.iter().map(outside).collect()).collect())
             .collect();
-        let sign = |column: &Column| column.sign;
-        let signs = signatures
+        let reach = |column: &Column| column.reach;
+        let reach = signatures
             .iter()
-            .map(|s| s.views.iter().map(|view| view.columns.iter().map(sign).collect()).collect())
+            .map(|s| s.views.iter().map(|view| view.columns.iter().map(reach).collect()).collect())
             .collect();
-        Self { base: basis, views, signs }
+        Self { base: basis, views, reach }
     }
 
-    /// Gains for a whitened residual (modelled minus measured) that is outside the base.
-    pub fn gains(&self, residual: &[f64], pairs: bool) -> Gains {
+    /// Gains for a whitened residual (modelled minus measured) that is outside the base, where besides the candidates the
+    /// columns `freed` (outside the base too) may follow within their reach; what they gain alone does not count.
+    pub fn gains(&self, residual: &[f64], freed: &[(Vec<f64>, Reach)], pairs: bool) -> Gains {
         let n = self.views.len();
+        let alone = fall(&[], &[], freed, residual).0;
         let mut singles = Vec::with_capacity(n);
-        for (views, signs) in self.views.iter().zip(&self.signs) {
+        for (views, reach) in self.views.iter().zip(&self.reach) {
             let mut best = (0.0, 0, vec![0.0; views.first().map_or(0, Vec::len)]);
-            for (v, (columns, signs)) in views.iter().zip(signs).enumerate() {
+            for (v, (columns, reach)) in views.iter().zip(reach).enumerate() {
                 let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-                let (fall, d) = fall(&columns, signs, residual);
-                if fall > best.0 {
-                    best = (fall, v, d);
+                let (fall, d) = fall(&columns, reach, freed, residual);
+                if fall - alone > best.0 {
+                    best = (fall - alone, v, d);
                 }
             }
             singles.push(best);
@@ -102,7 +104,7 @@ impl Projected {
         if pairs {
             for i in 0..n {
                 for j in i + 1..n {
-                    both.push((i, j, self.pair(i, j, &singles, residual)));
+                    both.push((i, j, self.pair(i, j, &singles, freed, residual) - alone));
                 }
             }
         }
@@ -110,27 +112,38 @@ impl Projected {
     }
 
     /// The largest fall of two signatures together, each by the view that is its best alone.
-    fn pair(&self, i: usize, j: usize, singles: &[(f64, usize, Vec<f64>)], residual: &[f64]) -> f64 {
+    fn pair(
+        &self,
+        i: usize,
+        j: usize,
+        singles: &[(f64, usize, Vec<f64>)],
+        freed: &[(Vec<f64>, Reach)],
+        residual: &[f64],
+    ) -> f64 {
         let (vi, vj) = (singles[i].1, singles[j].1);
         let (Some(a), Some(b)) = (self.views[i].get(vi), self.views[j].get(vj)) else { return 0.0 };
         let columns: Vec<&[f64]> = a.iter().chain(b).map(Vec::as_slice).collect();
-        let signs: Vec<Sign> = self.signs[i][vi].iter().chain(&self.signs[j][vj]).copied().collect();
-        fall(&columns, &signs, residual).0
+        let reach: Vec<Reach> = self.reach[i][vi].iter().chain(&self.reach[j][vj]).copied().collect();
+        fall(&columns, &reach, freed, residual).0
     }
 }
 
-/// Fall of |r + X d|^2.
-fn fall(columns: &[&[f64]], signs: &[Sign], residual: &[f64]) -> (f64, Vec<f64>) {
-    let n = columns.len();
+/// Fall of |r + X d|^2 with the `columns` and the `freed` ones, and the coefficients of the former.
+fn fall(columns: &[&[f64]], reach: &[Reach], freed: &[(Vec<f64>, Reach)], residual: &[f64]) -> (f64, Vec<f64>) {
+    let all: Vec<&[f64]> = columns.iter().copied().chain(freed.iter().map(|(column, _)| column.as_slice())).collect();
+    let reach: Vec<Reach> = reach.iter().copied().chain(freed.iter().map(|(_, reach)| *reach)).collect();
+    let n = all.len();
     let mut gram = vec![0.0; n * n];
     for i in 0..n {
         for j in 0..=i {
-            let g = dot(columns[i], columns[j]);
+            let g = dot(all[i], all[j]);
             (gram[i * n + j], gram[j * n + i]) = (g, g);
         }
     }
-    let along: Vec<f64> = columns.iter().map(|column| -dot(column, residual)).collect();
-    best_fall(&gram, &along, signs)
+    let along: Vec<f64> = all.iter().map(|column| -dot(column, residual)).collect();
+    let (fall, mut d) = best_fall(&gram, &along, &reach);
+    d.truncate(columns.len());
+    (fall, d)
 }
 
 impl Null<'_> {
@@ -172,7 +185,7 @@ impl Null<'_> {
         let mut residual = residual.to_vec();
         residual.extend(std::iter::repeat_n(0.0, extra));
         projected.base.remove_from(&mut residual);
-        let gains = projected.gains(&residual, self.pairs);
+        let gains = projected.gains(&residual, &[], self.pairs);
         let statistics = Statistics {
             chi_square: dot(&residual, &residual),
             structure: self.flexible.squares_within(&residual),

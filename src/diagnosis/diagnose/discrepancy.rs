@@ -93,17 +93,18 @@ pub(crate) fn columns(experiment: &Experiment, layout: &Layout, modelled: &[f64]
 pub(crate) fn modulations(experiment: &Experiment, layout: &Layout, modelled: &[f64]) -> Vec<Vec<Vec<f64>>> {
     let columns: &[&str] = match experiment.kind {
         Kind::SingleWheel => &["slip", "load", "wheel_speed"],
-        Kind::Traverse => &["pitch", "time"],
+        Kind::Traverse => &["pitch", "command", "time"],
     };
     let mut shapes = Vec::new();
     for name in columns {
         let condition = match *name {
             "pitch" => along_model(experiment, layout, modelled, name),
+            "command" => commanded(experiment),
             _ => recorded(experiment, name),
         };
         let Some(condition) = condition else { continue };
         shapes.push(product(experiment, &|run, row| condition.scaled(run, row)));
-        if *name == "slip" || *name == "pitch" {
+        if ["slip", "pitch", "command"].contains(name) {
             shapes.push(product(experiment, &|run, row| condition.scaled(run, row).powi(2)));
         }
     }
@@ -127,6 +128,15 @@ fn hats(experiment: &Experiment, condition: &Condition, shapes: &mut Vec<Shape>)
 
 fn recorded(experiment: &Experiment, name: &str) -> Option<Condition> {
     Condition::new(experiment, &|_, run| run.data.column(name).map(<[f64]>::to_vec))
+}
+
+/// The command that acted until a row, the mean over the wheels: friction and rate depend on speed in many forms.
+fn commanded(experiment: &Experiment) -> Option<Condition> {
+    Condition::new(experiment, &|_, run| {
+        let commands: Vec<&[f64]> = run.inputs.iter().map(|name| run.data.column(name)).collect::<Option<_>>()?;
+        let mean = |row: usize| commands.iter().map(|values| values[row]).sum::<f64>() / commands.len() as f64;
+        Some((0..run.data.rows()).map(|row| mean(row.saturating_sub(1))).collect())
+    })
 }
 
 /// A signal as the model gives it, where it was measured.

@@ -141,8 +141,7 @@ fn choose(
 ) -> Result<Vec<String>, PredictionError> {
     let best = best_of(search, 1);
     let p_single = best.as_ref().map_or(1.0, |set| p_value(&stage.draws, |draw| draw.single, search.gain(set)));
-    let pair_gain = stage.gains.pairs.iter().map(|(.., gain)| *gain).fold(0.0, f64::max);
-    let p_pair = p_value(&stage.draws, |draw| draw.pair, pair_gain);
+    let p_pair = p_value(&stage.draws, |draw| draw.pair, stage.observed.pair);
     let mut chosen = best.clone().filter(|_| p_single < NAMED && options.max_effects > 0).unwrap_or_default();
     if options.max_effects < 2 || (chosen.is_empty() && p_pair >= NAMED) || clock.stopped() {
         return Ok(chosen);

@@ -7,7 +7,7 @@ use crate::diagnosis::noise::{NoiseModel, Whitening};
 use crate::diagnosis::prediction::Predict;
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::weighted::Weighted;
-use crate::measurement::{Experiment, Kind};
+use crate::measurement::Experiment;
 use crate::model::Model;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -40,6 +40,8 @@ pub struct Task {
     pub parameters: Vec<String>,
     /// Values of all free parameters to start from; where there are none, seeded draws are used.
     pub starts: Vec<Vec<f64>>,
+    /// For a first look, a few steps from each start: how many seeded draws are searched from besides.
+    pub scouting: Option<usize>,
     /// Runs and rows that are left out.
     pub left_out: Vec<(usize, usize)>,
     /// Factor on the standard deviations of all priors: 1, or large to see what the data say by themselves.
@@ -57,11 +59,13 @@ pub struct Outcome {
 
 /// Runs a task; `None` where no start has an answer.
 pub(crate) fn run(problem: &Problem, noise: &Noise, task: &Task) -> Option<Calibration> {
+    let effort = Effort::of(problem.experiment.kind);
     with_problem(problem, noise, task, |weighted, weights| {
         if task.starts.is_empty() {
-            calibrate(weighted, weights, effort(problem))
+            calibrate(weighted, weights, effort)
         } else {
-            calibrate_from(weighted, weights, &task.starts)
+            let effort = task.scouting.map_or(effort.without_draws(), Effort::scouting);
+            calibrate_from(weighted, weights, &task.starts, effort)
         }
     })
 }
@@ -90,13 +94,6 @@ fn with_problem(
         )
     };
     problem.predict(&free, fit).ok()?
-}
-
-fn effort(problem: &Problem) -> Effort {
-    match problem.experiment.kind {
-        Kind::SingleWheel => Effort::STEADY,
-        Kind::Traverse => Effort::TRAVERSE,
-    }
 }
 
 /// Makes one fit of a diagnosis, for a [`Spread`](super::Spread) on other machines: with the same model, experiment and

@@ -5,7 +5,7 @@
 //! values, so that the prediction itself is not linearised.
 
 use super::fits::{Noise, Task, run};
-use crate::diagnosis::least_squares::LeastSquares;
+use crate::diagnosis::least_squares::{LeastSquares, Pace};
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::weighted::Weighted;
 use crate::measurement::{Experiment, Kind};
@@ -191,6 +191,6 @@ fn linear_optimum(
         (0..rows).map(|i| triangle[(i, n)] + (0..n).map(|k| triangle[(i, k)] * (v[k] - u[k])).sum::<f64>()).collect()
     };
     let jacobian = |_: &[f64]| (0..rows * n).map(|at| triangle[(at / n, at % n)]).collect();
-    let problem = LeastSquares { lower, upper, tolerance: 1e-10, residual: &at, jacobian: &jacobian };
-    Some(problem.minimise(u)?.x)
+    let problem = LeastSquares { lower, upper, rows, tolerance: 1e-10, residual: &at, jacobian: &jacobian };
+    Some(problem.minimise(&[u.to_vec()], Pace::PATIENT).pop()?.x)
 }

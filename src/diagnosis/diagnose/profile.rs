@@ -2,7 +2,7 @@
 
 use super::result::FinalParameter;
 use super::search::Search;
-use crate::diagnosis::calibrate::calibrate_from;
+use crate::diagnosis::calibrate::{Effort, calibrate_from};
 use crate::diagnosis::free::Free;
 use crate::diagnosis::weighted::Weighted;
 use crate::measurement::Kind;
@@ -62,7 +62,12 @@ fn refit(search: &Search, free: &[Free], start: &[f64], k: usize, at: f64) -> Op
         .predict(&others, |predict| {
             let whitening = search.ground.whitening;
             let weighted = Weighted { predict, layout: &problem.layout, free: &others, whitening, robust };
-            calibrate_from(&weighted, &search.noise.deviations(), &[start])
+            calibrate_from(
+                &weighted,
+                &search.noise.deviations(),
+                &[start],
+                Effort::of(search.problem.experiment.kind).without_draws(),
+            )
         })
         .ok()??;
     let mut values = fit.values();

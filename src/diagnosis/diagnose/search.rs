@@ -2,9 +2,9 @@
 
 use super::bootstrap::p_value;
 use super::control::Control;
-use super::fits::{Noise, Task, run};
+use super::fits::{Noise, Outcome, Task, run};
 use super::stage::{Ground, Stage};
-use crate::diagnosis::calibrate::Calibration;
+use crate::diagnosis::calibrate::{CalibratedParameter, Calibration};
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::Problem;
 use crate::measurement::Kind;
@@ -14,9 +14,12 @@ use std::collections::BTreeMap;
 const PAIRS_STEADY: usize = 24;
 const PAIRS_TRAVERSE: usize = 4;
 
-/// Most singles that are refitted on a traverse, and the share of the best screened gain from which on.
+/// Most singles that are refitted on a traverse, and the share of the best promise from which on.
 const SINGLES_TRAVERSE: usize = 8;
 const WORTH_A_REFIT: f64 = 0.3;
+
+/// Seeded draws from which each effect is fitted for a few steps where the baseline is far from the measurements.
+const DRAWS_SCOUTING: usize = 1;
 
 /// Further starts as shares of a parameter's range, in case the neutral value is a poor place to look from: a flexible
 /// wheel's misfit first rises with its compliance, since the calibration leans the other way.
@@ -52,6 +55,9 @@ fn sorted(effects: &[String]) -> Vec<String> {
     effects
 }
 
+/// A set of effects and the values from which its fit starts.
+type Start = (Vec<String>, Vec<Vec<f64>>);
+
 /// Everything that a search needs and collects.
 pub(crate) struct Search<'a> {
     pub problem: &'a Problem<'a>,
@@ -75,12 +81,10 @@ impl Search<'_> {
     }
 
     /// Fits sets that are not fitted yet, each from its starts.
-    pub fn fit(&mut self, sets: Vec<(Vec<String>, Vec<Vec<f64>>)>) {
+    pub fn fit(&mut self, sets: Vec<Start>) {
         let sets: Vec<_> = sets.into_iter().filter(|(effects, _)| self.fits.get(effects).is_none()).collect();
         let tasks: Vec<Task> = sets.into_iter().map(|(effects, starts)| self.problem.task(&effects, starts)).collect();
-        let local = |task: &Task| super::fits::outcome(self.problem, self.noise, task);
-        let outcomes = self.control.spread.fits(&tasks, self.noise, &local);
-        for (task, outcome) in tasks.iter().zip(outcomes) {
+        for (task, outcome) in tasks.iter().zip(self.outcomes(&tasks)) {
             let Some(outcome) = outcome else { continue };
             // A fit made elsewhere comes back as its values; standard errors and bounds are found again here.
             let again = self.problem.task(&task.effects, vec![outcome.values]);
@@ -90,52 +94,93 @@ impl Search<'_> {
         }
     }
 
-    /// Refits single effects on top of a stage: all on a carriage, those worth it on a traverse.
+    fn outcomes(&self, tasks: &[Task]) -> Vec<Option<Outcome>> {
+        self.control.spread.fits(tasks, self.noise, &|task| super::fits::outcome(self.problem, self.noise, task))
+    }
+
+    /// Refits single effects on top of a stage: all on a carriage, on a traverse the most promising by their sensitivities.
+    /// These say little where a traverse is far from the measurements: there all effects are fitted for a few steps, and the
+    /// promise is what that gained.
     pub fn singles(&mut self, stage: &Stage) {
-        let best = stage.gains.singles.iter().map(|(gain, ..)| *gain).fold(0.0, f64::max);
-        let mut order: Vec<usize> = (0..stage.gains.singles.len()).collect();
-        order.sort_by(|a, b| stage.gains.singles[*b].0.total_cmp(&stage.gains.singles[*a].0));
-        let traverse = self.problem.experiment.kind == Kind::Traverse;
-        let chosen: Vec<usize> = order
-            .into_iter()
-            .enumerate()
-            .filter(|(rank, k)| {
-                !traverse || (*rank < SINGLES_TRAVERSE && stage.gains.singles[*k].0 >= WORTH_A_REFIT * best)
-            })
-            .map(|(_, k)| k)
-            .collect();
-        let sets = chosen.into_iter().map(|k| self.start(stage, k)).collect();
-        self.fit(sets);
+        let all = 0..stage.gains.singles.len();
+        if self.problem.experiment.kind == Kind::SingleWheel {
+            return self.fit(all.map(|k| self.start(stage, k)).collect());
+        }
+        let promises = if stage.fit.is_far() {
+            self.scouted(stage)
+        } else {
+            all.map(|k| (stage.gains.singles[k].0, self.start(stage, k))).collect()
+        };
+        let best = promises.iter().map(|(gain, _)| *gain).fold(0.0, f64::max);
+        let mut worth: Vec<_> = promises.into_iter().filter(|(gain, _)| *gain >= WORTH_A_REFIT * best).collect();
+        worth.sort_by(|a, b| b.0.total_cmp(&a.0));
+        self.fit(worth.into_iter().take(SINGLES_TRAVERSE).map(|(_, set)| set).collect());
+    }
+
+    /// What each single effect gains on top of a stage within a few steps of a fit, and where it came: first from the
+    /// stage's soil and from seeded draws, then from the soil that was best with any of them. A calibration that lacks an
+    /// effect bends the soil, often into one from where no effect leads out; beside another effect it is less bent.
+    fn scouted(&self, stage: &Stage) -> Vec<(f64, Start)> {
+        let unknown = |k: &usize| self.fits.get(&self.with(stage, *k)).is_none();
+        let all: Vec<usize> = (0..stage.gains.singles.len()).filter(unknown).collect();
+        let first = self.scout(stage, all.iter().map(|k| self.start(stage, *k)).collect(), DRAWS_SCOUTING);
+        let Some((_, (_, best))) = first.iter().max_by(|a, b| a.0.total_cmp(&b.0)) else { return first };
+        let soil = &best[0][..self.problem.base.len()];
+        let shares = |k: &usize| (self.with(stage, *k), self.shares(stage, *k, soil, &STARTS[..2]));
+        let mut best_of = BTreeMap::new();
+        for (gain, set) in first.iter().cloned().chain(self.scout(stage, all.iter().map(shares).collect(), 0)) {
+            let known = best_of.entry(set.0.clone()).or_insert_with(|| (gain, set.clone()));
+            if gain > known.0 {
+                *known = (gain, set);
+            }
+        }
+        best_of.into_values().collect()
+    }
+
+    /// A few steps of fits from `starts` and so many draws: what they gain on a stage, and where they came.
+    fn scout(&self, stage: &Stage, starts: Vec<Start>, draws: usize) -> Vec<(f64, Start)> {
+        let task = |(effects, starts): Start| Task { scouting: Some(draws), ..self.problem.task(&effects, starts) };
+        let tasks: Vec<Task> = starts.into_iter().map(task).collect();
+        let outcomes = self.outcomes(&tasks);
+        let found = tasks.into_iter().zip(outcomes).filter_map(|(task, outcome)| Some((task, outcome?)));
+        found.map(|(task, at)| (stage.fit.chi_square - at.chi_square, (task.effects, vec![at.values]))).collect()
+    }
+
+    /// A stage's effects with candidate number `k` added.
+    fn with(&self, stage: &Stage, k: usize) -> Vec<String> {
+        stage.effects.iter().chain([&stage.sensitivities.signatures[k].id]).cloned().collect()
     }
 
     /// A stage's effects with candidate number `k` added, and where to start.
-    fn start(&self, stage: &Stage, k: usize) -> (Vec<String>, Vec<Vec<f64>>) {
+    fn start(&self, stage: &Stage, k: usize) -> Start {
         let signature = &stage.sensitivities.signatures[k];
-        let mut effects = stage.effects.clone();
-        effects.push(signature.id.clone());
+        let effects = self.with(stage, k);
         let Some(candidate) = self.problem.candidate(&signature.id) else { return (effects, Vec::new()) };
+        let soil = &off_bounds(&stage.fit)[..self.problem.base.len()];
         let (_, view, coefficients) = &stage.gains.singles[k];
-        let mut own = Vec::new();
-        if let Some(view) = signature.views.get(*view) {
-            own.push(view.start(&candidate.free, coefficients));
+        let promised = signature.views.get(*view).map(|view| view.start(&candidate.free, coefficients));
+        let mut starts: Vec<Vec<f64>> = promised.iter().map(|own| self.joined(stage, k, soil, own)).collect();
+        match self.problem.experiment.kind {
+            Kind::SingleWheel => starts.extend(self.shares(stage, k, soil, &STARTS)),
+            Kind::Traverse if starts.is_empty() => starts.extend(self.shares(stage, k, soil, &STARTS[..1])),
+            Kind::Traverse => {}
         }
-        let shares: &[f64] = match self.problem.experiment.kind {
-            Kind::SingleWheel => &STARTS,
-            Kind::Traverse if own.is_empty() => &STARTS[..1],
-            Kind::Traverse => &[],
-        };
-        own.extend(
-            shares.iter().map(|share| candidate.free.iter().map(|free| free.start + share * span(free)).collect()),
-        );
-        let before = stage.fit.values();
-        let parts = |own| {
-            let mut parts: Vec<(&str, &[f64])> =
-                stage.effects.iter().map(|id| (id.as_str(), self.problem.part(&stage.effects, &before, id))).collect();
-            parts.push((&signature.id, own));
-            parts
-        };
-        let starts = own.iter().map(|own| self.problem.assemble(&before, &parts(own))).collect();
         (effects, starts)
+    }
+
+    /// Starts at a soil with candidate number `k` at these shares of its ranges.
+    fn shares(&self, stage: &Stage, k: usize, soil: &[f64], shares: &[f64]) -> Vec<Vec<f64>> {
+        let Some(candidate) = self.problem.candidate(&stage.sensitivities.signatures[k].id) else { return Vec::new() };
+        let at = |share: &f64| candidate.free.iter().map(|free| free.start + share * span(free)).collect::<Vec<f64>>();
+        shares.iter().map(|share| self.joined(stage, k, soil, &at(share))).collect()
+    }
+
+    /// Values of all free parameters: a soil, the stage's effects as they are, and candidate number `k` at `own`.
+    fn joined(&self, stage: &Stage, k: usize, soil: &[f64], own: &[f64]) -> Vec<f64> {
+        let values = off_bounds(&stage.fit);
+        let kept = stage.effects.iter().map(|id| (id.as_str(), self.problem.part(&stage.effects, &values, id)));
+        let parts: Vec<(&str, &[f64])> = kept.chain([(stage.sensitivities.signatures[k].id.as_str(), own)]).collect();
+        self.problem.assemble(soil, &parts)
     }
 
     /// Refits the pairs that look best by their sensitivities.
@@ -212,6 +257,20 @@ impl Search<'_> {
         let task = Task { prior_factor: 1e3, ..self.problem.task(effects, vec![start]) };
         run(self.problem, self.noise, &task)
     }
+}
+
+/// Share of its range by which a parameter on a bound is moved inwards before a refit.
+const OFF_BOUND: f64 = 0.1;
+
+/// The values of a fit, those on a bound moved inwards: with an effect added a parameter may be wanted back inside, and a
+/// search that starts on its bound sees little of that.
+fn off_bounds(fit: &Calibration) -> Vec<f64> {
+    let inside = |parameter: &CalibratedParameter| {
+        let (low, high) = (parameter.variable.min, parameter.variable.max);
+        let margin = if parameter.at_bound { OFF_BOUND * (high - low) } else { 0.0 };
+        parameter.value.clamp(low + margin, high - margin)
+    };
+    fit.parameters.iter().map(inside).collect()
 }
 
 fn span(free: &crate::diagnosis::free::Free) -> f64 {

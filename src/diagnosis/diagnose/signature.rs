@@ -1,7 +1,7 @@
 //! Signatures: what an effect would change in the measurements, per unit of its parameters, around a fit.
 
 use crate::diagnosis::free::Free;
-use crate::diagnosis::linear_algebra::Sign;
+use crate::diagnosis::linear_algebra::Reach;
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::{Candidate, Problem};
 use rand::{RngExt, SeedableRng};
@@ -18,8 +18,8 @@ const MARGIN: f64 = 0.002;
 #[derive(Clone, Debug)]
 pub(crate) struct Column {
     pub values: Vec<f64>,
-    /// Which way the coordinate may go from where the column was taken.
-    pub sign: Sign,
+    /// How far the coordinate may go from where the column was taken.
+    pub reach: Reach,
 }
 
 /// One way of looking at an effect: columns that are fitted together.
@@ -125,12 +125,10 @@ fn views(
     let still = members.len() < columns.len();
     let mut views = Vec::new();
     if !members.is_empty() {
-        let sign = |free: &Free| match free.start {
-            start if start <= free.variable.min => Sign::Up,
-            start if start >= free.variable.max => Sign::Down,
-            _ => Sign::Both,
+        let column = |k: &usize| {
+            let free = &candidate.free[*k];
+            Column { values: columns[*k].clone(), reach: free.reach(free.start) }
         };
-        let column = |k: &usize| Column { values: columns[*k].clone(), sign: sign(&candidate.free[*k]) };
         let origin = candidate.free.iter().map(|free| free.start).collect();
         views.push(View { columns: members.iter().map(column).collect(), way: Way::Slopes { members, origin } });
     }
@@ -174,12 +172,22 @@ fn finite_views(
             let Ok(changed) = predict.values(&all) else { continue };
             let change: Vec<f64> = changed.iter().zip(modelled).map(|(a, b)| a - b).collect();
             if !is_still(&change) {
-                let columns = vec![Column { values: change, sign: Sign::Up }];
+                let columns =
+                    vec![Column { values: change, reach: Reach { low: 0.0, high: room(&candidate.free, &draw) } }];
                 views.push(View { columns, way: Way::Change(draw) });
             }
         }
     })?;
     Ok(views)
+}
+
+/// By what factor a draw can grow, all its parameters together, until one of them is on a bound.
+fn room(free: &[Free], draw: &[f64]) -> f64 {
+    let factor = |(free, value): (&Free, &f64)| {
+        let end = if *value > free.start { free.variable.max } else { free.variable.min };
+        if *value == free.start { f64::INFINITY } else { (end - free.start) / (value - free.start) }
+    };
+    free.iter().zip(draw).map(factor).fold(f64::INFINITY, f64::min)
 }
 
 /// Takes parameters out of the library that change nothing measured, neither at the neutral values nor at a quarter of

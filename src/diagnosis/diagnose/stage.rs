@@ -4,8 +4,10 @@ use super::bootstrap::{Gains, Null, Projected, Statistics, p_value};
 use super::control::Control;
 use super::fits::Noise;
 use super::signature::{Sensitivities, sensitivities};
+use crate::diagnosis::Prior;
 use crate::diagnosis::calibrate::Calibration;
-use crate::diagnosis::linear_algebra::{Basis, dot};
+use crate::diagnosis::free::Free;
+use crate::diagnosis::linear_algebra::{Basis, Reach, dot};
 use crate::diagnosis::noise::{Repeats, Whitening};
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::Problem;
@@ -20,7 +22,8 @@ pub(crate) struct Stage {
     /// Whitened residual, priors' rows last.
     pub residual: Vec<f64>,
     pub sensitivities: Sensitivities,
-    /// Gains by sensitivities, and the columns outside the base.
+    /// Gains of the data by sensitivities, parameters on their bounds being free to come back; and the columns outside
+    /// the base.
     pub gains: Gains,
     pub projected: Projected,
     /// Directions along the conditions outside the base.
@@ -71,9 +74,7 @@ impl Stage {
         for (k, column) in sensitivities.base.iter().enumerate() {
             // What sits on a bound cannot follow the noise to either side.
             if !fit.parameters[k].at_bound {
-                let row = |(j, prior): &(usize, crate::diagnosis::Prior)| {
-                    if *j == k { free[k].slope(values[k]) / prior.deviation } else { 0.0 }
-                };
+                let row = |prior| prior_row(&free, &values, k, prior);
                 base.push((column.clone(), priors.iter().map(row).collect()));
             }
         }
@@ -100,7 +101,17 @@ impl Stage {
             flexible: &flexible,
             pairs: effects.is_empty(),
         };
-        let (observed, gains, projected) = null.statistics(ground.whitening, &whitened);
+        let (observed, _, projected) = null.statistics(ground.whitening, &whitened);
+        // With an effect added a parameter may come back from its bound, and one may return to its prior.
+        let freed: Vec<(Vec<f64>, Reach)> = (0..sensitivities.base.len())
+            .filter(|k| fit.parameters[*k].at_bound)
+            .map(|k| {
+                let mut column = ground.whitening.apply(&sensitivities.base[k]);
+                column.extend(priors.iter().map(|prior| prior_row(&free, &values, k, prior)));
+                (projected.base.outside(&column), free[k].reach(values[k]))
+            })
+            .collect();
+        let gains = projected.gains(&projected.base.outside(&residual), &freed, effects.is_empty());
         let numbers: Vec<u64> = (0..ground.draws as u64).collect();
         let draw = |k: &u64| (!(control.stop)()).then(|| null.draw(*k));
         let draws = map_in_order(&numbers, draw).into_iter().flatten().collect();
@@ -144,6 +155,11 @@ impl Stage {
     pub fn cosine(&self, a: &str, b: &str) -> f64 {
         largest_cosine(&self.columns(a), &self.columns(b))
     }
+}
+
+/// Change of a prior's row, that of parameter `j`, with the search coordinate of parameter `k`.
+fn prior_row(free: &[Free], values: &[f64], k: usize, (j, prior): &(usize, Prior)) -> f64 {
+    if *j == k { free[k].slope(values[k]) / prior.deviation } else { 0.0 }
 }
 
 /// Largest cosine between directions of two spans.
