@@ -25,7 +25,7 @@ def main(table: str, figure: str) -> None:
             last = runs.groupby("seed")["steps"].max().min()
             grid = np.linspace(runs["steps"].min(), last, 50)
             lines = [np.interp(grid, run["steps"], run["return"]) for _, run in runs.groupby("seed")]
-            label = f"{algorithm}, {len(lines)} seeds"
+            label = f"{algorithm}, {len(lines)} seed{'s' if len(lines) > 1 else ''}"
             axis.plot(grid / 1e3, np.mean(lines, axis=0), color=COLOURS[algorithm], lw=2, label=label)
         axis.set(title=task, xlabel="thousand steps")
         axis.legend(frameon=False, fontsize=7)
