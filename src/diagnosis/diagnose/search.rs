@@ -156,7 +156,7 @@ impl Search<'_> {
         let signature = &stage.sensitivities.signatures[k];
         let effects = self.with(stage, k);
         let Some(candidate) = self.problem.candidate(&signature.id) else { return (effects, Vec::new()) };
-        let soil = &off_bounds(&stage.fit)[..self.problem.base.len()];
+        let soil = &self.origin(stage)[..self.problem.base.len()];
         let (_, view, coefficients) = &stage.gains.singles[k];
         let promised = signature.views.get(*view).map(|view| view.start(&candidate.free, coefficients));
         let mut starts: Vec<Vec<f64>> = promised.iter().map(|own| self.joined(stage, k, soil, own)).collect();
@@ -168,6 +168,14 @@ impl Search<'_> {
         (effects, starts)
     }
 
+    /// Where fits of further effects start. A carriage is searched from its bounds too, from several strengths.
+    fn origin(&self, stage: &Stage) -> Vec<f64> {
+        match self.problem.experiment.kind {
+            Kind::SingleWheel => stage.fit.values(),
+            Kind::Traverse => off_bounds(&stage.fit),
+        }
+    }
+
     /// Starts at a soil with candidate number `k` at these shares of its ranges.
     fn shares(&self, stage: &Stage, k: usize, soil: &[f64], shares: &[f64]) -> Vec<Vec<f64>> {
         let Some(candidate) = self.problem.candidate(&stage.sensitivities.signatures[k].id) else { return Vec::new() };
@@ -177,7 +185,7 @@ impl Search<'_> {
 
     /// Values of all free parameters: a soil, the stage's effects as they are, and candidate number `k` at `own`.
     fn joined(&self, stage: &Stage, k: usize, soil: &[f64], own: &[f64]) -> Vec<f64> {
-        let values = off_bounds(&stage.fit);
+        let values = self.origin(stage);
         let kept = stage.effects.iter().map(|id| (id.as_str(), self.problem.part(&stage.effects, &values, id)));
         let parts: Vec<(&str, &[f64])> = kept.chain([(stage.sensitivities.signatures[k].id.as_str(), own)]).collect();
         self.problem.assemble(soil, &parts)
