@@ -75,6 +75,8 @@ fn agreement_presets() {
         ("gentle_velocity", 0.2),
         ("rocker_bogie_velocity", 0.1),
         ("challenging_velocity", 0.2),
+        ("gentle_rtc", 0.2),
+        ("challenging_rtc", 0.2),
         ("fsrl_ditch", 0.08),
         ("fsrl_incline", 0.08),
     ] {
@@ -83,6 +85,33 @@ fn agreement_presets() {
         compare(preset, &runs, 12, 7, varied(mean, 0.3));
         // Standing, reversing, spinning against the motion.
         compare(preset, &runs, 12, 7, varied(0.5 * mean, 2.5));
+    }
+}
+
+/// Least share of the inner steps of eight like runs on their way that is made side by side. Only a step in which one of
+/// them meets what a single run handles is made alone.
+const SHARE_SIDE_BY_SIDE: f64 = 0.95;
+
+#[test]
+fn property_like_runs_go_side_by_side() {
+    let mut random = ChaCha8Rng::seed_from_u64(8);
+    for (preset, mean) in [("two_wheeled", 1.5), ("gentle_rtc", 0.2), ("rocker_bogie_velocity", 0.1)] {
+        let base = Model::preset(preset).unwrap();
+        for effects in [&[][..], &["slip_sinkage"], &["gear_efficiency", "rim_adhesion"]] {
+            let runs = drawn(&base, effects, &mut random, 8);
+            for kernel in kernels() {
+                let mut batch = Batch::on(runs.clone(), 1, kernel).unwrap();
+                let inputs = vec![mean; 8 * batch.input_count()];
+                batch.step(&inputs, 100, None).unwrap();
+                let made: f64 = (0..8).map(|k| (batch.time(k) / batch.step_size()).round()).sum();
+                let share = batch.steps_side_by_side() as f64 / made;
+                let place = format!("{preset} with {effects:?} on {kernel:?}");
+                assert!((SHARE_SIDE_BY_SIDE..=1.0).contains(&share), "{place}: {share}");
+            }
+            let mut alone = Batch::on(runs, 1, Kernel::Single).unwrap();
+            alone.step(&vec![mean; 8 * alone.input_count()], 10, None).unwrap();
+            assert_eq!(alone.steps_side_by_side(), 0);
+        }
     }
 }
 

@@ -50,6 +50,9 @@ pub(super) trait Group: Debug + Send + Sync {
     /// Places of the runs in the shard.
     fn members(&self) -> &[Option<usize>; WIDTH];
 
+    /// Inner steps that its members have made side by side, summed over them.
+    fn steps_made(&self) -> u64;
+
     /// Takes the run at `index` in, where there is a place left.
     fn join(&mut self, index: usize) -> bool;
 
@@ -86,6 +89,7 @@ struct SideBySide<A: Arch> {
     inside: [bool; WIDTH],
     /// Whether members have changed since the constants were set side by side.
     changed: bool,
+    steps_made: u64,
 }
 
 impl<A: Arch> SideBySide<A> {
@@ -104,6 +108,7 @@ impl<A: Arch> SideBySide<A> {
             members: [None; WIDTH],
             inside: [false; WIDTH],
             changed: true,
+            steps_made: 0,
             kind,
             rover,
             motion,
@@ -242,7 +247,8 @@ impl<A: Arch> SideBySide<A> {
     }
 
     /// Shows member `k` its signals, after so many steps more.
-    fn record(&self, k: usize, simulation: &mut Simulation, steps: u64) {
+    fn record(&mut self, k: usize, simulation: &mut Simulation, steps: u64) {
+        self.steps_made += steps;
         let places = simulation.places();
         *places.ticks += steps;
         self.signals.take_out(k, places.signals);
@@ -308,6 +314,10 @@ impl<A: Arch> Group for SideBySide<A> {
 
     fn members(&self) -> &[Option<usize>; WIDTH] {
         &self.members
+    }
+
+    fn steps_made(&self) -> u64 {
+        self.steps_made
     }
 
     fn join(&mut self, index: usize) -> bool {

@@ -133,6 +133,13 @@ impl Batch {
         count
     }
 
+    /// Inner steps that runs have made side by side, summed over the runs: what is missing to all inner steps made was
+    /// stepped run by run, which takes several times as long.
+    #[must_use]
+    pub fn steps_side_by_side(&self) -> u64 {
+        self.shards.iter().map(|shard| shard.steps_side_by_side()).sum()
+    }
+
     /// Inner step, s.
     #[must_use]
     pub fn step_size(&self) -> f64 {

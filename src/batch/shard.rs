@@ -70,6 +70,11 @@ impl Shard {
         }
     }
 
+    /// Inner steps made side by side, summed over the runs.
+    pub fn steps_side_by_side(&self) -> u64 {
+        self.groups.iter().map(|group| group.steps_made()).sum()
+    }
+
     /// Finds a group for the run at `index`, or starts one.
     fn join(&mut self, index: usize) {
         let slot = &mut self.slots[index];

@@ -4,17 +4,13 @@
 //! the given values and from the best of seeded draws, since the cost has more than one valley where an exponent and a
 //! modulus trade against each other.
 
+use super::effort::{Draws, Effort};
 use super::free::{Free, Prior};
 use super::least_squares::{LeastSquares, Minimum, Pace};
 use super::weighted::Weighted;
-use crate::measurement::Kind;
 use bekker_modeldescription::Variable;
 use nalgebra::DMatrix;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
-
-const SEED: u64 = 1967;
 
 /// A parameter this close to a bound (a share of the range) is put on it unless that raises the cost.
 const NEAR_BOUND: f64 = 1e-3;
@@ -27,39 +23,6 @@ const AGREEING_COST: f64 = 1e-4;
 
 /// Singular values below this share of the largest count as zero: the experiment does not determine that direction.
 const RANK_TOLERANCE: f64 = 1e-10;
-
-/// How many starts a calibration tries, and how long it follows them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Effort {
-    /// Draws from which the starts are chosen by their cost.
-    pub draws: usize,
-    /// How many of them are searched from, besides the given values.
-    pub searches: usize,
-    /// How long a search is followed.
-    pub pace: Pace,
-}
-
-impl Effort {
-    /// For an experiment of this kind. A wheel on a carriage is evaluated in under a millisecond. A traverse takes tenths of
-    /// a second; where a soil lets the rover get stuck its cost is flat, so that many draws are needed to find one that
-    /// gets through.
-    pub fn of(kind: Kind) -> Self {
-        match kind {
-            Kind::SingleWheel => Self { draws: 64, searches: 5, pace: Pace::PATIENT },
-            Kind::Traverse => Self { draws: 48, searches: 3, pace: Pace::BRISK },
-        }
-    }
-
-    /// A first look at an effect on a traverse, from the given starts and so many draws.
-    pub fn scouting(searches: usize) -> Self {
-        Self { draws: 8 * searches, searches, pace: Pace::SHORT }
-    }
-
-    /// From the given starts only.
-    pub fn without_draws(self) -> Self {
-        Self { draws: 0, searches: 0, ..self }
-    }
-}
 
 /// One free parameter after a calibration, in its SI unit.
 #[derive(Clone, Debug, PartialEq)]
@@ -137,20 +100,37 @@ pub(crate) fn calibrate_from(
     effort: Effort,
 ) -> Option<Calibration> {
     let residual = |u: &[f64]| weighted.residual(u);
-    let jacobian = |u: &[f64]| weighted.jacobian(u);
-    let problem = least_squares(weighted, &residual, &jacobian);
+    let linear = |u: &[f64]| weighted.linear(u);
+    let problem = least_squares(weighted, &residual, &linear);
     let given = starts.iter().map(|values| weighted.coordinates(values)).filter(|u| problem.cost_at(u).is_finite());
-    let starts: Vec<Vec<f64>> = given.chain(drawn(&problem, weighted.free, effort)).collect();
-    search(weighted, &problem, &starts, weights, effort.pace)
+    let mut draws = Draws::new(&problem, weighted.free);
+    let starts: Vec<Vec<f64>> = given.chain(draws.best(effort.draws, effort.searches)).collect();
+    let near = search(weighted, &problem, &starts, weights, effort.pace);
+    match effort.where_far.filter(|_| near.as_ref().is_none_or(Calibration::is_far)) {
+        None => near,
+        Some((count, searches)) => {
+            let wide = search(weighted, &problem, &draws.best(count, searches), weights, effort.pace);
+            better(near, wide)
+        }
+    }
+}
+
+/// The one with less misfit.
+pub(crate) fn better(a: Option<Calibration>, b: Option<Calibration>) -> Option<Calibration> {
+    let (Some(a), Some(b)) = (&a, &b) else { return a.or(b) };
+    let best = if b.chi_square < a.chi_square { b } else { a };
+    let same = |other: &Calibration| other.chi_square <= best.chi_square * (1.0 + AGREEING_COST);
+    let agreeing = [a, b].into_iter().filter(|other| same(other)).map(|other| other.agreeing).sum();
+    Some(Calibration { searches: a.searches + b.searches, agreeing, ..best.clone() })
 }
 
 fn least_squares<'a>(
     weighted: &Weighted,
     residual: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
-    jacobian: &'a (dyn Fn(&[f64]) -> Vec<f64> + Sync),
+    linear: &'a (dyn Fn(&[f64]) -> DMatrix<f64> + Sync),
 ) -> LeastSquares<'a> {
     let (lower, upper) = weighted.free.iter().map(Free::bounds).unzip();
-    LeastSquares { lower, upper, rows: weighted.rows(), tolerance: weighted.predict.tolerance(), residual, jacobian }
+    LeastSquares { lower, upper, rows: weighted.rows(), tolerance: weighted.predict.tolerance(), residual, linear }
 }
 
 fn search(
@@ -170,8 +150,8 @@ fn search(
 /// A calibration at given values, without any search. `None` where the model has no answer there.
 pub(crate) fn settled(weighted: &Weighted, weights: &BTreeMap<String, f64>, values: &[f64]) -> Option<Calibration> {
     let residual = |u: &[f64]| weighted.residual(u);
-    let jacobian = |u: &[f64]| weighted.jacobian(u);
-    let problem = least_squares(weighted, &residual, &jacobian);
+    let linear = |u: &[f64]| weighted.linear(u);
+    let problem = least_squares(weighted, &residual, &linear);
     let x = weighted.coordinates(values);
     let cost = Some(problem.cost_at(&x)).filter(|cost| cost.is_finite() && weighted.is_valid(&x))?;
     Some(finished(weighted, &problem, Minimum { x, cost, steps: 0, converged: true }, weights))
@@ -210,27 +190,6 @@ fn finished(
     }
 }
 
-/// The best of seeded draws around the given values.
-fn drawn(problem: &LeastSquares, free: &[Free], effort: Effort) -> Vec<Vec<f64>> {
-    let given: Vec<f64> = free.iter().map(|f| f.coordinate(f.start)).collect();
-    let mut rng = ChaCha8Rng::seed_from_u64(SEED);
-    let mut drawn: Vec<(f64, Vec<f64>)> = (0..effort.draws)
-        .map(|_| {
-            // Half of the way from the given value to anywhere between the bounds: wide, but not absurd.
-            let u: Vec<f64> = (0..free.len())
-                .map(|k| {
-                    let anywhere = problem.lower[k] + (problem.upper[k] - problem.lower[k]) * rng.random::<f64>();
-                    0.5 * (given[k] + anywhere)
-                })
-                .collect();
-            (problem.cost_at(&u), u)
-        })
-        .filter(|(cost, _)| cost.is_finite())
-        .collect();
-    drawn.sort_by(|a, b| a.0.total_cmp(&b.0));
-    drawn.into_iter().map(|(_, u)| u).take(effort.searches).collect()
-}
-
 /// Puts coordinates that have all but reached a bound on it; returns which.
 fn put_on_bounds(weighted: &Weighted, problem: &LeastSquares, minimum: &mut Minimum) -> Vec<bool> {
     let mut at_bound = vec![false; minimum.x.len()];
@@ -263,8 +222,7 @@ fn deviations(
     degrees_of_freedom: usize,
 ) -> Vec<Option<f64>> {
     let inner: Vec<usize> = (0..u.len()).filter(|k| !at_bound[*k]).collect();
-    let rows = weighted.jacobian(u);
-    let jacobian = DMatrix::from_fn(rows.len() / u.len().max(1), inner.len(), |i, k| rows[i * u.len() + inner[k]]);
+    let jacobian = weighted.linear(u).select_columns(&inner.iter().map(|k| k + 1).collect::<Vec<_>>());
     let mut all = vec![None; u.len()];
     if jacobian.is_empty() || jacobian.iter().any(|x| !x.is_finite()) {
         return all;

@@ -1,6 +1,7 @@
 //! The comparison of a model with an experiment.
 
-use super::calibrate::{Calibration, Effort, calibrate};
+use super::calibrate::{Calibration, calibrate};
+use super::effort::Effort;
 use super::failure::{Failure, failures};
 use super::fit::Fit;
 use super::layout::Layout;

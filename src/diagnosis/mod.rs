@@ -7,6 +7,7 @@ mod bounds;
 mod calibrate;
 mod compare;
 mod diagnose;
+mod effort;
 mod failure;
 mod fit;
 mod free;

@@ -7,6 +7,7 @@ use super::free::{Free, Prior};
 use super::layout::Layout;
 use super::noise::Whitening;
 use super::prediction::{Predict, PredictionError};
+use nalgebra::DMatrix;
 
 /// A weighted least-squares problem over `free`.
 pub(crate) struct Weighted<'a> {
@@ -75,16 +76,19 @@ impl Weighted<'_> {
         (root.copysign(r), self.robust / root)
     }
 
-    /// The Jacobian of [`Self::residual`], row by row; NaN where the model has no answer, which the search reports as a
-    /// breakdown.
-    pub fn jacobian(&self, u: &[f64]) -> Vec<f64> {
-        let Ok((residual, columns)) = self.sensitivities(u) else { return vec![f64::NAN; self.rows() * u.len()] };
-        let mut rows = Vec::with_capacity(residual.len() * u.len());
-        for (at, r) in residual.iter().enumerate() {
-            let weight = if at < self.whitening.len() { self.huber(*r).1 } else { 1.0 };
-            rows.extend(columns.iter().map(|column| column[at] * weight));
+    /// [`Self::residual`], the first column, and its Jacobian; NaN where the model has no answer, which the search reports as
+    /// a breakdown.
+    pub fn linear(&self, u: &[f64]) -> DMatrix<f64> {
+        let Ok((mut residual, mut columns)) = self.sensitivities(u) else {
+            return DMatrix::from_element(self.rows(), u.len() + 1, f64::NAN);
+        };
+        for (at, r) in residual.iter_mut().enumerate().take(self.whitening.len()) {
+            let (robust, slope) = self.huber(*r);
+            *r = robust;
+            columns.iter_mut().for_each(|column| column[at] *= slope);
         }
-        rows
+        columns.insert(0, residual);
+        DMatrix::from_fn(self.rows(), u.len() + 1, |i, k| columns[k][i])
     }
 
     /// Whitened residuals and, for each free parameter, their derivative in its search coordinate.

@@ -1,8 +1,9 @@
 //! Fits of effect sets: self-contained tasks, so that they can be spread over threads or machines.
 
 use super::engine::DiagnoseOptions;
-use crate::diagnosis::calibrate::{Calibration, Effort, calibrate, calibrate_from, settled};
+use crate::diagnosis::calibrate::{Calibration, calibrate, calibrate_from, settled};
 use crate::diagnosis::compare::CompareError;
+use crate::diagnosis::effort::Effort;
 use crate::diagnosis::noise::{NoiseModel, Whitening};
 use crate::diagnosis::prediction::Predict;
 use crate::diagnosis::problem::Problem;

@@ -9,6 +9,7 @@ use crate::diagnosis::least_squares::{LeastSquares, Pace};
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::weighted::Weighted;
 use crate::measurement::{Experiment, Kind};
+use nalgebra::DMatrix;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Most folds.
@@ -182,15 +183,17 @@ fn linear_optimum(
 ) -> Option<Vec<f64>> {
     let n = columns.len();
     // The triangular factor holds all that the problem needs, in n + 1 rows.
-    let matrix =
-        nalgebra::DMatrix::from_fn(residual.len(), n + 1, |i, k| if k < n { columns[k][i] } else { residual[i] });
+    let matrix = DMatrix::from_fn(residual.len(), n + 1, |i, k| if k < n { columns[k][i] } else { residual[i] });
     let triangle = matrix.qr().r();
     let rows = triangle.nrows();
     let (lower, upper) = free.iter().map(crate::diagnosis::free::Free::bounds).unzip();
     let at = |v: &[f64]| -> Vec<f64> {
         (0..rows).map(|i| triangle[(i, n)] + (0..n).map(|k| triangle[(i, k)] * (v[k] - u[k])).sum::<f64>()).collect()
     };
-    let jacobian = |_: &[f64]| (0..rows * n).map(|at| triangle[(at / n, at % n)]).collect();
-    let problem = LeastSquares { lower, upper, rows, tolerance: 1e-10, residual: &at, jacobian: &jacobian };
+    let linear = |v: &[f64]| {
+        let residual = at(v);
+        DMatrix::from_fn(rows, n + 1, |i, k| if k == 0 { residual[i] } else { triangle[(i, k - 1)] })
+    };
+    let problem = LeastSquares { lower, upper, rows, tolerance: 1e-10, residual: &at, linear: &linear };
     Some(problem.minimise(&[u.to_vec()], Pace::PATIENT).pop()?.x)
 }

@@ -3,7 +3,7 @@
 use super::discrepancy;
 use super::fits::{Noise, run};
 use super::signature::prune;
-use crate::diagnosis::calibrate::Calibration;
+use crate::diagnosis::calibrate::{Calibration, better};
 use crate::diagnosis::compare::{CompareError, own_scatter};
 use crate::diagnosis::linear_algebra::Basis;
 use crate::diagnosis::noise::{FloorSource, NoiseFloor, NoiseModel, Repeats, estimate, estimate_alone, noise_floors};
@@ -60,7 +60,13 @@ pub(crate) fn prepare(problem: &mut Problem) -> Result<Prepared, CompareError> {
     noise.models = from_repeats(problem, &repeats, &residual, &flexible, &mut cautions);
     noise.robust = Some(threshold(problem, &noise, &residual));
     let again = problem.task(&[], vec![first.values()]);
-    let baseline = run(problem, &noise, &again).ok_or_else(|| no_start(problem))?;
+    let again = run(problem, &noise, &again).ok_or_else(|| no_start(problem))?;
+    let mut baseline = Calibration { searches: first.searches, agreeing: first.agreeing, ..again };
+    // Under a first guess of the noise a fit may have looked near that is far.
+    if baseline.is_far() && !first.is_far() {
+        let anew = run(problem, &noise, &problem.task(&[], Vec::new()));
+        baseline = better(Some(baseline), anew).ok_or_else(|| no_start(problem))?;
+    }
     let floors = noise_floors(&problem.experiment, &problem.layout, &modelled(problem, &baseline)?);
     let invisible = prune(problem, &baseline.values())?;
     let source =
@@ -85,7 +91,7 @@ pub(crate) fn prepare(problem: &mut Problem) -> Result<Prepared, CompareError> {
         repeats: from_repeats.then_some(repeats),
         floors,
         source,
-        baseline: Calibration { searches: first.searches, agreeing: first.agreeing, ..baseline },
+        baseline,
         flexible,
         modulations,
         invisible,

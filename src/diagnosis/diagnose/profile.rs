@@ -2,7 +2,8 @@
 
 use super::result::FinalParameter;
 use super::search::Search;
-use crate::diagnosis::calibrate::{Effort, calibrate_from};
+use crate::diagnosis::calibrate::calibrate_from;
+use crate::diagnosis::effort::Effort;
 use crate::diagnosis::free::Free;
 use crate::diagnosis::weighted::Weighted;
 use crate::measurement::Kind;

@@ -1,0 +1,78 @@
+//! How much of a calibration is spent where: starts from seeded draws, searches, and how long these are followed.
+
+use super::free::Free;
+use super::least_squares::{LeastSquares, Pace};
+use crate::measurement::Kind;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+const SEED: u64 = 1967;
+
+/// How many starts a calibration tries, and how long it follows them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Effort {
+    /// Draws from which the starts are chosen by their cost.
+    pub draws: usize,
+    /// How many of them are searched from, besides the given values.
+    pub searches: usize,
+    /// How long a search is followed.
+    pub pace: Pace,
+    /// Draws and searches that are added where the first searches end far from the measurements.
+    pub where_far: Option<(usize, usize)>,
+}
+
+impl Effort {
+    /// For an experiment of this kind. A wheel on a carriage is evaluated in under a millisecond. A traverse takes tenths of
+    /// a second, and few draws do, unless they end far from the measurements: where a soil lets the rover get stuck its cost
+    /// is flat, so that many draws are needed to find one that gets through.
+    pub fn of(kind: Kind) -> Self {
+        match kind {
+            Kind::SingleWheel => Self { draws: 64, searches: 5, pace: Pace::PATIENT, where_far: None },
+            Kind::Traverse => Self { draws: 8, searches: 1, pace: Pace::BRISK, where_far: Some((40, 3)) },
+        }
+    }
+
+    /// A first look at an effect on a traverse, from the given starts and so many draws.
+    pub fn scouting(searches: usize) -> Self {
+        Self { draws: 8 * searches, searches, pace: Pace::SHORT, where_far: None }
+    }
+
+    /// From the given starts only.
+    pub fn without_draws(self) -> Self {
+        Self { draws: 0, searches: 0, where_far: None, ..self }
+    }
+}
+
+/// Seeded draws around the given values.
+pub(crate) struct Draws<'a> {
+    problem: &'a LeastSquares<'a>,
+    given: Vec<f64>,
+    rng: ChaCha8Rng,
+    /// Draws that were not taken, each with its cost.
+    left: Vec<(f64, Vec<f64>)>,
+}
+
+impl<'a> Draws<'a> {
+    pub fn new(problem: &'a LeastSquares<'a>, free: &[Free]) -> Self {
+        let given = free.iter().map(|f| f.coordinate(f.start)).collect();
+        Self { problem, given, rng: ChaCha8Rng::seed_from_u64(SEED), left: Vec::new() }
+    }
+
+    /// Draws `count` more and takes the best `most` out, as far as their costs are finite.
+    pub fn best(&mut self, count: usize, most: usize) -> Vec<Vec<f64>> {
+        for _ in 0..count {
+            let u = self.next();
+            let cost = self.problem.cost_at(&u);
+            self.left.extend(cost.is_finite().then_some((cost, u)));
+        }
+        self.left.sort_by(|a, b| a.0.total_cmp(&b.0));
+        self.left.drain(..most.min(self.left.len())).map(|(_, u)| u).collect()
+    }
+
+    /// Half of the way from the given values to anywhere between the bounds: wide, but not absurd.
+    fn next(&mut self) -> Vec<f64> {
+        let bounds = self.problem.lower.iter().zip(&self.problem.upper);
+        let anywhere = bounds.map(|(lower, upper)| lower + (upper - lower) * self.rng.random::<f64>());
+        anywhere.zip(&self.given).map(|(anywhere, given)| 0.5 * (given + anywhere)).collect()
+    }
+}
