@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
-use bekker::diagnosis::{CompareOptions, compare};
+use bekker::diagnosis::{CompareOptions, DiagnoseOptions, Noise, NoiseModel, Task, compare, fit_task};
 use bekker::measurement::{Experiment, Record};
 use bekker::model::Model;
 use bekker::modeldescription::Lookup;
@@ -158,6 +158,40 @@ fn property_calibration_leads_out_of_a_soil_in_which_the_rover_is_stuck() {
     }
     let refused = compare(&weak, &experiment, &CompareOptions::default()).unwrap_err().to_string();
     assert!(refused.contains("stuck"), "what is not searched for is not held: {refused}");
+}
+
+/// Share to which a led rover gives the planted friction angle back: between rows the hand holds the velocity of the last.
+const LED_RECOVERY: f64 = 0.05;
+
+#[test]
+fn property_a_led_rover_does_not_get_stuck() {
+    let command = |row: usize| 2.0 + (row as f64 * 0.3).sin();
+    let kind = "two_wheeled_speed";
+    let folder = recorded_on(0.1, "led", kind, "speed_command", command, "");
+    let experiment = Experiment::read(&folder).unwrap();
+    let mut weak = Model::preset(kind).unwrap();
+    weak.set("soil.friction_angle", 0.3).unwrap();
+    let deviations = [0.01, 0.002, 0.004, 0.05, 0.05, 0.001];
+    let models = MEASURED
+        .iter()
+        .zip(deviations)
+        .map(|(signal, deviation)| ((*signal).to_owned(), NoiseModel { deviation, run_share: 0.0, correlation: 0.0 }));
+    let noise = Noise { models: models.collect(), robust: None };
+    let calibrated = ["cohesion", "friction_angle", "k_phi", "exponent", "shear_modulus", "c1", "c2"];
+    let given = calibrated.map(|name| weak.get(&format!("soil.{name}")).unwrap()).to_vec();
+    let task = Task {
+        effects: vec![],
+        parameters: vec![],
+        starts: vec![given],
+        scouting: Some(0),
+        guided: true,
+        left_out: vec![],
+        prior_factor: 1.0,
+    };
+    let outcome = fit_task(&weak, &experiment, &DiagnoseOptions::default(), &noise, &task).unwrap().unwrap();
+    let friction = outcome.values[1];
+    assert!((friction / 0.55 - 1.0).abs() < LED_RECOVERY, "{friction}");
+    assert!(compare(&weak, &experiment, &CompareOptions::default()).is_err(), "by itself it is stuck");
 }
 
 #[cfg(feature = "report")]

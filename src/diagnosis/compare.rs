@@ -152,7 +152,7 @@ fn calibrated_with(predict: &dyn Predict, problem: &Problem, weights: &BTreeMap<
     let noise = weights.iter().map(|(signal, deviation)| (signal.clone(), NoiseModel::white(*deviation))).collect();
     let whitening = Whitening::new(&problem.layout, &noise, &|_, _| true)?;
     let (layout, free) = (&problem.layout, &problem.base);
-    let weighted = Weighted { predict, layout, free, whitening: &whitening, robust: f64::INFINITY };
+    let weighted = Weighted { predict, layout, free, whitening: &whitening, robust: f64::INFINITY, whole: true };
     calibrate(&weighted, weights, Effort::of(problem.experiment.kind))
 }
 

@@ -44,9 +44,11 @@ impl Pace {
     /// Every search to its end.
     pub const PATIENT: Self = Self { heat: usize::MAX, after: 0, least_fall: 0.0 };
     /// Where an evaluation takes tenths of a second.
-    pub const BRISK: Self = Self { heat: 12, after: usize::MAX, least_fall: 5e-3 };
+    pub const BRISK: Self = Self { heat: 12, after: usize::MAX, least_fall: 1e-3 };
     /// A few steps that tell which way is worth going on.
     pub const SHORT: Self = Self { heat: 8, after: 0, least_fall: 5e-3 };
+    /// As many as an effect needs to take over from what a calibration had put in its place.
+    pub const MEDIUM: Self = Self { heat: 16, after: 0, least_fall: 5e-3 };
 }
 
 /// Residuals and their Jacobian over a box.

@@ -11,6 +11,7 @@ mod effort;
 mod failure;
 mod fit;
 mod free;
+mod guide;
 #[cfg(feature = "report")]
 mod json;
 mod layout;

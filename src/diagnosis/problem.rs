@@ -35,6 +35,8 @@ pub(crate) struct Problem<'a> {
     pub known: Model,
     /// The same with what is known of each run.
     models: Vec<Model>,
+    /// Whether rovers are led at the measured velocity, for a first look.
+    pub guided: bool,
     /// Parameters of a baseline calibration.
     pub base: Vec<Free>,
     /// Effects that may be added, in the vocabulary's order.
@@ -77,6 +79,7 @@ impl<'a> Problem<'a> {
             layout: Layout::new(experiment),
             known,
             models,
+            guided: false,
             base,
             library: kept,
         })
@@ -159,7 +162,7 @@ impl<'a> Problem<'a> {
                 Ok(f(&SingleWheelPrediction::new(&self.experiment, &self.layout, rigs, &names)))
             }
             Kind::Traverse => {
-                Ok(f(&TraversePrediction::new(&self.experiment, &self.layout, self.models.clone(), free)?))
+                Ok(f(&TraversePrediction::new(&self.experiment, &self.layout, self.models.clone(), free, self.guided)?))
             }
         }
     }
@@ -181,6 +184,7 @@ impl<'a> Problem<'a> {
             layout: Layout::new(&experiment),
             experiment: Cow::Owned(experiment),
             known: self.known.clone(),
+            guided: self.guided,
             models: runs.iter().map(|run| self.models[*run].clone()).collect(),
             base: self.base.clone(),
             library: self.library.clone(),
@@ -190,7 +194,15 @@ impl<'a> Problem<'a> {
     /// The task of fitting the baseline with these effects added.
     pub fn task(&self, effects: &[String], starts: Vec<Vec<f64>>) -> Task {
         let parameters = self.free(effects)[self.base.len()..].iter().map(|free| free.variable.name.clone()).collect();
-        Task { effects: effects.to_vec(), parameters, starts, scouting: None, left_out: Vec::new(), prior_factor: 1.0 }
+        Task {
+            effects: effects.to_vec(),
+            parameters,
+            starts,
+            scouting: None,
+            guided: false,
+            left_out: Vec::new(),
+            prior_factor: 1.0,
+        }
     }
 
     /// The model with fitted values; what the experiment says of single runs is not part of it.

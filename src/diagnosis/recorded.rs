@@ -1,5 +1,6 @@
 //! One recorded run of a traverse, prepared for replays: no names are looked up in them.
 
+use super::guide::Guide;
 use super::layout::Block;
 use super::prediction::PredictionError;
 use super::replay::{Replay, ReplayError};
@@ -36,6 +37,7 @@ pub(super) struct Recorded {
     /// The model with what is known of the run.
     pub model: Model,
     pub drives: Drives,
+    guide: Option<Guide>,
     /// Times of the rows, s.
     time: Vec<f64>,
     /// Free parameters that the run does not set itself.
@@ -53,6 +55,7 @@ impl Recorded {
         run: &Measured,
         blocks: impl Iterator<Item = &'a Block>,
         felt: Vec<usize>,
+        guide: Option<Guide>,
     ) -> Result<Self, PredictionError> {
         let mut signals = Signals::<f64>::of(run.inputs.len(), model.rover.links.len());
         let names: Vec<String> = signals.list().into_iter().map(|(variable, _)| variable.name).collect();
@@ -71,7 +74,7 @@ impl Recorded {
         };
         let columns = vec![None; names.len()];
         let mut recorded =
-            Self { name: run.name.clone(), model, drives, time, felt, columns, traced: 0, targets: vec![] };
+            Self { name: run.name.clone(), model, drives, guide, time, felt, columns, traced: 0, targets: vec![] };
         recorded.add_targets(&targets);
         Ok(recorded)
     }
@@ -111,7 +114,7 @@ impl Recorded {
     /// The traced signals of an open-loop replay, row by row.
     pub fn replayed<S: Scalar>(&self, replay: &Replay, rover: Rover<S>, x0: S) -> Result<Traced<S>, PredictionError> {
         let mut trace = vec![S::from(f64::NAN); self.time.len() * self.traced];
-        match replay.run(rover, x0, |row, signals| self.read(signals, row, &mut trace)) {
+        match replay.run_led(self.guide.as_ref(), rover, x0, |row, signals| self.read(signals, row, &mut trace)) {
             Ok(()) => Ok(Traced { values: trace, ended: None }),
             Err(ReplayError::Ended { row, event }) => Ok(self.ended(trace, row, event)),
             Err(ReplayError::Step(source)) => Err(self.failed(source.into())),

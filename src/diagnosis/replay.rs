@@ -1,5 +1,6 @@
 //! Recorded commands replayed through the simulation, over any scalar.
 
+use super::guide::Guide;
 use crate::rover::Rover;
 use crate::scalar::Scalar;
 use crate::signals::{Command, Drive, Signals};
@@ -70,6 +71,17 @@ impl Replay {
         &self,
         rover: Rover<S>,
         x0: S,
+        record: impl FnMut(usize, &Signals<S>),
+    ) -> Result<(), ReplayError> {
+        self.run_led(None, rover, x0, record)
+    }
+
+    /// The same, led by `guide`.
+    pub(super) fn run_led<S: Scalar>(
+        &self,
+        guide: Option<&Guide>,
+        rover: Rover<S>,
+        x0: S,
         mut record: impl FnMut(usize, &Signals<S>),
     ) -> Result<(), ReplayError> {
         let wheels = rover.wheels.len();
@@ -84,6 +96,9 @@ impl Replay {
             }
             record(row, simulation.signals());
             let values = self.commands.iter().skip(row * wheels);
+            if let Some(guide) = guide {
+                simulation.adjust(|effects| guide.lead(row, effects))?;
+            }
             command.values.iter_mut().zip(values).for_each(|(value, recorded)| *value = *recorded);
         }
         Ok(())

@@ -9,6 +9,7 @@
 //! number of threads.
 
 use super::free::Free;
+use super::guide::Guide;
 use super::layout::Layout;
 use super::prediction::{Derivatives, Predict, PredictionError};
 use super::recorded::{Drives, Recorded, Traced};
@@ -49,18 +50,21 @@ struct Traces {
 
 impl<'a> TraversePrediction<'a> {
     /// `models` has one model a run, with what is known of that run. A free parameter that a run sets itself stays as
-    /// it is in that run.
+    /// it is in that run. `guided` runs are led at the measured velocity, where it was measured and no loop drives them.
     pub fn new(
         experiment: &'a Experiment,
         layout: &'a Layout,
         models: Vec<Model>,
         free: &'a [Free],
+        guided: bool,
     ) -> Result<Self, PredictionError> {
         let mut runs: Vec<Recorded> = Vec::new();
         for (k, (model, run)) in models.into_iter().zip(&experiment.runs).enumerate() {
             let own = |free: &Free| run.parameters.contains_key(&free.variable.name);
             let felt = (0..free.len()).filter(|at| !own(&free[*at])).collect();
-            let recorded = Recorded::new(place(model, run)?, run, layout.of_run(k), felt)?;
+            let mut model = place(model, run)?;
+            let guide = if guided { Guide::of(run, &mut model) } else { None };
+            let recorded = Recorded::new(model, run, layout.of_run(k), felt, guide)?;
             match runs.iter_mut().find(|other| other.repeats(&recorded)) {
                 Some(first) => first.take(recorded),
                 None => runs.push(recorded),

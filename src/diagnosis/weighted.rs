@@ -17,6 +17,8 @@ pub(crate) struct Weighted<'a> {
     pub whitening: &'a Whitening,
     /// Size of a whitened residual beyond which its weight falls (Huber 1964); infinite for plain least squares.
     pub robust: f64,
+    /// Whether an answer must reach the last row of every run; not where runs are left out, which may be predicted badly.
+    pub whole: bool,
 }
 
 impl Weighted<'_> {
@@ -48,9 +50,9 @@ impl Weighted<'_> {
         all
     }
 
-    /// Whether every run reaches its last row at search coordinates.
+    /// Whether search coordinates are an answer: every run reaches its last row, where it must.
     pub fn is_valid(&self, u: &[f64]) -> bool {
-        self.predict.values(&self.values(u)).is_ok()
+        !self.whole || self.predict.values(&self.values(u)).is_ok()
     }
 
     /// Residuals whose squares are Huber's loss; infinite where the model has no answer, which rejects a step.

@@ -11,6 +11,7 @@ pub(crate) use motion::{Motion, TIPPED, belly_clearance};
 pub use status::{Event, Status};
 pub(crate) use window::Window;
 
+use crate::effects::Effects;
 use crate::integrator::Integrator;
 use crate::recording::Recorder;
 use crate::rover::dynamics::DynamicsError;
@@ -163,6 +164,16 @@ impl<S: Scalar> Simulation<S> {
         self.observe(Recorder::jump);
         self.refresh();
         Ok(())
+    }
+
+    /// Goes on with other values of the effects' parameters, as under a new command.
+    ///
+    /// # Errors
+    /// [`StepError::Dynamics`].
+    pub(crate) fn adjust(&mut self, change: impl FnOnce(&mut Effects<S>)) -> Result<(), StepError> {
+        change(&mut self.rover.effects);
+        let command = self.command.clone();
+        self.change_command(&command).map_err(|source| StepError::Dynamics { time: self.time(), source })
     }
 
     fn step(&mut self) -> Result<(), StepError> {

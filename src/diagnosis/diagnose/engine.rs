@@ -81,6 +81,7 @@ pub fn diagnose(
     clock.tell("what noise alone would give", 0.15);
     let stage = search.stage(&[])?.ok_or(CompareError::NoFit)?;
     clock.tell("fitting each effect", 0.3);
+    let stage = search.escaped(stage)?;
     search.singles(&stage);
     clock.tell("looking for the best set", 0.5);
     let chosen = choose(&mut search, &stage, options, &clock)?;
@@ -129,7 +130,7 @@ fn search<'a>(
         modulations: &prepared.modulations,
         draws: options.draws,
     };
-    Search { problem, noise: &prepared.noise, ground, control, fits: Fits::default() }
+    Search { problem, noise: &prepared.noise, ground, control, fits: Fits::default(), looks: BTreeMap::new() }
 }
 
 /// The effects that gain more than noise alone, in the order of their gains.
@@ -178,12 +179,18 @@ fn further(search: &mut Search, chosen: &[String]) -> Result<Option<Vec<String>>
     let sets = search.fits.of(chosen.len() + 1).map(|(effects, _)| effects).filter(with);
     let best = sets.max_by(|a, b| search.net_gain(a).total_cmp(&search.net_gain(b))).cloned();
     let Some(best) = best else { return Ok(None) };
-    let step = search.gain(&best) - search.gain(chosen);
-    let p_step = p_value(&stage.draws, |draw| draw.single, step);
+    let gains = |search: &Search| {
+        let step = search.gain(&best) - search.gain(chosen);
+        p_value(&stage.draws, |draw| draw.single, step) < NAMED
+    };
+    if gains(search) {
+        search.settle_below(&best, chosen);
+    }
+    let needed = gains(search);
     let Some(new) = best.iter().find(|id| !chosen.contains(id)).cloned() else { return Ok(None) };
     let mut ordered = chosen.to_vec();
     ordered.push(new);
-    Ok((p_step < NAMED).then_some(ordered))
+    Ok(needed.then_some(ordered))
 }
 
 /// The best pair: the one that grew from the best single effect, unless another is better by more than a tie and each of
@@ -234,8 +241,8 @@ fn all_held_out(search: &Search, folds: &[Fold], chosen: &[String]) -> BTreeMap<
         if (search.control.stop)() {
             return None;
         }
-        let values = search.fits.get(set)?.values();
-        held_out(search.problem, search.noise, set, &values, folds).map(|held| (set.clone(), held))
+        let fit = search.fits.get(set)?;
+        held_out(search.problem, search.noise, set, fit, folds).map(|held| (set.clone(), held))
     };
     crate::parallel::map_in_order(&sets, predict).into_iter().flatten().collect()
 }

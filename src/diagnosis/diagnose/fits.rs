@@ -4,6 +4,7 @@ use super::engine::DiagnoseOptions;
 use crate::diagnosis::calibrate::{Calibration, calibrate, calibrate_from, settled};
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::effort::Effort;
+use crate::diagnosis::least_squares::Pace;
 use crate::diagnosis::noise::{NoiseModel, Whitening};
 use crate::diagnosis::prediction::Predict;
 use crate::diagnosis::problem::Problem;
@@ -11,6 +12,7 @@ use crate::diagnosis::weighted::Weighted;
 use crate::measurement::Experiment;
 use crate::model::Model;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// Noise as a diagnosis uses it: one model a signal, and the size of a whitened residual from which it counts as bad.
@@ -43,6 +45,8 @@ pub struct Task {
     pub starts: Vec<Vec<f64>>,
     /// For a first look, a few steps from each start: how many seeded draws are searched from besides.
     pub scouting: Option<usize>,
+    /// Whether rovers are led at the measured velocity, so that they do not get stuck: for a first look.
+    pub guided: bool,
     /// Runs and rows that are left out.
     pub left_out: Vec<(usize, usize)>,
     /// Factor on the standard deviations of all priors: 1, or large to see what the data say by themselves.
@@ -66,6 +70,7 @@ pub(crate) fn run(problem: &Problem, noise: &Noise, task: &Task) -> Option<Calib
             calibrate(weighted, weights, effort)
         } else {
             let effort = task.scouting.map_or(effort.without_draws(), Effort::scouting);
+            let effort = if task.guided { Effort { pace: Pace::MEDIUM, ..effort } } else { effort };
             calibrate_from(weighted, weights, &task.starts, effort)
         }
     })
@@ -88,13 +93,18 @@ fn with_problem(
     left_out.sort_unstable();
     let whitening = noise.whitening(problem, &|run, row| left_out.binary_search(&(run, row)).is_err())?;
     let robust = noise.robust.unwrap_or(f64::INFINITY);
+    let whole = left_out.is_empty();
+    let mut posed = Cow::Borrowed(problem);
+    if task.guided {
+        posed.to_mut().guided = true;
+    }
     let fit = |predict: &dyn Predict| {
         f(
-            &Weighted { predict, layout: &problem.layout, free: &free, whitening: &whitening, robust },
+            &Weighted { predict, layout: &problem.layout, free: &free, whitening: &whitening, robust, whole },
             &noise.deviations(),
         )
     };
-    problem.predict(&free, fit).ok()?
+    posed.predict(&free, fit).ok()?
 }
 
 /// Makes one fit of a diagnosis, for a [`Spread`](super::Spread) on other machines: with the same model, experiment and

@@ -1,10 +1,12 @@
 //! Prediction of what was left out of the fit: whole conditions or whole runs.
 //!
 //! A wheel on a carriage is refitted without each fold. A traverse, where refits are dear, takes one Gauss-Newton step
-//! from the full fit to the optimum without the fold, within the bounds; the left-out runs are then simulated with those
-//! values, so that the prediction itself is not linearised.
+//! from the full fit to the optimum without the fold, within the bounds; where the full fit is far from the measurements,
+//! so that such a step means little, it is refitted for a few steps. The left-out runs are then simulated with those
+//! values, so that the prediction itself is not linearised. A rover that gets stuck in them predicts that it stays there.
 
 use super::fits::{Noise, Task, run};
+use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::least_squares::{LeastSquares, Pace};
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::weighted::Weighted;
@@ -83,23 +85,25 @@ fn classes(experiment: &Experiment) -> Vec<Fold> {
     folds
 }
 
-/// Predicts each fold from the others, for the baseline with `effects` whose fit to everything is `values`.
+/// Predicts each fold from the others, for the baseline with `effects` whose fit to everything is `fit`.
 pub(crate) fn held_out(
     problem: &Problem,
     noise: &Noise,
     effects: &[String],
-    values: &[f64],
+    fit: &Calibration,
     folds: &[Fold],
 ) -> Option<HeldOut> {
+    let values = fit.values();
     let fitted: Vec<Vec<f64>> = match problem.experiment.kind {
-        Kind::SingleWheel => folds
+        Kind::Traverse if !fit.is_far() => stepped(problem, noise, effects, &values, folds)?,
+        kind => folds
             .iter()
             .map(|fold| {
-                let task = Task { left_out: fold.clone(), ..problem.task(effects, vec![values.to_vec()]) };
-                Some(run(problem, noise, &task)?.values())
+                let scouting = (kind == Kind::Traverse).then_some(0);
+                let task = problem.task(effects, vec![values.clone()]);
+                Some(run(problem, noise, &Task { left_out: fold.clone(), scouting, ..task })?.values())
             })
             .collect::<Option<_>>()?,
-        Kind::Traverse => stepped(problem, noise, effects, values, folds)?,
     };
     let (mut density, mut squares) = (Vec::new(), BTreeMap::<String, (f64, usize)>::new());
     for (fold, values) in folds.iter().zip(&fitted) {
@@ -131,11 +135,11 @@ fn predict(problem: &Problem, effects: &[String], values: &[f64], fold: &Fold) -
     let free = problem.free(effects);
     let runs: BTreeSet<usize> = fold.iter().map(|(run, _)| *run).collect();
     if problem.experiment.kind == Kind::SingleWheel || runs.len() == problem.experiment.runs.len() {
-        return problem.predict(&free, |predict| predict.values(values)).ok()?.ok();
+        return problem.predict(&free, |predict| predict.values_onward(values)).ok()?.ok();
     }
     let runs: Vec<usize> = runs.into_iter().collect();
     let part = problem.only(&runs);
-    let own = part.predict(&free, |predict| predict.values(values)).ok()?.ok()?;
+    let own = part.predict(&free, |predict| predict.values_onward(values)).ok()?.ok()?;
     let mut all = vec![f64::NAN; problem.layout.len()];
     for (k, run) in runs.iter().enumerate() {
         for (from, to) in part.layout.of_run(k).zip(problem.layout.of_run(*run)) {
@@ -158,13 +162,13 @@ fn stepped(
     let (modelled, slopes) = problem.predict(&free, |predict| predict.slopes(values)).ok()?.ok()?;
     let fit = |predict: &dyn crate::diagnosis::prediction::Predict| {
         let (layout, free, robust) = (&problem.layout, free.as_slice(), f64::INFINITY);
-        let u = Weighted { predict, layout, free, whitening: &whole, robust }.coordinates(values);
+        let u = Weighted { predict, layout, free, whitening: &whole, robust, whole: true }.coordinates(values);
         folds
             .iter()
             .map(|fold| {
                 let inside: BTreeSet<_> = fold.iter().copied().collect();
                 let whitening = noise.whitening(problem, &|run, row| !inside.contains(&(run, row)))?;
-                let weighted = Weighted { predict, layout, free, whitening: &whitening, robust };
+                let weighted = Weighted { predict, layout, free, whitening: &whitening, robust, whole: false };
                 let residual = weighted.whitened(&modelled, values);
                 let columns = weighted.columns(&slopes, values);
                 Some(weighted.values(&linear_optimum(free, &u, &residual, &columns)?))

@@ -25,6 +25,7 @@ mod probability;
 mod profile;
 mod report_parts;
 mod result;
+mod scout;
 mod search;
 mod signature;
 mod stage;

@@ -62,7 +62,7 @@ fn refit(search: &Search, free: &[Free], start: &[f64], k: usize, at: f64) -> Op
     let fit = problem
         .predict(&others, |predict| {
             let whitening = search.ground.whitening;
-            let weighted = Weighted { predict, layout: &problem.layout, free: &others, whitening, robust };
+            let weighted = Weighted { predict, layout: &problem.layout, free: &others, whitening, robust, whole: true };
             calibrate_from(
                 &weighted,
                 &search.noise.deviations(),

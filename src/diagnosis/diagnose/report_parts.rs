@@ -52,6 +52,7 @@ pub(crate) fn whitened_residual(
             free: &free,
             whitening: search.ground.whitening,
             robust: f64::INFINITY,
+            whole: true,
         };
         Ok(weighted.whitened(&predict.values(values)?, values))
     })?
@@ -169,7 +170,7 @@ fn steps(inputs: &Inputs, chosen: &[String]) -> Result<Vec<Step>, CompareError> 
         key.sort();
         let held = match inputs.held.get(&key) {
             Some(held) => Some(held.clone()),
-            None => held_out(problem, &prepared.noise, effects, &values, inputs.folds),
+            None => held_out(problem, &prepared.noise, effects, fit, inputs.folds),
         };
         steps.push(Step {
             added: effects.last().cloned(),

@@ -18,9 +18,6 @@ const PAIRS_TRAVERSE: usize = 4;
 const SINGLES_TRAVERSE: usize = 8;
 const WORTH_A_REFIT: f64 = 0.3;
 
-/// Seeded draws from which each effect is fitted for a few steps where the baseline is far from the measurements.
-const DRAWS_SCOUTING: usize = 1;
-
 /// Further starts as shares of a parameter's range, in case the neutral value is a poor place to look from: a flexible
 /// wheel's misfit first rises with its compliance, since the calibration leans the other way.
 const STARTS: [f64; 3] = [0.1, 0.3, 0.6];
@@ -37,6 +34,10 @@ pub(crate) struct Fits {
 impl Fits {
     pub fn get(&self, effects: &[String]) -> Option<&Calibration> {
         self.known.get(&sorted(effects))
+    }
+
+    pub fn forget(&mut self, effects: &[String]) {
+        self.known.remove(&sorted(effects));
     }
 
     pub fn insert(&mut self, effects: &[String], fit: Calibration) {
@@ -56,7 +57,7 @@ fn sorted(effects: &[String]) -> Vec<String> {
 }
 
 /// A set of effects and the values from which its fit starts.
-type Start = (Vec<String>, Vec<Vec<f64>>);
+pub(super) type Start = (Vec<String>, Vec<Vec<f64>>);
 
 /// Everything that a search needs and collects.
 pub(crate) struct Search<'a> {
@@ -65,6 +66,8 @@ pub(crate) struct Search<'a> {
     pub ground: Ground<'a>,
     pub control: &'a Control<'a>,
     pub fits: Fits,
+    /// Where first looks ended, by their effects.
+    pub looks: BTreeMap<Vec<String>, Outcome>,
 }
 
 impl Search<'_> {
@@ -94,7 +97,30 @@ impl Search<'_> {
         }
     }
 
-    fn outcomes(&self, tasks: &[Task]) -> Vec<Option<Outcome>> {
+    /// Fits a set once more from where a larger one came, less the rest of that, and keeps the better fit: a further effect
+    /// may have helped the search only. A carriage is searched from so many starts that this finds nothing.
+    pub fn settle_below(&mut self, larger: &[String], set: &[String]) {
+        let Some(values) = self.fits.get(larger).map(Calibration::values) else { return };
+        if self.problem.experiment.kind == Kind::SingleWheel {
+            return;
+        }
+        let parts: Vec<(&str, &[f64])> =
+            set.iter().map(|id| (id.as_str(), self.problem.part(larger, &values, id))).collect();
+        self.fit_again(set, self.problem.assemble(&values, &parts));
+    }
+
+    /// Fits a set from another start and keeps the better fit.
+    pub fn fit_again(&mut self, set: &[String], start: Vec<f64>) {
+        let known = self.fits.get(set).cloned();
+        self.fits.forget(set);
+        self.fit(vec![(set.to_vec(), vec![start])]);
+        let better = |known: &Calibration| self.fits.get(set).is_none_or(|new| new.chi_square >= known.chi_square);
+        if let Some(known) = known.filter(better) {
+            self.fits.insert(set, known);
+        }
+    }
+
+    pub(super) fn outcomes(&self, tasks: &[Task]) -> Vec<Option<Outcome>> {
         self.control.spread.fits(tasks, self.noise, &|task| super::fits::outcome(self.problem, self.noise, task))
     }
 
@@ -106,53 +132,37 @@ impl Search<'_> {
         if self.problem.experiment.kind == Kind::SingleWheel {
             return self.fit(all.map(|k| self.start(stage, k)).collect());
         }
-        let promises = if stage.fit.is_far() {
-            self.scouted(stage)
-        } else {
-            all.map(|k| (stage.gains.singles[k].0, self.start(stage, k))).collect()
-        };
+        if stage.fit.is_far() && !all.clone().any(|k| self.looks.contains_key(&self.with(stage, k))) {
+            self.scout(stage, 1);
+        }
+        let promises: Vec<(f64, Start)> = all.filter_map(|k| self.promise(stage, k)).collect();
         let best = promises.iter().map(|(gain, _)| *gain).fold(0.0, f64::max);
         let mut worth: Vec<_> = promises.into_iter().filter(|(gain, _)| *gain >= WORTH_A_REFIT * best).collect();
         worth.sort_by(|a, b| b.0.total_cmp(&a.0));
         self.fit(worth.into_iter().take(SINGLES_TRAVERSE).map(|(_, set)| set).collect());
     }
 
-    /// What each single effect gains on top of a stage within a few steps of a fit, and where it came: first from the
-    /// stage's soil and from seeded draws, then from the soil that was best with any of them. A calibration that lacks an
-    /// effect bends the soil, often into one from where no effect leads out; beside another effect it is less bent.
-    fn scouted(&self, stage: &Stage) -> Vec<(f64, Start)> {
-        let unknown = |k: &usize| self.fits.get(&self.with(stage, *k)).is_none();
-        let all: Vec<usize> = (0..stage.gains.singles.len()).filter(unknown).collect();
-        let first = self.scout(stage, all.iter().map(|k| self.start(stage, *k)).collect(), DRAWS_SCOUTING);
-        let Some((_, (_, best))) = first.iter().max_by(|a, b| a.0.total_cmp(&b.0)) else { return first };
-        let soil = &best[0][..self.problem.base.len()];
-        let shares = |k: &usize| (self.with(stage, *k), self.shares(stage, *k, soil, &STARTS[..2]));
-        let mut best_of = BTreeMap::new();
-        for (gain, set) in first.iter().cloned().chain(self.scout(stage, all.iter().map(shares).collect(), 0)) {
-            let known = best_of.entry(set.0.clone()).or_insert_with(|| (gain, set.clone()));
-            if gain > known.0 {
-                *known = (gain, set);
+    /// What candidate number `k` promises to gain on top of a stage, and where its fit starts: by the sensitivities, unless
+    /// these say little or a first look came further.
+    fn promise(&self, stage: &Stage, k: usize) -> Option<(f64, Start)> {
+        let linear = stage.gains.singles[k].0;
+        let effects = self.with(stage, k);
+        match self.looks.get(&effects).map(|look| (stage.fit.chi_square - look.chi_square, look)) {
+            Some((gain, look)) if stage.fit.is_far() || gain > linear => {
+                Some((gain, (effects, vec![look.values.clone()])))
             }
+            None if stage.fit.is_far() => None,
+            _ => Some((linear, self.start(stage, k))),
         }
-        best_of.into_values().collect()
-    }
-
-    /// A few steps of fits from `starts` and so many draws: what they gain on a stage, and where they came.
-    fn scout(&self, stage: &Stage, starts: Vec<Start>, draws: usize) -> Vec<(f64, Start)> {
-        let task = |(effects, starts): Start| Task { scouting: Some(draws), ..self.problem.task(&effects, starts) };
-        let tasks: Vec<Task> = starts.into_iter().map(task).collect();
-        let outcomes = self.outcomes(&tasks);
-        let found = tasks.into_iter().zip(outcomes).filter_map(|(task, outcome)| Some((task, outcome?)));
-        found.map(|(task, at)| (stage.fit.chi_square - at.chi_square, (task.effects, vec![at.values]))).collect()
     }
 
     /// A stage's effects with candidate number `k` added.
-    fn with(&self, stage: &Stage, k: usize) -> Vec<String> {
+    pub(super) fn with(&self, stage: &Stage, k: usize) -> Vec<String> {
         stage.effects.iter().chain([&stage.sensitivities.signatures[k].id]).cloned().collect()
     }
 
     /// A stage's effects with candidate number `k` added, and where to start.
-    fn start(&self, stage: &Stage, k: usize) -> Start {
+    pub(super) fn start(&self, stage: &Stage, k: usize) -> Start {
         let signature = &stage.sensitivities.signatures[k];
         let effects = self.with(stage, k);
         let Some(candidate) = self.problem.candidate(&signature.id) else { return (effects, Vec::new()) };
@@ -178,7 +188,7 @@ impl Search<'_> {
     }
 
     /// Starts at a soil with candidate number `k` at these shares of its ranges.
-    fn shares(&self, stage: &Stage, k: usize, soil: &[f64], shares: &[f64]) -> Vec<Vec<f64>> {
+    pub(super) fn shares(&self, stage: &Stage, k: usize, soil: &[f64], shares: &[f64]) -> Vec<Vec<f64>> {
         let Some(candidate) = self.problem.candidate(&stage.sensitivities.signatures[k].id) else { return Vec::new() };
         let at = |share: &f64| candidate.free.iter().map(|free| free.start + share * span(free)).collect::<Vec<f64>>();
         shares.iter().map(|share| self.joined(stage, k, soil, &at(share))).collect()

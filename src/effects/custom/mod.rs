@@ -224,6 +224,11 @@ impl<S: Scalar> CustomEffects<S> {
         self.0.iter()
     }
 
+    /// Values of an effect's parameters, in the order of their names.
+    pub(crate) fn values_of(&mut self, id: &str) -> Option<&mut [S]> {
+        self.0.iter_mut().find(|effect| effect.id() == id).map(|effect| effect.values.as_mut_slice())
+    }
+
     fn at(&self, hook: Hook) -> impl Iterator<Item = &CustomEffect<S>> {
         self.0.iter().filter(move |effect| effect.acts_at(hook))
     }

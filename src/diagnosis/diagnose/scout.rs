@@ -1,0 +1,64 @@
+//! A first look at every effect where a traverse's baseline is far from the measurements, and a way to a better baseline.
+//!
+//! Sensitivities around such a baseline say little, and fits from it often fail: the calibration has bent the soil to stand
+//! in for what it lacks, and with an effect added to that soil the simulated rover gets stuck, where the cost is flat.
+
+use super::fits::{Outcome, Task};
+use super::search::{Search, Start};
+use super::stage::Stage;
+use crate::diagnosis::prediction::PredictionError;
+
+/// Shares of an effect's ranges from which its fit to led rovers starts.
+const LED_FROM: [f64; 1] = [0.1];
+
+impl Search<'_> {
+    /// Fits every effect on top of a stage for a few steps, from the stage's values and from so many seeded draws; what was
+    /// found best is kept among the looks.
+    pub(super) fn scout(&mut self, stage: &Stage, searches: usize) {
+        let unknown = |k: &usize| self.fits.get(&self.with(stage, *k)).is_none();
+        let all: Vec<usize> = (0..stage.gains.singles.len()).filter(unknown).collect();
+        let tasks: Vec<Task> = all.iter().map(|k| self.look(self.start(stage, *k), searches)).collect();
+        self.keep(&tasks);
+    }
+
+    /// Makes first looks and keeps the best of each set of effects.
+    fn keep(&mut self, tasks: &[Task]) {
+        for (task, at) in tasks.iter().zip(self.outcomes(tasks)) {
+            let Some(at) = at else { continue };
+            if self.looks.get(&task.effects).is_none_or(|known| at.chi_square < known.chi_square) {
+                self.looks.insert(task.effects.clone(), at);
+            }
+        }
+    }
+
+    /// The baseline's stage at a better place, where it is far from the measurements and there is one: rovers that are led
+    /// at the measured velocity do not get stuck, so that baseline and effects are fitted to them first. From where these
+    /// fits ended they go on without the hand that led.
+    ///
+    /// # Errors
+    /// [`PredictionError`].
+    pub(super) fn escaped(&mut self, stage: Stage) -> Result<Stage, PredictionError> {
+        if !stage.fit.is_far() {
+            return Ok(stage);
+        }
+        let led = Task { guided: true, ..self.problem.task(&[], Vec::new()) };
+        let Some(led) = self.outcomes(&[led]).pop().flatten() else { return Ok(stage) };
+        let all: Vec<usize> = (0..stage.gains.singles.len()).collect();
+        let led_from = |k: &usize| {
+            let starts = self.shares(&stage, *k, &led.values, &LED_FROM);
+            Task { guided: true, ..self.look((self.with(&stage, *k), starts), 0) }
+        };
+        let tasks: Vec<Task> = all.iter().map(led_from).collect();
+        let ends = self.outcomes(&tasks);
+        let on = |(task, at): (&Task, Option<Outcome>)| Some(self.look((task.effects.clone(), vec![at?.values]), 0));
+        let tasks: Vec<Task> = tasks.iter().zip(ends).filter_map(on).collect();
+        self.keep(&tasks);
+        self.fit_again(&[], led.values);
+        let better = self.fits.get(&[]).is_some_and(|fit| fit.chi_square < stage.fit.chi_square);
+        if better { Ok(self.stage(&[])?.unwrap_or(stage)) } else { Ok(stage) }
+    }
+
+    fn look(&self, (effects, starts): Start, searches: usize) -> Task {
+        Task { scouting: Some(searches), ..self.problem.task(&effects, starts) }
+    }
+}
