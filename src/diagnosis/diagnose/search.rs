@@ -18,6 +18,9 @@ const PAIRS_TRAVERSE: usize = 4;
 const SINGLES_TRAVERSE: usize = 8;
 const WORTH_A_REFIT: f64 = 0.3;
 
+/// A promise that noise alone reaches with this probability is not worth a refit beside a better one.
+const COMMON: f64 = 0.5;
+
 /// Further starts as shares of a parameter's range, in case the neutral value is a poor place to look from: a flexible
 /// wheel's misfit first rises with its compliance, since the calibration leans the other way.
 const STARTS: [f64; 3] = [0.1, 0.3, 0.6];
@@ -87,14 +90,41 @@ impl Search<'_> {
     pub fn fit(&mut self, sets: Vec<Start>) {
         let sets: Vec<_> = sets.into_iter().filter(|(effects, _)| self.fits.get(effects).is_none()).collect();
         let tasks: Vec<Task> = sets.into_iter().map(|(effects, starts)| self.problem.task(&effects, starts)).collect();
-        for (task, outcome) in tasks.iter().zip(self.outcomes(&tasks)) {
+        self.settle_all(&tasks);
+        let again: Vec<Task> = tasks.iter().filter_map(|task| self.from_a_part(&task.effects)).collect();
+        self.settle_all(&again);
+    }
+
+    fn settle_all(&mut self, tasks: &[Task]) {
+        for (task, outcome) in tasks.iter().zip(self.outcomes(tasks)) {
             let Some(outcome) = outcome else { continue };
             // A fit made elsewhere comes back as its values; standard errors and bounds are found again here.
             let again = self.problem.task(&task.effects, vec![outcome.values]);
-            if let Some(fit) = super::fits::settle(self.problem, self.noise, &again) {
+            let Some(fit) = super::fits::settle(self.problem, self.noise, &again) else { continue };
+            if self.fits.get(&task.effects).is_none_or(|known| fit.chi_square < known.chi_square) {
                 self.fits.insert(&task.effects, fit);
             }
         }
+    }
+
+    /// A search of a set from the best set with one effect less, that effect neutral, where a fit of the whole set leaves
+    /// more than that: its search has failed.
+    fn from_a_part(&self, effects: &[String]) -> Option<Task> {
+        let whole = self.fits.get(effects)?;
+        let without = |k: usize| effects.iter().enumerate().filter(move |(j, _)| *j != k).map(|(_, id)| id.clone());
+        let parts = (0..effects.len()).filter_map(|k| {
+            let part: Vec<String> = without(k).collect();
+            let fit = self.fits.get(&part)?;
+            Some((fit.chi_square, part, fit.values(), &effects[k]))
+        });
+        let (least, part, values, new) = parts.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        if whole.chi_square <= least {
+            return None;
+        }
+        let neutral: Vec<f64> = self.problem.candidate(new)?.free.iter().map(|free| free.start).collect();
+        let kept = part.iter().map(|id| (id.as_str(), self.problem.part(&part, &values, id)));
+        let all: Vec<(&str, &[f64])> = kept.chain([(new.as_str(), neutral.as_slice())]).collect();
+        Some(self.problem.task(effects, vec![self.problem.assemble(&values, &all)]))
     }
 
     /// Fits a set once more from where a larger one came, less the rest of that, and keeps the better fit: a further effect
@@ -135,11 +165,28 @@ impl Search<'_> {
         if stage.fit.is_far() && !all.clone().any(|k| self.looks.contains_key(&self.with(stage, k))) {
             self.scout(stage, 1);
         }
-        let promises: Vec<(f64, Start)> = all.filter_map(|k| self.promise(stage, k)).collect();
-        let best = promises.iter().map(|(gain, _)| *gain).fold(0.0, f64::max);
-        let mut worth: Vec<_> = promises.into_iter().filter(|(gain, _)| *gain >= WORTH_A_REFIT * best).collect();
-        worth.sort_by(|a, b| b.0.total_cmp(&a.0));
-        self.fit(worth.into_iter().take(SINGLES_TRAVERSE).map(|(_, set)| set).collect());
+        let mut promises: Vec<(f64, Start)> = all.filter_map(|k| self.promise(stage, k)).collect();
+        promises.sort_by(|a, b| b.0.total_cmp(&a.0));
+        promises.truncate(SINGLES_TRAVERSE);
+        // A promise may not be kept: the bar for the others is what was gained then, and more than noise mostly promises.
+        let mut gained = 0.0_f64;
+        let common = |promise: f64| p_value(&stage.draws, |draw| draw.single, promise) > COMMON;
+        for round in 0.. {
+            let Some((most, _)) = promises.first() else { return };
+            if round > 0 && !stage.fit.is_far() && common(*most) {
+                return;
+            }
+            let bar = WORTH_A_REFIT * gained.max(*most);
+            let worth: Vec<Start> =
+                promises.extract_if(.., |(promise, _)| *promise >= bar).map(|(_, set)| set).collect();
+            if worth.is_empty() {
+                return;
+            }
+            let sets: Vec<Vec<String>> = worth.iter().map(|(effects, _)| effects.clone()).collect();
+            self.fit(worth);
+            let gains = sets.iter().filter_map(|set| Some(stage.fit.chi_square - self.fits.get(set)?.chi_square));
+            gained = gains.fold(gained, f64::max);
+        }
     }
 
     /// What candidate number `k` promises to gain on top of a stage, and where its fit starts: by the sensitivities, unless
