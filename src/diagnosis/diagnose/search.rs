@@ -91,7 +91,7 @@ impl Search<'_> {
         let sets: Vec<_> = sets.into_iter().filter(|(effects, _)| self.fits.get(effects).is_none()).collect();
         let tasks: Vec<Task> = sets.into_iter().map(|(effects, starts)| self.problem.task(&effects, starts)).collect();
         self.settle_all(&tasks);
-        let again: Vec<Task> = tasks.iter().filter_map(|task| self.from_a_part(&task.effects)).collect();
+        let again: Vec<Task> = tasks.iter().filter_map(|task| self.restart_at_part(&task.effects)).collect();
         self.settle_all(&again);
     }
 
@@ -109,7 +109,7 @@ impl Search<'_> {
 
     /// A search of a set from the best set with one effect less, that effect neutral, where a fit of the whole set leaves
     /// more than that: its search has failed.
-    fn from_a_part(&self, effects: &[String]) -> Option<Task> {
+    fn restart_at_part(&self, effects: &[String]) -> Option<Task> {
         let whole = self.fits.get(effects)?;
         let without = |k: usize| effects.iter().enumerate().filter(move |(j, _)| *j != k).map(|(_, id)| id.clone());
         let parts = (0..effects.len()).filter_map(|k| {
