@@ -25,7 +25,7 @@ pub(super) struct Guide {
 }
 
 impl Guide {
-    /// The guide of a run, laid into its model; `None` where no velocity was measured.
+    /// The guide of a run, laid into its model; `None` where no velocity was measured or an effect of the user's own has its id.
     pub fn of(run: &Measured, model: &mut Model) -> Option<Self> {
         let mut last = *run.data.column("velocity")?.iter().find(|v| !v.is_nan())?;
         let mut held = |v: &f64| {
@@ -35,15 +35,15 @@ impl Guide {
         let velocity = run.data.column("velocity")?.iter().map(&mut held).collect();
         model.rover.effects.add(definition()).ok()?;
         let gain = model.rover.total_mass() / TIME;
-        let values = model.rover.effects.custom.values_of(ID)?;
-        values[0] = gain;
+        let [force, _] = model.rover.effects.custom.values_of(ID)? else { return None };
+        *force = gain;
         Some(Self { velocity })
     }
 
     /// Leads towards the velocity of a row from now on.
     pub fn lead<S: Scalar>(&self, row: usize, effects: &mut Effects<S>) {
-        if let (Some(values), Some(velocity)) = (effects.custom.values_of(ID), self.velocity.get(row)) {
-            values[1] = S::from(*velocity);
+        if let (Some([_, towards]), Some(velocity)) = (effects.custom.values_of(ID), self.velocity.get(row)) {
+            *towards = S::from(*velocity);
         }
     }
 }
@@ -58,7 +58,7 @@ fn definition() -> EffectDefinition {
         source: String::new(),
         free: false,
     };
-    let gain = parameter("N s/m", "Force by which the velocity falls short");
+    let gain = parameter("N s/m", "Force for each m/s that is missing");
     let velocity = parameter("m/s", "Velocity towards which the rover is led");
     EffectDefinition {
         id: ID.to_owned(),

@@ -37,6 +37,7 @@ pub(super) struct Recorded {
     /// The model with what is known of the run.
     pub model: Model,
     pub drives: Drives,
+    /// Not compared between runs: those that repeat each other are led as the first of them was.
     guide: Option<Guide>,
     /// Times of the rows, s.
     time: Vec<f64>,

@@ -11,7 +11,6 @@ pub(crate) use motion::{Motion, TIPPED, belly_clearance};
 pub use status::{Event, Status};
 pub(crate) use window::Window;
 
-use crate::effects::Effects;
 use crate::integrator::Integrator;
 use crate::recording::Recorder;
 use crate::rover::dynamics::DynamicsError;
@@ -170,7 +169,8 @@ impl<S: Scalar> Simulation<S> {
     ///
     /// # Errors
     /// [`StepError::Dynamics`].
-    pub(crate) fn adjust(&mut self, change: impl FnOnce(&mut Effects<S>)) -> Result<(), StepError> {
+    #[cfg(feature = "experiments")]
+    pub(crate) fn adjust(&mut self, change: impl FnOnce(&mut crate::effects::Effects<S>)) -> Result<(), StepError> {
         change(&mut self.rover.effects);
         let command = self.command.clone();
         self.change_command(&command).map_err(|source| StepError::Dynamics { time: self.time(), source })

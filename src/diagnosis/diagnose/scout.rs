@@ -11,13 +11,16 @@ use crate::diagnosis::prediction::PredictionError;
 /// Shares of an effect's ranges from which its fit to led rovers starts.
 const LED_FROM: [f64; 1] = [0.1];
 
+/// Searches from seeded draws in a first look without a lead.
+const SEARCHES: usize = 1;
+
 impl Search<'_> {
-    /// Fits every effect on top of a stage for a few steps, from the stage's values and from so many seeded draws; what was
-    /// found best is kept among the looks.
-    pub(super) fn scout(&mut self, stage: &Stage, searches: usize) {
+    /// Fits every effect on top of a stage for a few steps, from the stage's values and from seeded draws; what was found best
+    /// is kept among the looks.
+    pub(super) fn scout(&mut self, stage: &Stage) {
         let unknown = |k: &usize| self.fits.get(&self.with(stage, *k)).is_none();
         let all: Vec<usize> = (0..stage.gains.singles.len()).filter(unknown).collect();
-        let tasks: Vec<Task> = all.iter().map(|k| self.look(self.start(stage, *k), searches)).collect();
+        let tasks: Vec<Task> = all.iter().map(|k| self.look(self.start(stage, *k), SEARCHES)).collect();
         self.keep(&tasks);
     }
 

@@ -39,10 +39,6 @@ impl Fits {
         self.known.get(&sorted(effects))
     }
 
-    pub fn forget(&mut self, effects: &[String]) {
-        self.known.remove(&sorted(effects));
-    }
-
     pub fn insert(&mut self, effects: &[String], fit: Calibration) {
         self.known.insert(sorted(effects), fit);
     }
@@ -95,6 +91,7 @@ impl Search<'_> {
         self.settle_all(&again);
     }
 
+    /// Makes fits and keeps the best of each set.
     fn settle_all(&mut self, tasks: &[Task]) {
         for (task, outcome) in tasks.iter().zip(self.outcomes(tasks)) {
             let Some(outcome) = outcome else { continue };
@@ -141,13 +138,7 @@ impl Search<'_> {
 
     /// Fits a set from another start and keeps the better fit.
     pub fn fit_again(&mut self, set: &[String], start: Vec<f64>) {
-        let known = self.fits.get(set).cloned();
-        self.fits.forget(set);
-        self.fit(vec![(set.to_vec(), vec![start])]);
-        let better = |known: &Calibration| self.fits.get(set).is_none_or(|new| new.chi_square >= known.chi_square);
-        if let Some(known) = known.filter(better) {
-            self.fits.insert(set, known);
-        }
+        self.settle_all(&[self.problem.task(set, vec![start])]);
     }
 
     pub(super) fn outcomes(&self, tasks: &[Task]) -> Vec<Option<Outcome>> {
@@ -163,7 +154,7 @@ impl Search<'_> {
             return self.fit(all.map(|k| self.start(stage, k)).collect());
         }
         if stage.fit.is_far() && !all.clone().any(|k| self.looks.contains_key(&self.with(stage, k))) {
-            self.scout(stage, 1);
+            self.scout(stage);
         }
         let mut promises: Vec<(f64, Start)> = all.filter_map(|k| self.promise(stage, k)).collect();
         promises.sort_by(|a, b| b.0.total_cmp(&a.0));

@@ -225,6 +225,7 @@ impl<S: Scalar> CustomEffects<S> {
     }
 
     /// Values of an effect's parameters, in the order of their names.
+    #[cfg(feature = "experiments")]
     pub(crate) fn values_of(&mut self, id: &str) -> Option<&mut [S]> {
         self.0.iter_mut().find(|effect| effect.id() == id).map(|effect| effect.values.as_mut_slice())
     }
