@@ -138,6 +138,42 @@ fn property_calibration_recovers_a_planted_soil_from_a_drive() {
     assert!(fit.rmse["x"] < 1e-3 * given.rmse["x"], "{:?} {:?}", fit.rmse, given.rmse);
 }
 
+/// Rows of a run in which contacts break loose: at most a tenth, and less than half a second.
+const NOT_COUNTED: usize = 8;
+
+#[test]
+fn property_how_contacts_break_loose_does_not_count() {
+    let command = |row: usize| 2.0 + (row as f64 * 0.3).sin();
+    let kind = "two_wheeled_speed";
+    let recovered = |rows: usize| {
+        let folder = recorded("loose", kind, "speed_command", command, &all_but_two());
+        let text = std::fs::read_to_string(folder.join("drive.csv")).unwrap();
+        let mut csv = String::new();
+        for (k, line) in text.lines().enumerate() {
+            // Time stays; all that is measured is far off in the first rows.
+            let far = |(j, cell): (usize, &str)| match cell.parse::<f64>() {
+                Ok(value) if (1..=rows).contains(&k) && (1..=MEASURED.len()).contains(&j) => {
+                    format!("{}", value + 0.02)
+                }
+                _ => cell.to_owned(),
+            };
+            csv += &(line.split(',').enumerate().map(far).collect::<Vec<_>>().join(",") + "\n");
+        }
+        std::fs::write(folder.join("drive.csv"), csv).unwrap();
+        let options = CompareOptions { calibrate: true, ..CompareOptions::default() };
+        let experiment = Experiment::read(&folder).unwrap();
+        let comparison = compare(&Model::preset(kind).unwrap(), &experiment, &options).unwrap();
+        let (calibration, _) = comparison.calibrated.as_ref().unwrap();
+        let mut truth = planted(kind);
+        calibration.parameters.iter().all(|parameter| {
+            let planted = truth.get(&parameter.variable.name).unwrap();
+            (parameter.value / planted - 1.0).abs() < RECOVERY
+        })
+    };
+    assert!(recovered(NOT_COUNTED));
+    assert!(!recovered(NOT_COUNTED + 1), "the next row counts");
+}
+
 #[test]
 fn property_calibration_leads_out_of_a_soil_in_which_the_rover_is_stuck() {
     let command = |row: usize| 2.0 + (row as f64 * 0.3).sin();

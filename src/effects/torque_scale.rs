@@ -8,7 +8,8 @@ use bekker_modeldescription::{Unit, parameters};
 
 parameters! {
     /// The true torque constant is (1 + d) K_t. Drives command and measure currents and reckon with K_t, so a
-    /// commanded torque comes out (1 + d) times as large, and a recorded torque is the true one over 1 + d.
+    /// commanded torque comes out (1 + d) times as large, and a recorded torque is the true one over 1 + d. A power that a
+    /// meter of its own records tells a torque constant (it follows) from a current gain (it does not).
     pub struct TorqueScale {
         /// Deviation d of the torque constant, or of the current gain, which acts alike.
         deviation: [Unit::ONE] = 0.0, -0.3..=0.3, Effect, "makers' tolerance and amplifier gain: 3-10 %";

@@ -17,8 +17,10 @@ DETECTABLE = 5.0  # standard deviations
 TIE = 0.8  # cosine from which two effects are an honest tie
 STEP = 1e-3  # of a soil parameter, relative
 SEARCHES = 8  # strengths tried
-REFITS = 2
+REFITS = 8
 SMALL_SHIFT = 0.01  # of a soil parameter, relative, for which the projection is exact enough
+SHIFTS = (-0.9, 2.0)  # of a soil parameter, relative: as far as a calibration may take it
+WORTH = 0.98  # share of what is left from which on a further refit is not worth it
 
 
 class Detector:
@@ -106,21 +108,32 @@ class Detector:
         return self.bench.simulate([{form.key: s} for s in strengths])
 
     def signature(self, signals):
-        """What is left of the difference to the clean signals after the soil is refitted to it: Gauss-Newton steps with the
-        slopes at the true soil while they are large and help, the rest by projection."""
-        left = self.white(signals - self.clean)
-        best, shift = self.free(left), np.zeros(len(CALIBRATED))
+        """What is left of the difference to the clean signals after the soil is refitted to it: damped Gauss-Newton steps
+        with the slopes at the true soil while they help, the rest by projection."""
+        left, shift = self.white(signals - self.clean), np.zeros(len(CALIBRATED))
+        best = self.free(left)
+        if not np.all(np.isfinite(left)):
+            return best
         for _ in range(REFITS):
-            step = np.linalg.lstsq(self.slopes, left, rcond=1e-7)[0] if np.all(np.isfinite(left)) else np.zeros_like(shift)
+            step = np.linalg.lstsq(self.slopes, left, rcond=1e-7)[0]
             if np.max(np.abs(step)) < SMALL_SHIFT:
                 break
-            shift = np.clip(shift + step, -0.5, 0.5)
-            soil = {name: self.bench.soil[name] * (1.0 + s) for name, s in zip(CALIBRATED, shift)}
-            left = self.white(signals - self.bench.simulate([soil], coarse=True)[0])
-            if not np.all(np.isfinite(left)) or np.linalg.norm(self.free(left)) >= np.linalg.norm(best):
+            moved = self.refitted(signals, shift, step, np.linalg.norm(left))
+            if moved is None or np.linalg.norm(moved[1]) > WORTH * np.linalg.norm(left):
                 break
-            best = self.free(left)
+            shift, left = moved
+            best = min(best, self.free(left), key=np.linalg.norm)
         return best
+
+    def refitted(self, signals, shift, step, bar):
+        """Shares by which the soil differs after a step, shortened until it leaves less than `bar`, and what is left."""
+        for damping in (1.0, 0.5, 0.25):
+            there = np.clip(shift + damping * step, *SHIFTS)
+            soil = {name: self.bench.soil[name] * (1.0 + s) for name, s in zip(CALIBRATED, there)}
+            left = self.white(signals - self.bench.simulate([soil], coarse=True)[0])
+            if np.all(np.isfinite(left)) and np.linalg.norm(left) < bar:
+                return there, left
+        return None
 
     def alike(self, signature):
         """Cosine of this signature with that of every rival, {case: cosine}, and the rivals that one cannot see at all."""

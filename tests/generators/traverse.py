@@ -80,12 +80,12 @@ def sensors(p, states, time):
     motor = drive.motor_torque(per_wheel, torque, speed) + drive.ripple(per_wheel, turned)
     cold = p["resistance"] * (motor / (p["gear"] * p["torque_constant"])) ** 2
     heat, magnet = drive.windings(per_wheel, time, cold)
-    current = motor / (p["gear"] * p["torque_constant"] * magnet)
-    power = np.sum(p["resistance"] * heat * current**2, axis=-1, keepdims=True)
+    # A torque constant that is off, or an amplifier's gain: torque and power are reckoned from the current that is recorded.
     shown = drive.recorded_torque(per_wheel, motor)
+    current = shown / (p["gear"] * p["torque_constant"] * magnet)
+    power = np.sum(p["resistance"] * heat * current**2, axis=-1, keepdims=True)
     if (s := ground.on(per_wheel, "drift.time")) is not None:  # outside the library: the rear torque cell drifts
         shown = shown + s * (clock / time[-1]) * np.array([1.0, 0.0])
-    current = drive.recorded_torque(per_wheel, current)
     if (s := ground.on(p, "pitch_bias.constant")) is not None:
         body[..., 1] += s
     if (s := ground.on(p, "pitch_bias.drifting")) is not None:  # an inclinometer that also creeps while it warms up

@@ -1,6 +1,7 @@
 //! The course of a diagnosis.
 
 use super::bootstrap::p_value;
+use super::choose::choose;
 use super::control::{Control, Progress};
 use super::held_out::{Fold, HeldOut, folds, held_out};
 use super::prepare::{Prepared, prepare};
@@ -83,8 +84,11 @@ pub fn diagnose(
     clock.tell("fitting each effect", 0.3);
     let stage = search.escaped(stage)?;
     search.singles(&stage);
+    if stage.fit.is_far() {
+        search.afresh(&stage);
+    }
     clock.tell("looking for the best set", 0.5);
-    let chosen = choose(&mut search, &stage, options, &clock)?;
+    let chosen = choose(&mut search, &stage, options)?;
     clock.tell("predicting what was left out", 0.75);
     let folds = folds(experiment);
     let held = all_held_out(&search, &folds, &chosen);
@@ -108,10 +112,6 @@ impl Clock<'_> {
     fn tell(&self, stage: &'static str, done: f64) {
         (self.control.progress)(Progress { stage, done, total: 1.0 });
     }
-
-    fn stopped(&self) -> bool {
-        (self.control.stop)()
-    }
 }
 
 fn search<'a>(
@@ -131,97 +131,6 @@ fn search<'a>(
         draws: options.draws,
     };
     Search { problem, noise: &prepared.noise, ground, control, fits: Fits::default(), looks: BTreeMap::new() }
-}
-
-/// The effects that gain more than noise alone, in the order of their gains.
-fn choose(
-    search: &mut Search,
-    stage: &Stage,
-    options: &DiagnoseOptions,
-    clock: &Clock,
-) -> Result<Vec<String>, PredictionError> {
-    let best = best_of(search, 1);
-    let p_single = best.as_ref().map_or(1.0, |set| p_value(&stage.draws, |draw| draw.single, search.gain(set)));
-    let p_pair = p_value(&stage.draws, |draw| draw.pair, stage.observed.pair);
-    let mut chosen = best.clone().filter(|_| p_single < NAMED && options.max_effects > 0).unwrap_or_default();
-    if options.max_effects < 2 || (chosen.is_empty() && p_pair >= NAMED) || clock.stopped() {
-        return Ok(chosen);
-    }
-    let further = if chosen.is_empty() { None } else { further(search, &chosen)? };
-    if further.is_some() || chosen.is_empty() {
-        search.pairs(stage);
-        if let Some(pair) = best_pair(search, &chosen, further)? {
-            chosen = pair;
-        }
-    }
-    while chosen.len() >= 2 && chosen.len() < options.max_effects && !clock.stopped() {
-        let Some(set) = self::further(search, &chosen)? else { break };
-        chosen = set;
-    }
-    Ok(chosen)
-}
-
-/// The set of `count` effects with the largest net gain.
-fn best_of(search: &Search, count: usize) -> Option<Vec<String>> {
-    let sets = search.fits.of(count).map(|(effects, _)| effects);
-    sets.max_by(|a, b| search.net_gain(a).total_cmp(&search.net_gain(b))).cloned()
-}
-
-/// The set with one more effect where that gains more than noise alone, even after the strengths of those in the set may
-/// vary with the conditions.
-fn further(search: &mut Search, chosen: &[String]) -> Result<Option<Vec<String>>, PredictionError> {
-    let Some(stage) = search.stage(chosen)? else { return Ok(None) };
-    if Search::p_of_best(&stage) >= NAMED {
-        return Ok(None);
-    }
-    search.singles(&stage);
-    let with = |set: &&Vec<String>| chosen.iter().all(|id| set.contains(id));
-    let sets = search.fits.of(chosen.len() + 1).map(|(effects, _)| effects).filter(with);
-    let best = sets.max_by(|a, b| search.net_gain(a).total_cmp(&search.net_gain(b))).cloned();
-    let Some(best) = best else { return Ok(None) };
-    let gains = |search: &Search| {
-        let step = search.gain(&best) - search.gain(chosen);
-        p_value(&stage.draws, |draw| draw.single, step) < NAMED
-    };
-    if gains(search) {
-        search.settle_below(&best, chosen);
-    }
-    let needed = gains(search);
-    let Some(new) = best.iter().find(|id| !chosen.contains(id)).cloned() else { return Ok(None) };
-    let mut ordered = chosen.to_vec();
-    ordered.push(new);
-    Ok(needed.then_some(ordered))
-}
-
-/// The best pair: the one that grew from the best single effect, unless another is better by more than a tie and each of
-/// its members is needed beside the other.
-fn best_pair(
-    search: &mut Search,
-    single: &[String],
-    grown: Option<Vec<String>>,
-) -> Result<Option<Vec<String>>, PredictionError> {
-    let Some(best) = best_of(search, 2) else { return Ok(grown) };
-    if single.iter().all(|id| best.contains(id)) && !single.is_empty() {
-        return Ok(grown);
-    }
-    let known = grown.as_ref().map_or_else(|| search.net_gain(single), |set| search.net_gain(set));
-    if search.net_gain(&best) <= known + verdict::REACH {
-        return Ok(grown);
-    }
-    for id in &best {
-        let alone = std::slice::from_ref(id);
-        let Some(stage) = search.stage(alone)? else { return Ok(grown) };
-        let step = search.gain(&best) - search.gain(alone);
-        if p_value(&stage.draws, |draw| draw.single, step) >= NAMED || Search::p_of_best(&stage) >= NAMED {
-            return Ok(grown);
-        }
-    }
-    let mut ordered = best;
-    ordered.sort_by(|a, b| {
-        let gain = |id: &String| search.net_gain(std::slice::from_ref(id));
-        gain(b).total_cmp(&gain(a))
-    });
-    Ok(Some(ordered))
 }
 
 /// Left-out predictions of the baseline, the fitted singles, the chosen sets and a few competing pairs.

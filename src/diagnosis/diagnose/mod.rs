@@ -15,6 +15,7 @@
 
 mod bootstrap;
 mod cautions;
+mod choose;
 mod control;
 mod discrepancy;
 mod engine;

@@ -14,6 +14,10 @@ const LED_FROM: [f64; 1] = [0.1];
 /// Searches from seeded draws in a first look without a lead.
 const SEARCHES: usize = 1;
 
+/// Most effects that are fitted afresh, and the share of the best gain from which on.
+const MOST_AFRESH: usize = 4;
+const WORTH_AFRESH: f64 = 0.5;
+
 impl Search<'_> {
     /// Fits every effect on top of a stage for a few steps, from the stage's values and from seeded draws; what was found best
     /// is kept among the looks.
@@ -59,6 +63,20 @@ impl Search<'_> {
         self.fit_again(&[], led.values);
         let better = self.fits.get(&[]).is_some_and(|fit| fit.chi_square < stage.fit.chi_square);
         if better { Ok(self.stage(&[])?.unwrap_or(stage)) } else { Ok(stage) }
+    }
+
+    /// Fits the best effects of a far baseline once more as if they had been in the model from the outset, from the given
+    /// values and from draws: the soil from which they were fitted is bent to stand in for them.
+    pub(super) fn afresh(&mut self, stage: &Stage) {
+        let mut sets: Vec<(f64, Vec<String>)> = (0..stage.gains.singles.len())
+            .map(|k| self.with(stage, k))
+            .filter_map(|set| Some((stage.fit.chi_square - self.fits.get(&set)?.chi_square, set)))
+            .collect();
+        sets.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let least = sets.first().map_or(0.0, |(most, _)| WORTH_AFRESH * most);
+        let worth = sets.into_iter().take(MOST_AFRESH).filter(|(gain, _)| *gain >= least);
+        let tasks: Vec<Task> = worth.map(|(_, set)| self.problem.task(&set, Vec::new())).collect();
+        self.settle_all(&tasks);
     }
 
     fn look(&self, (effects, starts): Start, searches: usize) -> Task {

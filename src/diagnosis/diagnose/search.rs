@@ -92,7 +92,7 @@ impl Search<'_> {
     }
 
     /// Makes fits and keeps the best of each set.
-    fn settle_all(&mut self, tasks: &[Task]) {
+    pub(super) fn settle_all(&mut self, tasks: &[Task]) {
         for (task, outcome) in tasks.iter().zip(self.outcomes(tasks)) {
             let Some(outcome) = outcome else { continue };
             // A fit made elsewhere comes back as its values; standard errors and bounds are found again here.

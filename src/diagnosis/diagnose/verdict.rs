@@ -14,8 +14,8 @@ const MISFIT: f64 = 0.005;
 /// Probability from which an effect predicts better than the baseline.
 const BETTER: f64 = 0.95;
 /// Share of the explainable chi-square that may stay, and from which nothing is named.
-const MAY_STAY: f64 = 0.2;
-const TOO_MUCH: f64 = 0.5;
+pub(crate) const MAY_STAY: f64 = 0.2;
+pub(crate) const TOO_MUCH: f64 = 0.5;
 /// A rival ties within this fall of chi-square (a likelihood ratio of 20), or within this share of the gain, which form
 /// errors of the effects' laws reach.
 pub(crate) const REACH: f64 = 6.0;

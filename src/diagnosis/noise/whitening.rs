@@ -22,7 +22,7 @@ pub(crate) struct Whitening {
 }
 
 impl Whitening {
-    /// `keep(run, row)` says which rows count. `None` where a signal has no noise model.
+    /// `keep(run, row)` says which rows count, beyond those at the start of a run that never do. `None` where a signal has no noise model.
     pub fn new(
         layout: &Layout,
         noise: &BTreeMap<String, NoiseModel>,
@@ -30,7 +30,8 @@ impl Whitening {
     ) -> Option<Self> {
         let strand = |block: &crate::diagnosis::layout::Block| {
             let measured = &layout.measured[block.range.clone()];
-            let rows = (0..measured.len()).filter(|row| !measured[*row].is_nan() && keep(block.run, *row)).collect();
+            let rows = layout.starts[block.run]..measured.len();
+            let rows = rows.filter(|row| !measured[*row].is_nan() && keep(block.run, *row)).collect();
             Some(Strand { start: block.range.start, rows, noise: *noise.get(&block.signal)? })
         };
         let strands = layout.blocks.iter().map(strand).collect::<Option<Vec<_>>>()?;
