@@ -21,6 +21,7 @@ REFITS = 8
 SMALL_SHIFT = 0.01  # of a soil parameter, relative, for which the projection is exact enough
 SHIFTS = (-0.9, 2.0)  # of a soil parameter, relative: as far as a calibration may take it
 WORTH = 0.98  # share of what is left from which on a further refit is not worth it
+SHORTER = 0.9  # share of the projection's length below which the refitted signature is taken
 
 
 class Detector:
@@ -109,11 +110,11 @@ class Detector:
 
     def signature(self, signals):
         """What is left of the difference to the clean signals after the soil is refitted to it: damped Gauss-Newton steps
-        with the slopes at the true soil while they help, the rest by projection."""
+        with the slopes at the true soil while they help, the rest by projection; by projection alone where that says the same."""
         left, shift = self.white(signals - self.clean), np.zeros(len(CALIBRATED))
-        best = self.free(left)
+        projected = best = self.free(left)
         if not np.all(np.isfinite(left)):
-            return best
+            return projected
         for _ in range(REFITS):
             step = np.linalg.lstsq(self.slopes, left, rcond=1e-7)[0]
             if np.max(np.abs(step)) < SMALL_SHIFT:
@@ -123,7 +124,8 @@ class Detector:
                 break
             shift, left = moved
             best = min(best, self.free(left), key=np.linalg.norm)
-        return best
+        # A refit turns the signature too: it is taken where the projection alone would be far too long.
+        return best if np.linalg.norm(best) < SHORTER * np.linalg.norm(projected) else projected
 
     def refitted(self, signals, shift, step, bar):
         """Shares by which the soil differs after a step, shortened until it leaves less than `bar`, and what is left."""

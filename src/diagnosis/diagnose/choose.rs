@@ -58,6 +58,9 @@ fn needed(search: &mut Search, stage: &Stage, mut chosen: Vec<String>) -> Vec<St
 /// that is mostly another form of the first, of which the later ones took a bit. Where much is left, they are the known part
 /// of something else.
 fn worth_naming(search: &Search, stage: &Stage, mut chosen: Vec<String>) -> Result<Vec<String>, PredictionError> {
+    if chosen.len() < 2 {
+        return Ok(chosen);
+    }
     let mut left = Vec::new();
     for count in 1..=chosen.len() {
         let Some(fit) = search.fits.get(&chosen[..count]) else { return Ok(chosen) };

@@ -22,7 +22,8 @@ pub(crate) struct Whitening {
 }
 
 impl Whitening {
-    /// `keep(run, row)` says which rows count, beyond those at the start of a run that never do. `None` where a signal has no noise model.
+    /// `keep(run, row)` says which rows count; those at the start of a run that no fit counts are left out in any case. `None`
+    /// where a signal has no noise model.
     pub fn new(
         layout: &Layout,
         noise: &BTreeMap<String, NoiseModel>,
