@@ -11,7 +11,7 @@ parameters! {
     /// commanded torque comes out (1 + d) times as large, and a recorded torque is the true one over 1 + d. A power that a
     /// meter of its own records tells a torque constant (it follows) from a current gain (it does not).
     pub struct TorqueScale {
-        /// Deviation d of the torque constant, or of the current gain, which acts alike.
+        /// Deviation d of the torque constant, or of a current gain, which only a power meter tells apart.
         deviation: [Unit::ONE] = 0.0, -0.3..=0.3, Effect, "makers' tolerance and amplifier gain: 3-10 %";
     }
 }

@@ -104,13 +104,16 @@ def pressure(soil, depth, column):
 
 def shear_stress(soil, sigma, grown, column):
     """Mobilised shear stress, limited by what sticks to the rim where that is less."""
-    tau = (column(soil["cohesion"]) + sigma * column(soil["tan_phi"])) * grown
+    strength = column(soil["cohesion"]) + sigma * column(soil["tan_phi"])
+    tau = strength * grown
     if "rim_cohesion" in soil:
         cap = column(soil["rim_cohesion"]) + sigma * column(soil["rim_tan"])
         if "rim_sharpness" in soil:
+            # Sticks fully where little is sheared, and reaches the cap where the soil is fully sheared; a rim as rough as
+            # the soil changes nothing.
             sharp = soil["rim_sharpness"]
-            cap = np.maximum(cap, 1e-9)
-            blunt = tau / (1.0 + (np.abs(tau) / cap) ** sharp) ** (1.0 / sharp)
+            more = np.maximum((np.abs(tau) / np.maximum(cap, 1e-9)) ** sharp - np.abs(grown) ** sharp, 0.0)
+            blunt = tau / (1.0 + more) ** (1.0 / sharp)
             return np.where(column(soil["rim_on"]) > 0.0, blunt, tau)
         tau = np.clip(tau, -cap, cap)
     return tau

@@ -27,6 +27,8 @@ import traverse  # noqa: E402
 # A hundredth of the smallest noise that is ever added (2 % of a signal).
 QUADRATURE = 2e-4
 RIG = {"radius": 0.1, "width": 0.12}
+# A share of an effect's strength, and what may still show of it then: an exit angle grows with the square root, 0.01.
+WEAK, HARDLY = 1e-4, 0.02
 
 
 def parameters(**changes):
@@ -101,9 +103,11 @@ def test_property_mirrored_motion():
 def test_property_each_form_is_neutral_at_zero_and_shows(form):
     if cases.WHEEL in form.kinds:
         bench = bench_wheel.WheelBench(3)
-        plain, zero, some = bench.simulate([{}, {form.key: 0.0}, {form.key: form.probe}])
+        plain, zero, weak, some = bench.simulate([{}] + [{form.key: size * form.probe} for size in (0.0, WEAK, 1.0)])
         assert np.array_equal(plain, zero)
         assert not np.allclose(plain, some, rtol=1e-9, atol=0.0)
+        # It grows from nothing: an effect that is hardly there hardly shows.
+        assert np.max(np.abs(weak - plain) / bench.size(plain)) < HARDLY * np.max(np.abs(some - plain) / bench.size(plain))
 
 
 def short_rover(seed=3, rows=25):

@@ -3,7 +3,8 @@
 use super::bootstrap::p_value;
 use super::choose::choose;
 use super::control::{Control, Progress};
-use super::held_out::{Fold, HeldOut, folds, held_out};
+use super::folds::{Fold, folds};
+use super::held_out::{HeldOut, held_out};
 use super::prepare::{Prepared, prepare};
 use super::report_parts as parts;
 use super::result::{Diagnosis, Verdict};
@@ -130,7 +131,8 @@ fn search<'a>(
         modulations: &prepared.modulations,
         draws: options.draws,
     };
-    Search { problem, noise: &prepared.noise, ground, control, fits: Fits::default(), looks: BTreeMap::new() }
+    let (fits, looks, settled) = (Fits::default(), BTreeMap::new(), BTreeMap::new());
+    Search { problem, noise: &prepared.noise, ground, control, fits, looks, settled }
 }
 
 /// Left-out predictions of the baseline, the fitted singles, the chosen sets and a few competing pairs.

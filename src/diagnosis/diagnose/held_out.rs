@@ -4,24 +4,21 @@
 //! from the full fit to the optimum without the fold, within the bounds; where the full fit is far from the measurements,
 //! so that such a step means little, it is refitted for a few steps. The left-out runs are then simulated with those
 //! values, so that the prediction itself is not linearised. A rover that gets stuck in them predicts that it stays there.
+//! The few conditions of a traverse leave some parameters open: what such a step does not determine widens its prediction.
 
 use super::fits::{Noise, Task, run};
+use super::folds::Fold;
+use super::probability::log_density;
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::least_squares::{LeastSquares, Pace};
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::weighted::Weighted;
-use crate::measurement::{Experiment, Kind};
-use nalgebra::DMatrix;
+use crate::measurement::Kind;
+use nalgebra::{DMatrix, DVector};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Most folds.
-const FOLDS: usize = 6;
-
-/// Fewest groups of runs that make folds by themselves; with fewer, folds are levels of slip or stretches of rows.
-const LEAST_GROUPS: usize = 3;
-
-/// Rows (run, row) that are left out together.
-pub(crate) type Fold = Vec<(usize, usize)>;
+/// Squared range of a uniform distribution over its variance.
+const UNIFORM: f64 = 12.0;
 
 /// How well left-out data were predicted.
 #[derive(Clone, Debug)]
@@ -33,58 +30,6 @@ pub(crate) struct HeldOut {
     pub rmse: BTreeMap<String, f64>,
 }
 
-/// Folds of whole conditions: groups of repeats; conditions of equal label; with too few of them, classes of slip.
-pub(crate) fn folds(experiment: &Experiment) -> Vec<Fold> {
-    let mut units = units(experiment);
-    if units.len() < LEAST_GROUPS {
-        units = classes(experiment);
-    }
-    let count = units.len().min(FOLDS);
-    let mut folds = vec![Fold::new(); count];
-    for (k, unit) in units.into_iter().enumerate() {
-        folds[k % count].extend(unit);
-    }
-    folds.iter_mut().for_each(|fold| fold.sort_unstable());
-    folds
-}
-
-/// Rows that repeat each other, whole groups of runs together.
-fn units(experiment: &Experiment) -> Vec<Fold> {
-    let mut units: Vec<(String, Fold)> = Vec::new();
-    for (k, run) in experiment.runs.iter().enumerate() {
-        for row in 0..run.data.rows() {
-            let key = match (run.conditions.get(row), &run.group) {
-                (Some(Some(label)), _) => format!("condition {label}"),
-                (_, Some(group)) => format!("group {group}"),
-                _ => format!("run {k}"),
-            };
-            match units.iter_mut().find(|(known, _)| *known == key) {
-                Some((_, unit)) => unit.push((k, row)),
-                None => units.push((key, vec![(k, row)])),
-            }
-        }
-    }
-    units.into_iter().map(|(_, unit)| unit).collect()
-}
-
-/// Classes of about equal count along slip (or the row, in a traverse), rows of equal slip together.
-fn classes(experiment: &Experiment) -> Vec<Fold> {
-    let mut samples: Vec<(f64, (usize, usize))> = Vec::new();
-    for (k, run) in experiment.runs.iter().enumerate() {
-        for row in 0..run.data.rows() {
-            samples.push((run.data.value("slip", row).unwrap_or(row as f64), (k, row)));
-        }
-    }
-    samples.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let levels: Vec<_> = samples.chunk_by(|a, b| a.0 == b.0).collect();
-    let count = levels.len().min(FOLDS);
-    let mut folds = vec![Fold::new(); count];
-    for (k, level) in levels.iter().enumerate() {
-        folds[k * count / levels.len()].extend(level.iter().map(|(_, at)| *at));
-    }
-    folds
-}
-
 /// Predicts each fold from the others, for the baseline with `effects` whose fit to everything is `fit`.
 pub(crate) fn held_out(
     problem: &Problem,
@@ -93,27 +38,30 @@ pub(crate) fn held_out(
     fit: &Calibration,
     folds: &[Fold],
 ) -> Option<HeldOut> {
-    let values = fit.values();
-    let fitted: Vec<Vec<f64>> = match problem.experiment.kind {
-        Kind::Traverse if !fit.is_far() => stepped(problem, noise, effects, &values, folds)?,
-        kind => folds
-            .iter()
-            .map(|fold| {
-                let scouting = (kind == Kind::Traverse).then_some(0);
-                let task = problem.task(effects, vec![values.clone()]);
-                Some(run(problem, noise, &Task { left_out: fold.clone(), scouting, ..task })?.values())
-            })
-            .collect::<Option<_>>()?,
+    let (fitted, columns) = match problem.experiment.kind {
+        Kind::Traverse if !fit.is_far() => stepped(problem, noise, effects, &fit.values(), folds)?,
+        kind => {
+            let scouting = (kind == Kind::Traverse).then_some(0);
+            let refitted = |fold: &Fold| {
+                let task = problem.task(effects, vec![fit.values()]);
+                let task = Task { left_out: fold.clone(), scouting, ..task };
+                Some(Kept { values: run(problem, noise, &task)?.values(), precision: DMatrix::zeros(0, 0) })
+            };
+            (folds.iter().map(refitted).collect::<Option<_>>()?, Vec::new())
+        }
     };
     let (mut density, mut squares) = (Vec::new(), BTreeMap::<String, (f64, usize)>::new());
-    for (fold, values) in folds.iter().zip(&fitted) {
-        let modelled = predict(problem, effects, values, fold)?;
+    for (fold, kept) in folds.iter().zip(&fitted) {
+        let modelled = predict(problem, effects, &kept.values, fold)?;
         let inside: BTreeSet<_> = fold.iter().copied().collect();
         let difference: Vec<f64> =
             problem.layout.measured.iter().zip(&modelled).map(|(measured, modelled)| measured - modelled).collect();
         for run in inside.iter().map(|(run, _)| *run).collect::<BTreeSet<_>>() {
             let whitening = noise.whitening(problem, &|other, row| other == run && inside.contains(&(other, row)))?;
-            density.push(-0.5 * whitening.apply(&difference).iter().map(|r| r * r).sum::<f64>());
+            let residual = DVector::from_vec(whitening.apply(&difference));
+            let open: Vec<f64> = columns.iter().flat_map(|column: &Vec<f64>| whitening.apply(column)).collect();
+            let open = DMatrix::from_vec(residual.len(), columns.len(), open);
+            density.push(log_density(&residual, &open, &kept.precision)?);
         }
         for block in &problem.layout.blocks {
             let (sum, count) = squares.entry(block.signal.clone()).or_default();
@@ -149,33 +97,53 @@ fn predict(problem: &Problem, effects: &[String], values: &[f64], fold: &Fold) -
     Some(all)
 }
 
-/// One Gauss-Newton step to each fold's own optimum.
+/// What the runs outside a fold say.
+struct Kept {
+    values: Vec<f64>,
+    /// Precision of the search coordinates around them; empty where they are taken as known.
+    precision: DMatrix<f64>,
+}
+
+/// One Gauss-Newton step to each fold's own optimum; and the derivatives of all rows in the search coordinates.
 fn stepped(
     problem: &Problem,
     noise: &Noise,
     effects: &[String],
     values: &[f64],
     folds: &[Fold],
-) -> Option<Vec<Vec<f64>>> {
+) -> Option<(Vec<Kept>, Vec<Vec<f64>>)> {
     let free = problem.free(effects);
     let whole = noise.whitening(problem, &|_, _| true)?;
     let (modelled, slopes) = problem.predict(&free, |predict| predict.slopes(values)).ok()?.ok()?;
+    let scaled = |(k, slope): (usize, &Vec<f64>)| slope.iter().map(|s| s * free[k].slope(values[k])).collect();
+    let columns = slopes.iter().enumerate().map(scaled).collect();
     let fit = |predict: &dyn crate::diagnosis::prediction::Predict| {
         let (layout, free, robust) = (&problem.layout, free.as_slice(), f64::INFINITY);
         let u = Weighted { predict, layout, free, whitening: &whole, robust, whole: true }.coordinates(values);
-        folds
-            .iter()
-            .map(|fold| {
-                let inside: BTreeSet<_> = fold.iter().copied().collect();
-                let whitening = noise.whitening(problem, &|run, row| !inside.contains(&(run, row)))?;
-                let weighted = Weighted { predict, layout, free, whitening: &whitening, robust, whole: false };
-                let residual = weighted.whitened(&modelled, values);
-                let columns = weighted.columns(&slopes, values);
-                Some(weighted.values(&linear_optimum(free, &u, &residual, &columns)?))
-            })
-            .collect::<Option<Vec<_>>>()
+        let kept = |fold: &Fold| {
+            let inside: BTreeSet<_> = fold.iter().copied().collect();
+            let whitening = noise.whitening(problem, &|run, row| !inside.contains(&(run, row)))?;
+            let weighted = Weighted { predict, layout, free, whitening: &whitening, robust, whole: false };
+            let residual = weighted.whitened(&modelled, values);
+            let columns = weighted.columns(&slopes, values);
+            let values = weighted.values(&linear_optimum(free, &u, &residual, &columns)?);
+            Some(Kept { values, precision: precision(free, &columns) })
+        };
+        folds.iter().map(kept).collect::<Option<Vec<_>>>()
     };
-    problem.predict(&free, fit).ok()?
+    Some((problem.predict(&free, fit).ok()??, columns))
+}
+
+/// Precision of search coordinates from whitened columns; a coordinate that these do not determine may lie anywhere between
+/// its bounds.
+fn precision(free: &[crate::diagnosis::free::Free], columns: &[Vec<f64>]) -> DMatrix<f64> {
+    let matrix = DMatrix::from_fn(columns.first().map_or(0, Vec::len), columns.len(), |i, k| columns[k][i]);
+    let mut precision = matrix.tr_mul(&matrix);
+    for (k, free) in free.iter().enumerate() {
+        let (lower, upper) = free.bounds();
+        precision[(k, k)] += UNIFORM / (upper - lower).powi(2);
+    }
+    precision
 }
 
 /// Minimum of |r + J (u' - u)|^2 over u' within the bounds.

@@ -20,6 +20,7 @@ mod control;
 mod discrepancy;
 mod engine;
 mod fits;
+mod folds;
 mod held_out;
 mod prepare;
 mod probability;
@@ -30,6 +31,7 @@ mod scout;
 mod search;
 mod signature;
 mod stage;
+mod starts;
 mod verdict;
 
 pub(crate) use bootstrap::Projected;

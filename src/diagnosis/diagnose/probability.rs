@@ -2,10 +2,11 @@
 //! was left out (Yao, Vehtari, Simpson and Gelman 2018).
 
 use super::fits::Noise;
-use super::held_out::Fold;
+use super::folds::Fold;
 use crate::diagnosis::noise::Whitening;
 use crate::diagnosis::problem::Problem;
-use nalgebra::{DMatrix, DVector};
+use crate::measurement::Kind;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Exp1};
@@ -49,12 +50,23 @@ fn for_each_reweighting(densities: &[&[f64]], f: &mut dyn FnMut(&[f64])) {
     }
 }
 
+/// Log predictive density of a whitened residual, up to a constant of the data, where the coefficients of these whitened
+/// columns are known to a precision only: the normal density of covariance 1 + A K^-1 A'. `None` where K is not positive.
+pub(crate) fn log_density(residual: &DVector<f64>, columns: &DMatrix<f64>, precision: &DMatrix<f64>) -> Option<f64> {
+    let (kept, all) = (precision.clone().cholesky()?, (precision + columns.tr_mul(columns)).cholesky()?);
+    let along = columns.tr_mul(residual);
+    let determinant = |factor: &Cholesky<f64, Dyn>| 2.0 * factor.l_dirty().diagonal().map(f64::ln).sum();
+    let wider = determinant(&all) - determinant(&kept);
+    Some(-0.5 * (residual.norm_squared() - along.dot(&all.solve(&along)) + wider))
+}
+
 /// Prior standard deviations tried for the coefficients of the flexible columns, in standard deviations of the noise over
 /// the whole experiment.
 const STRENGTHS: [f64; 7] = [1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0];
 
 /// Log predictive densities, by fold, of the baseline plus a flexible discrepancy: ridge regression of the residual on the
-/// columns along the conditions, its strength by the evidence of the rows that are kept. The base follows linearly.
+/// columns along the conditions, its strength by the evidence of the rows that are kept. The base follows linearly. On a
+/// traverse what the rows that are kept leave open widens the prediction, as with the effects.
 pub(crate) fn something_else(
     problem: &Problem,
     noise: &Noise,
@@ -78,11 +90,15 @@ pub(crate) fn something_else(
         let inside: BTreeSet<_> = fold.iter().copied().collect();
         let kept = noise.whitening(problem, &|run, row| !inside.contains(&(run, row)))?;
         let (x, y) = (scaled(&kept), DVector::from_vec(kept.apply(difference)));
-        let coefficients = ridge(&x, &y, base.len())?;
+        let (coefficients, precision) = ridge(&x, &y, base.len())?;
         for run in inside.iter().map(|(run, _)| *run).collect::<BTreeSet<_>>() {
             let left = noise.whitening(problem, &|other, row| other == run && inside.contains(&(other, row)))?;
-            let rest = DVector::from_vec(left.apply(difference)) - scaled(&left) * &coefficients;
-            densities.push(-0.5 * rest.norm_squared());
+            let columns = scaled(&left);
+            let rest = DVector::from_vec(left.apply(difference)) - &columns * &coefficients;
+            densities.push(match problem.experiment.kind {
+                Kind::SingleWheel => -0.5 * rest.norm_squared(),
+                Kind::Traverse => log_density(&rest, &columns, &precision)?,
+            });
         }
     }
     Some(densities)
@@ -92,24 +108,52 @@ fn size(column: &[f64]) -> f64 {
     column.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Coefficients of the strength with the largest evidence; the first `free` columns have a wide prior.
-fn ridge(x: &DMatrix<f64>, y: &DVector<f64>, free: usize) -> Option<DVector<f64>> {
+/// Coefficients of the strength with the largest evidence, and their precision; the first `free` columns have a wide prior.
+fn ridge(x: &DMatrix<f64>, y: &DVector<f64>, free: usize) -> Option<(DVector<f64>, DMatrix<f64>)> {
     let (gram, along) = (x.tr_mul(x), x.tr_mul(y));
     let n = along.len();
-    let mut best: Option<(f64, DVector<f64>)> = None;
+    let mut best: Option<(f64, DVector<f64>, DMatrix<f64>)> = None;
     for strength in STRENGTHS {
         let wide = STRENGTHS[STRENGTHS.len() - 1];
         let variance = |k: usize| if k < free { wide * wide } else { strength * strength };
         let mut precision = gram.clone();
         (0..n).for_each(|k| precision[(k, k)] += variance(k).recip());
-        let Some(cholesky) = precision.cholesky() else { continue };
+        let Some(cholesky) = precision.clone().cholesky() else { continue };
         let coefficients = cholesky.solve(&along);
         let determinant: f64 = cholesky.l_dirty().diagonal().iter().map(|d| 2.0 * d.ln()).sum();
         let prior: f64 = (0..n).map(|k| variance(k).ln()).sum();
         let evidence = 0.5 * (along.dot(&coefficients) - determinant - prior);
-        if best.as_ref().is_none_or(|(known, _)| evidence > *known) {
-            best = Some((evidence, coefficients));
+        if best.as_ref().is_none_or(|(known, ..)| evidence > *known) {
+            best = Some((evidence, coefficients, precision));
         }
     }
-    best.map(|(_, coefficients)| coefficients)
+    best.map(|(_, coefficients, precision)| (coefficients, precision))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rounding of sums of a dozen terms.
+    const ROUNDING: f64 = 1e-12;
+
+    #[test]
+    fn analytic_density_of_what_is_left_open_is_that_of_the_whole_covariance() {
+        let columns = DMatrix::from_fn(5, 2, |i, k| ((3 * i + 7 * k) as f64).sin());
+        let residual = DVector::from_fn(5, |i, _| (i as f64 + 0.5).cos());
+        let precision = DMatrix::from_row_slice(2, 2, &[2.0, 0.3, 0.3, 0.7]);
+        let open = precision.clone().try_inverse().expect("positive");
+        let covariance = DMatrix::identity(5, 5) + &columns * open * columns.transpose();
+        let squares = residual.dot(&(covariance.clone().try_inverse().expect("positive") * &residual));
+        let expected = -0.5 * (squares + covariance.determinant().ln());
+        let found = log_density(&residual, &columns, &precision).expect("positive");
+        assert!((found - expected).abs() < ROUNDING, "{found} instead of {expected}");
+    }
+
+    #[test]
+    fn analytic_nothing_left_open_is_plain_noise() {
+        let residual = DVector::from_vec(vec![0.3, -1.1, 0.7]);
+        let found = log_density(&residual, &DMatrix::zeros(3, 0), &DMatrix::zeros(0, 0)).expect("positive");
+        assert!((found + 0.5 * residual.norm_squared()).abs() < ROUNDING, "{found}");
+    }
 }

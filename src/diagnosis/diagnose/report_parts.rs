@@ -3,7 +3,8 @@
 use super::bootstrap::p_value;
 use super::engine::DiagnoseOptions;
 use super::fits::Noise;
-use super::held_out::{Fold, HeldOut, held_out};
+use super::folds::Fold;
+use super::held_out::{HeldOut, held_out};
 use super::prepare::Prepared;
 use super::probability::{better, something_else, weights};
 use super::profile::profiles;

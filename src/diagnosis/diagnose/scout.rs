@@ -4,8 +4,9 @@
 //! in for what it lacks, and with an effect added to that soil the simulated rover gets stuck, where the cost is flat.
 
 use super::fits::{Outcome, Task};
-use super::search::{Search, Start};
+use super::search::Search;
 use super::stage::Stage;
+use super::starts::Start;
 use crate::diagnosis::prediction::PredictionError;
 
 /// Shares of an effect's ranges from which its fit to led rovers starts.

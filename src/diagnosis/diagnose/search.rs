@@ -4,7 +4,8 @@ use super::bootstrap::p_value;
 use super::control::Control;
 use super::fits::{Noise, Outcome, Task, run};
 use super::stage::{Ground, Stage};
-use crate::diagnosis::calibrate::{CalibratedParameter, Calibration};
+use super::starts::Start;
+use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::Problem;
 use crate::measurement::Kind;
@@ -20,10 +21,6 @@ const WORTH_A_REFIT: f64 = 0.3;
 
 /// A promise that noise alone reaches with this probability is not worth a refit beside a better one.
 const COMMON: f64 = 0.5;
-
-/// Further starts as shares of a parameter's range, in case the neutral value is a poor place to look from: a flexible
-/// wheel's misfit first rises with its compliance, since the calibration leans the other way.
-const STARTS: [f64; 3] = [0.1, 0.3, 0.6];
 
 /// Chi-square by which a further parameter must pay for itself (Akaike).
 pub(crate) const PRICE: f64 = 2.0;
@@ -55,9 +52,6 @@ fn sorted(effects: &[String]) -> Vec<String> {
     effects
 }
 
-/// A set of effects and the values from which its fit starts.
-pub(super) type Start = (Vec<String>, Vec<Vec<f64>>);
-
 /// Everything that a search needs and collects.
 pub(crate) struct Search<'a> {
     pub problem: &'a Problem<'a>,
@@ -67,6 +61,8 @@ pub(crate) struct Search<'a> {
     pub fits: Fits,
     /// Where first looks ended, by their effects.
     pub looks: BTreeMap<Vec<String>, Outcome>,
+    /// From which larger set, and its chi-square then, a set was last fitted once more.
+    pub settled: BTreeMap<[Vec<String>; 2], f64>,
 }
 
 impl Search<'_> {
@@ -127,8 +123,11 @@ impl Search<'_> {
     /// Fits a set once more from where a larger one came, less the rest of that, and keeps the better fit: a further effect
     /// may have helped the search only. A carriage is searched from so many starts that this finds nothing.
     pub fn settle_below(&mut self, larger: &[String], set: &[String]) {
-        let Some(values) = self.fits.get(larger).map(Calibration::values) else { return };
-        if self.problem.experiment.kind == Kind::SingleWheel {
+        let Some(fit) = self.fits.get(larger) else { return };
+        let (values, chi_square) = (fit.values(), fit.chi_square);
+        if self.problem.experiment.kind == Kind::SingleWheel
+            || self.settled.insert([sorted(larger), sorted(set)], chi_square) == Some(chi_square)
+        {
             return;
         }
         let parts: Vec<(&str, &[f64])> =
@@ -199,47 +198,6 @@ impl Search<'_> {
         stage.effects.iter().chain([&stage.sensitivities.signatures[k].id]).cloned().collect()
     }
 
-    /// A stage's effects with candidate number `k` added, and where to start.
-    pub(super) fn start(&self, stage: &Stage, k: usize) -> Start {
-        let signature = &stage.sensitivities.signatures[k];
-        let effects = self.with(stage, k);
-        let Some(candidate) = self.problem.candidate(&signature.id) else { return (effects, Vec::new()) };
-        let soil = &self.origin(stage)[..self.problem.base.len()];
-        let (_, view, coefficients) = &stage.gains.singles[k];
-        let promised = signature.views.get(*view).map(|view| view.start(&candidate.free, coefficients));
-        let mut starts: Vec<Vec<f64>> = promised.iter().map(|own| self.joined(stage, k, soil, own)).collect();
-        match self.problem.experiment.kind {
-            Kind::SingleWheel => starts.extend(self.shares(stage, k, soil, &STARTS)),
-            Kind::Traverse if starts.is_empty() => starts.extend(self.shares(stage, k, soil, &STARTS[..1])),
-            Kind::Traverse => {}
-        }
-        (effects, starts)
-    }
-
-    /// Where fits of further effects start: the stage's values, on a traverse off their bounds. A carriage's fits start from
-    /// several strengths, which lead off the bounds as well; moved inwards first, the published wheel's ended slightly worse.
-    fn origin(&self, stage: &Stage) -> Vec<f64> {
-        match self.problem.experiment.kind {
-            Kind::SingleWheel => stage.fit.values(),
-            Kind::Traverse => off_bounds(&stage.fit),
-        }
-    }
-
-    /// Starts at a soil with candidate number `k` at these shares of its ranges.
-    pub(super) fn shares(&self, stage: &Stage, k: usize, soil: &[f64], shares: &[f64]) -> Vec<Vec<f64>> {
-        let Some(candidate) = self.problem.candidate(&stage.sensitivities.signatures[k].id) else { return Vec::new() };
-        let at = |share: &f64| candidate.free.iter().map(|free| free.start + share * span(free)).collect::<Vec<f64>>();
-        shares.iter().map(|share| self.joined(stage, k, soil, &at(share))).collect()
-    }
-
-    /// Values of all free parameters: a soil, the stage's effects as they are, and candidate number `k` at `own`.
-    fn joined(&self, stage: &Stage, k: usize, soil: &[f64], own: &[f64]) -> Vec<f64> {
-        let values = self.origin(stage);
-        let kept = stage.effects.iter().map(|id| (id.as_str(), self.problem.part(&stage.effects, &values, id)));
-        let parts: Vec<(&str, &[f64])> = kept.chain([(stage.sensitivities.signatures[k].id.as_str(), own)]).collect();
-        self.problem.assemble(soil, &parts)
-    }
-
     /// Refits the pairs that look best by their sensitivities.
     pub fn pairs(&mut self, stage: &Stage) {
         let most = if self.problem.experiment.kind == Kind::Traverse { PAIRS_TRAVERSE } else { PAIRS_STEADY };
@@ -255,19 +213,6 @@ impl Search<'_> {
             sets.push((vec![a, b], starts));
         }
         self.fit(sets);
-    }
-
-    /// Values of the effect in a fit of the baseline and this effect alone.
-    fn part<'v>(&self, values: &'v [f64], id: &str) -> &'v [f64] {
-        self.problem.part(&[id.to_owned()], values, id)
-    }
-
-    /// Values of the baseline and one effect: fitted, or where the sensitivities would start.
-    fn single(&self, stage: &Stage, id: &str, k: usize) -> Option<Vec<f64>> {
-        match self.fits.get(&[id.to_owned()]) {
-            Some(fit) => Some(fit.values()),
-            None => self.start(stage, k).1.into_iter().next(),
-        }
     }
 
     /// Refits the sets that arise from `effects` by putting in the place of one of them another candidate whose signature
@@ -314,23 +259,4 @@ impl Search<'_> {
         let task = Task { prior_factor: 1e3, ..self.problem.task(effects, vec![start]) };
         run(self.problem, self.noise, &task)
     }
-}
-
-/// Share of its range by which a parameter on a bound is moved inwards before a refit.
-const OFF_BOUND: f64 = 0.1;
-
-/// The values of a fit, those on a bound moved inwards: with an effect added a parameter may be wanted back inside, and a
-/// search that starts on its bound sees little of that.
-fn off_bounds(fit: &Calibration) -> Vec<f64> {
-    let inside = |parameter: &CalibratedParameter| {
-        let (low, high) = (parameter.variable.min, parameter.variable.max);
-        let margin = if parameter.at_bound { OFF_BOUND * (high - low) } else { 0.0 };
-        parameter.value.clamp(low + margin, high - margin)
-    };
-    fit.parameters.iter().map(inside).collect()
-}
-
-fn span(free: &crate::diagnosis::free::Free) -> f64 {
-    let (up, down) = (free.variable.max - free.start, free.start - free.variable.min);
-    if up >= down { up } else { -down }
 }

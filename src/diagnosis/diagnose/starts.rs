@@ -1,0 +1,89 @@
+//! Where the fits of a search start.
+
+use super::search::Search;
+use super::stage::Stage;
+use crate::diagnosis::calibrate::{CalibratedParameter, Calibration};
+use crate::diagnosis::free::Free;
+use crate::measurement::Kind;
+
+/// Further starts as shares of a parameter's range, in case the neutral value is a poor place to look from: a flexible
+/// wheel's misfit first rises with its compliance, since the calibration leans the other way.
+const STARTS: [f64; 3] = [0.1, 0.3, 0.6];
+
+/// Share of its range by which a parameter on a bound is moved inwards before a refit.
+const OFF_BOUND: f64 = 0.1;
+
+/// A set of effects and the values from which its fit starts.
+pub(super) type Start = (Vec<String>, Vec<Vec<f64>>);
+
+impl Search<'_> {
+    /// A stage's effects with candidate number `k` added, and where to start.
+    pub(super) fn start(&self, stage: &Stage, k: usize) -> Start {
+        let signature = &stage.sensitivities.signatures[k];
+        let effects = self.with(stage, k);
+        let Some(candidate) = self.problem.candidate(&signature.id) else { return (effects, Vec::new()) };
+        let soil = &self.origin(stage)[..self.problem.base.len()];
+        let (_, view, coefficients) = &stage.gains.singles[k];
+        let promised = signature.views.get(*view).map(|view| view.start(&candidate.free, coefficients));
+        let mut starts: Vec<Vec<f64>> = promised.iter().map(|own| self.joined(stage, k, soil, own)).collect();
+        match self.problem.experiment.kind {
+            Kind::SingleWheel => starts.extend(self.shares(stage, k, soil, &STARTS)),
+            Kind::Traverse if starts.is_empty() => starts.extend(self.shares(stage, k, soil, &STARTS[..1])),
+            Kind::Traverse => {}
+        }
+        (effects, starts)
+    }
+
+    /// Where fits of further effects start: the stage's values, on a traverse off their bounds. A carriage's fits start from
+    /// several strengths, which lead off the bounds as well; moved inwards first, the published wheel's ended slightly worse.
+    fn origin(&self, stage: &Stage) -> Vec<f64> {
+        match self.problem.experiment.kind {
+            Kind::SingleWheel => stage.fit.values(),
+            Kind::Traverse => off_bounds(&stage.fit),
+        }
+    }
+
+    /// Starts at a soil with candidate number `k` at these shares of its ranges.
+    pub(super) fn shares(&self, stage: &Stage, k: usize, soil: &[f64], shares: &[f64]) -> Vec<Vec<f64>> {
+        let Some(candidate) = self.problem.candidate(&stage.sensitivities.signatures[k].id) else { return Vec::new() };
+        let at = |share: &f64| candidate.free.iter().map(|free| free.start + share * span(free)).collect::<Vec<f64>>();
+        shares.iter().map(|share| self.joined(stage, k, soil, &at(share))).collect()
+    }
+
+    /// Values of all free parameters: a soil, the stage's effects as they are, and candidate number `k` at `own`.
+    fn joined(&self, stage: &Stage, k: usize, soil: &[f64], own: &[f64]) -> Vec<f64> {
+        let values = self.origin(stage);
+        let kept = stage.effects.iter().map(|id| (id.as_str(), self.problem.part(&stage.effects, &values, id)));
+        let parts: Vec<(&str, &[f64])> = kept.chain([(stage.sensitivities.signatures[k].id.as_str(), own)]).collect();
+        self.problem.assemble(soil, &parts)
+    }
+
+    /// Values of the effect in a fit of the baseline and this effect alone.
+    pub(super) fn part<'v>(&self, values: &'v [f64], id: &str) -> &'v [f64] {
+        self.problem.part(&[id.to_owned()], values, id)
+    }
+
+    /// Values of the baseline and one effect: fitted, or where the sensitivities would start.
+    pub(super) fn single(&self, stage: &Stage, id: &str, k: usize) -> Option<Vec<f64>> {
+        match self.fits.get(&[id.to_owned()]) {
+            Some(fit) => Some(fit.values()),
+            None => self.start(stage, k).1.into_iter().next(),
+        }
+    }
+}
+
+/// The values of a fit, those on a bound moved inwards: with an effect added a parameter may be wanted back inside, and a
+/// search that starts on its bound sees little of that.
+fn off_bounds(fit: &Calibration) -> Vec<f64> {
+    let inside = |parameter: &CalibratedParameter| {
+        let (low, high) = (parameter.variable.min, parameter.variable.max);
+        let margin = if parameter.at_bound { OFF_BOUND * (high - low) } else { 0.0 };
+        parameter.value.clamp(low + margin, high - margin)
+    };
+    fit.parameters.iter().map(inside).collect()
+}
+
+fn span(free: &Free) -> f64 {
+    let (up, down) = (free.variable.max - free.start, free.start - free.variable.min);
+    if up >= down { up } else { -down }
+}
