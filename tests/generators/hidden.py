@@ -59,7 +59,8 @@ def choose(detector, forms, rng, multiple):
             for _ in range(4):  # weaker where the rig does not run
                 wished = sign * least ** (1.0 - share) * form.typical**share
                 stronger = detector.effect(form, wished)
-                if np.all(np.isfinite(stronger)):
+                # A rig that is about to get stuck may do so with fine steps only.
+                if np.all(np.isfinite(stronger)) and np.all(np.isfinite(detector.effects(form, [wished]))):
                     strength, signals = wished, stronger
                     break
                 share *= 0.5
@@ -106,6 +107,8 @@ def make(folder, kind, case, form=None, level=0.02, seed=17, multiple=None, size
         chosen = choose(detector, forms, rng, multiple)
         strengths = {f.key: strength for f, strength, *_ in chosen}
     clean = bench.simulate([strengths])[0]
+    if not np.all(np.isfinite(clean)):
+        raise ValueError(f"{case}: the rig does not run with {strengths}")
     deviation = level * bench.size(clean)
     groups, rows, signals = clean.shape
     error = noises.draw(rng, groups * replicates, rows, signals) * deviation
