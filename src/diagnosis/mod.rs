@@ -5,6 +5,8 @@
 
 mod bounds;
 mod calibrate;
+#[cfg(test)]
+mod certified;
 mod compare;
 mod diagnose;
 mod effort;
