@@ -26,7 +26,45 @@ fn main() {
             }
         }
     }
+    if Kernel::Avx512.is_there() {
+        let peak = arithmetic_a_cpu_second();
+        println!(
+            "arithmetic in AVX-512 registers, products and sums in equal parts: {:.1} Gflop a CPU second",
+            peak * 1e-9
+        );
+        for (preset, torque, flops) in FLOPS {
+            let done = flops * steps_a_cpu_second(preset, torque, 1024, Kernel::Avx512);
+            println!("{preset:>14} {:.1} Gflop a CPU second, {:.0} % of it", done * 1e-9, 100.0 * done / peak);
+        }
+    }
     divan::main();
+}
+
+/// Floating-point operations of an inner step, as `cargo test --lib operations` counts them.
+const FLOPS: [(&str, f64, f64); 2] = [("two_wheeled", 1.5, 11_046.0), ("rocker_bogie", 0.3, 19_752.0)];
+
+/// What a core does that is never kept waiting: chains of products and sums that do not depend on each other.
+fn arithmetic_a_cpu_second() -> f64 {
+    const TURNS: u32 = 10_000;
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f")]
+    fn chains(numbers: &mut [[f64; 8]; 16], factor: f64, term: f64) {
+        for _ in 0..TURNS {
+            for number in numbers.iter_mut().flatten() {
+                *number = *number * factor + term;
+            }
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    unsafe fn chains(_: &mut [[f64; 8]; 16], _: f64, _: f64) {}
+    let mut numbers = [[1.0; 8]; 16];
+    let (start, mut done) = (cpu_seconds(), 0.0);
+    while cpu_seconds() < start + 1.0 {
+        // SAFETY: the caller has asked whether AVX-512 is there.
+        unsafe { chains(divan::black_box(&mut numbers), divan::black_box(0.999), divan::black_box(0.001)) };
+        done += f64::from(TURNS) * 16.0 * 8.0 * 2.0;
+    }
+    done / (cpu_seconds() - start)
 }
 
 /// Time this thread has had a processor, s (Linux).

@@ -23,9 +23,10 @@ def main() -> None:
     arguments = {"period": PERIOD, "max_episode_steps": round(bekker.TASKS[given.task].seconds / PERIOD)}
     config = (
         PPOConfig()
-        # The id is enough on every worker: the package registers its tasks there too.
-        .environment(f"bekker/{given.task}-v0", env_config=arguments)
-        .env_runners(num_env_runners=given.workers, num_envs_per_env_runner=8)
+        # The package before the id has every worker import it, which registers the tasks there.
+        .environment(f"bekker:bekker/{given.task}-v0", env_config=arguments)
+        # Rovers of one worker are stepped together in the core.
+        .env_runners(num_env_runners=given.workers, num_envs_per_env_runner=16, gym_env_vectorize_mode="vector_entry_point")
         .training(train_batch_size=4096, minibatch_size=512, num_epochs=10, lr=1e-3, gamma=0.98)
     )
     algorithm = config.build_algo()

@@ -102,6 +102,38 @@ def test_property_vectors_have_a_frame_each() -> None:
     envs.close()
 
 
+class Screen:
+    """A window that counts."""
+
+    def __init__(self, fps: float) -> None:
+        self.fps, self.frames, self.closed = fps, [], False
+
+    def show(self, frame: np.ndarray) -> None:
+        self.frames.append(frame)
+
+    def close(self) -> None:
+        self.closed = True
+
+
+@pytest.mark.parametrize("vector", [False, True])
+def test_property_a_window_shows_every_step_once(monkeypatch: pytest.MonkeyPatch, vector: bool) -> None:
+    opened: list[Screen] = []
+    monkeypatch.setattr(bekker.render, "_window", lambda fps: opened.append(Screen(fps)) or opened[-1])
+    make = gymnasium.make_vec if vector else gymnasium.make
+    env = make("bekker/SlopeClimb-v0", render_mode="human", **({"num_envs": 2} if vector else {"disable_env_checker": True}))
+    env.reset(seed=0)
+    for _ in range(3):
+        env.step(np.full(env.action_space.shape, 0.5, np.float32))
+        # As in many a loop, though the step has shown it.
+        env.render()
+    (screen,) = opened
+    assert len(screen.frames) == 4 and screen.fps == 50.0 and not np.array_equal(screen.frames[0], screen.frames[-1])
+    env.reset(seed=0)
+    assert np.array_equal(screen.frames[-1], screen.frames[0])
+    env.close()
+    assert screen.closed
+
+
 def test_property_modes_that_do_not_exist_and_frames_too_early_are_refused() -> None:
     with pytest.raises(gymnasium.error.UnsupportedMode, match="expected rgb_array, ansi, human"):
         bekker.RoverEnv(render_mode="hologram")

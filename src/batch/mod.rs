@@ -22,6 +22,8 @@
 mod error;
 mod group;
 mod kernel;
+#[cfg(test)]
+mod operations;
 mod pool;
 mod shard;
 

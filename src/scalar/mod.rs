@@ -23,6 +23,8 @@ use std::ops::{BitAnd, BitOr, Not};
 pub(crate) use arch::{Arch, Arrays, WIDTH};
 #[cfg(all(feature = "batch", target_arch = "x86_64"))]
 pub(crate) use arch::{Avx2, Avx512};
+#[cfg(all(test, feature = "batch"))]
+pub(crate) use arch::{Counted, Operations, operations};
 #[cfg(feature = "batch")]
 pub(crate) use beside::Beside;
 pub(crate) use beside::beside;

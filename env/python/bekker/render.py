@@ -4,7 +4,7 @@
 - ``rgb_array``: a frame, height x width x 3 bytes, drawn in Rust without a display: the rover in its cross-section of the
   ground, ruts as deep as the wheels have sunk, normal forces and drawbar pulls, time, speed and slip.
 - ``ansi``: a line of numbers and the profile of the ground in characters.
-- ``human``: the same frames in a window (pygame or, without it, matplotlib).
+- ``human``: the same frames in a window (pygame or, without it, matplotlib), shown by every step and reset.
 """
 
 from typing import Any, Protocol
@@ -45,6 +45,7 @@ class Gallery:
         self.mode, self._period = mode, period
         self._renderers: dict[int, tuple[Model, Renderer]] = {}
         self._window: Window | None = None
+        self._shown: tuple[Model | None, float] = (None, 0.0)
 
     @property
     def metadata(self) -> dict[str, Any]:
@@ -69,9 +70,13 @@ class Gallery:
         frame = renderer.frame(time, row, mechanics.status(index))
         if self.mode == "rgb_array":
             return frame
-        if self._window is None:
-            self._window = _window(1.0 / self._period)
-        self._window.show(frame)
+        # A loop that asks for what its steps have shown already must not take twice the time.
+        last_model, last_time = self._shown
+        if last_model is not model or last_time != time:
+            self._shown = (model, time)
+            if self._window is None:
+                self._window = _window(1.0 / self._period)
+            self._window.show(frame)
         return None
 
     def close(self) -> None:
@@ -105,7 +110,8 @@ class _Pygame:
         import pygame
 
         self._pygame, self._fps = pygame, fps
-        pygame.init()
+        # Not all of it: sound would look for a card.
+        pygame.display.init()
         pygame.display.set_caption("bekker")
         self._screen = pygame.display.set_mode(SIZE)
         self._clock = pygame.time.Clock()

@@ -98,6 +98,7 @@ class RoverVectorEnv(Levelled, VectorEnv[Array, Array, Array]):
         for index in np.flatnonzero(mask):
             self._start(int(index), seeds[int(index)], chosen)
         self._done[mask] = False
+        self._show()
         return self._observed(), self._infos(mask)
 
     def step(self, actions: ArrayLike) -> Stepped:
@@ -126,6 +127,7 @@ class RoverVectorEnv(Levelled, VectorEnv[Array, Array, Array]):
         else:
             self._done = done
         everywhere = np.ones(self.num_envs, np.bool_)
+        self._show()
         return self._observed(), rewards, terminated, truncated, infos | self._infos(everywhere)
 
     def _check_ready(self) -> None:
@@ -195,6 +197,10 @@ class RoverVectorEnv(Levelled, VectorEnv[Array, Array, Array]):
             return None
         shown = 1 if self.render_mode == "human" else self.num_envs
         return tuple(self._gallery.render(self.mechanics, index) for index in range(shown))
+
+    def _show(self) -> None:
+        if self.render_mode == "human":
+            self.render()
 
     def close_extras(self, **kwargs: Any) -> None:
         """Closes the window of the mode "human"."""

@@ -6,8 +6,12 @@ mod arrays;
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+#[cfg(test)]
+mod counted;
 
 pub(crate) use arrays::Arrays;
+#[cfg(test)]
+pub(crate) use counted::{Counted, Operations, operations};
 #[cfg(target_arch = "x86_64")]
 pub(crate) use {avx2::Avx2, avx512::Avx512};
 
