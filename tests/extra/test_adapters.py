@@ -92,10 +92,24 @@ def test_property_videos_are_recorded(tmp_path: Path) -> None:
     assert video.stat().st_size > 1000
 
 
+def test_agreement_a_window_shows_the_frame(monkeypatch: pytest.MonkeyPatch) -> None:
+    pygame = pytest.importorskip("pygame")
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    shown, drawn = (gymnasium.make(ID, render_mode=mode) for mode in ("human", "rgb_array"))
+    for env in (shown, drawn):
+        env.reset(seed=0)
+        env.render()  # the ruts begin with the first frame
+        env.step(np.full(2, 0.5, np.float32))
+    window = pygame.surfarray.array3d(pygame.display.get_surface()).swapaxes(0, 1)
+    assert np.array_equal(window, drawn.render())
+    shown.close()
+
+
 def test_property_rllib_reads_the_environment() -> None:
     pytest.importorskip("ray.rllib")
     config = importlib.import_module("ray.rllib.algorithms.ppo").PPOConfig()
-    config = config.environment(ID).env_runners(num_env_runners=0).training(train_batch_size=64, minibatch_size=32, num_epochs=1)
+    config = config.environment(f"bekker:{ID}").training(train_batch_size=64, minibatch_size=32, num_epochs=1)
+    config = config.env_runners(num_env_runners=0, num_envs_per_env_runner=4, gym_env_vectorize_mode="vector_entry_point")
     algorithm = config.build_algo()
     try:
         assert algorithm.train()["num_env_steps_sampled_lifetime"] >= 64
