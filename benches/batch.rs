@@ -6,7 +6,7 @@
 use bekker::batch::{Batch, Kernel};
 use bekker::model::{Model, Run};
 use bekker::simulation::Status;
-use bekker::terrain::{Profile, Terrain, Waves};
+use bekker::terrain::{Profile, Random, Spectrum, Terrain, Waves};
 use divan::{Bencher, counter::ItemsCount};
 
 /// Inner steps of one iteration: an action of 20 ms.
@@ -18,11 +18,11 @@ fn main() {
     // Steps a second of processor time, which other work on the machine does not change; then divan, which goes by the
     // clock.
     println!("inner steps a CPU second, one thread, batch of 1024 (single runs: 64)");
-    for (preset, torque) in [("two_wheeled", 1.5), ("rocker_bogie", 0.3)] {
+    for case in CASES {
         for kernel in [Kernel::Single, Kernel::Portable, Kernel::Avx2, Kernel::Avx512] {
             if kernel.is_there() {
                 let count = if kernel == Kernel::Single { 64 } else { 1024 };
-                println!("{preset:>14} {kernel:>10?} {:>12.0}", steps_a_cpu_second(preset, torque, count, kernel));
+                println!("{:>28} {kernel:>10?} {:>12.0}", case.name, steps_a_cpu_second(&case, count, kernel));
             }
         }
     }
@@ -32,16 +32,40 @@ fn main() {
             "arithmetic in AVX-512 registers, products and sums in equal parts: {:.1} Gflop a CPU second",
             peak * 1e-9
         );
-        for (preset, torque, flops) in FLOPS {
-            let done = flops * steps_a_cpu_second(preset, torque, 1024, Kernel::Avx512);
-            println!("{preset:>14} {:.1} Gflop a CPU second, {:.0} % of it", done * 1e-9, 100.0 * done / peak);
+        for (case, flops) in CASES.iter().zip(FLOPS) {
+            let done = flops * steps_a_cpu_second(case, 1024, Kernel::Avx512);
+            println!("{:>28} {:.1} Gflop a CPU second, {:.0} % of it", case.name, done * 1e-9, 100.0 * done / peak);
         }
     }
     divan::main();
 }
 
-/// Floating-point operations of an inner step, as `cargo test --lib operations` counts them.
-const FLOPS: [(&str, f64, f64); 2] = [("two_wheeled", 1.5, 11_046.0), ("rocker_bogie", 0.3, 19_752.0)];
+/// What is driven on what ground.
+struct Case {
+    name: &'static str,
+    preset: &'static str,
+    /// Of each wheel, N m.
+    torque: f64,
+    /// The ground of run k, which differs from run to run by a share of 0 to 1.
+    ground: fn(usize, f64) -> Profile,
+}
+
+const TWO_WHEELS: Case = Case { name: "two wheels", preset: "two_wheeled", torque: 1.5, ground: waves };
+const BOGIE: Case = Case { name: "side of a rocker-bogie", preset: "rocker_bogie", torque: 0.3, ground: waves };
+const ROUGH: Case = Case { name: "the same on random ground", preset: "rocker_bogie", torque: 0.3, ground: random };
+const CASES: [Case; 3] = [TWO_WHEELS, BOGIE, ROUGH];
+
+fn waves(_: usize, share: f64) -> Profile {
+    Profile::Waves(Waves { amplitude: 0.01 + 0.02 * share, wavelength: 2.0 + share, start: 0.3 })
+}
+
+fn random(k: usize, share: f64) -> Profile {
+    let spectrum = Spectrum { roughness: 0.01 + 0.02 * share, wavelength: 4.0, exponent: 3.0 };
+    Profile::Random(Random::new(spectrum, k as u32))
+}
+
+/// Floating-point operations of an inner step of the first cases, as `cargo test --lib operations` counts them.
+const FLOPS: [f64; 2] = [11_046.0, 19_752.0];
 
 /// What a core does that is never kept waiting: chains of products and sums that do not depend on each other.
 fn arithmetic_a_cpu_second() -> f64 {
@@ -73,8 +97,8 @@ fn cpu_seconds() -> f64 {
     text.split_whitespace().next().and_then(|ns| ns.parse::<f64>().ok()).unwrap_or(f64::NAN) * 1e-9
 }
 
-fn steps_a_cpu_second(preset: &str, torque: f64, count: usize, kernel: Kernel) -> f64 {
-    let mut drive = Drive::new(preset, torque, (count, 1), kernel);
+fn steps_a_cpu_second(case: &Case, count: usize, kernel: Kernel) -> f64 {
+    let mut drive = Drive::new(case, (count, 1), kernel);
     (0..5).for_each(|_| drive.step());
     let (start, mut turns) = (cpu_seconds(), 0);
     while cpu_seconds() < start + 1.0 && turns < 100_000 {
@@ -84,14 +108,13 @@ fn steps_a_cpu_second(preset: &str, torque: f64, count: usize, kernel: Kernel) -
     (turns * STEPS * count as u64) as f64 / (cpu_seconds() - start)
 }
 
-/// Runs of one vehicle over waves, each with its own soil, ground and start.
-fn runs(preset: &str, count: usize) -> Vec<Run> {
-    let base = Model::preset(preset).expect("a preset");
+/// Runs of one vehicle, each with its own soil and ground.
+fn runs(case: &Case, count: usize) -> Vec<Run> {
+    let base = Model::preset(case.preset).expect("a preset");
     let run = |k: usize| {
         let mut model = base.clone();
         let share = (k as f64 * 0.618_034).fract();
-        let waves = Waves { amplitude: 0.01 + 0.02 * share, wavelength: 2.0 + share, start: 0.3 };
-        model.rover.terrain = Terrain::new(Profile::Waves(waves));
+        model.rover.terrain = Terrain::new((case.ground)(k, share));
         model.rover.soil.shear_modulus *= 0.8 + 0.4 * share;
         model.rover.soil.cohesion *= 0.8 + 0.4 * share;
         model.start().expect("starts")
@@ -109,10 +132,10 @@ struct Drive {
 }
 
 impl Drive {
-    fn new(preset: &str, torque: f64, (count, threads): (usize, usize), kernel: Kernel) -> Self {
-        let runs = runs(preset, count);
+    fn new(case: &Case, (count, threads): (usize, usize), kernel: Kernel) -> Self {
+        let runs = runs(case, count);
         let batch = Batch::on(runs.clone(), threads, kernel).expect("a batch");
-        Self { inputs: vec![0.0; count * batch.input_count()], runs, batch, torque, turn: 0 }
+        Self { inputs: vec![0.0; count * batch.input_count()], runs, batch, torque: case.torque, turn: 0 }
     }
 
     fn step(&mut self) {
@@ -130,19 +153,19 @@ impl Drive {
     }
 }
 
-fn step(bencher: Bencher, preset: &str, torque: f64, size: (usize, usize), kernel: Kernel) {
-    let mut drive = Drive::new(preset, torque, size, kernel);
+fn step(bencher: Bencher, case: &Case, size: (usize, usize), kernel: Kernel) {
+    let mut drive = Drive::new(case, size, kernel);
     bencher.counter(ItemsCount::new(STEPS * size.0 as u64)).bench_local(|| drive.step());
 }
 
 #[divan::bench(args = SIZES)]
 fn two_wheels(bencher: Bencher, size: (usize, usize)) {
-    step(bencher, "two_wheeled", 1.5, size, Kernel::best());
+    step(bencher, &TWO_WHEELS, size, Kernel::best());
 }
 
 #[divan::bench(args = SIZES)]
 fn rocker_bogie_side(bencher: Bencher, size: (usize, usize)) {
-    step(bencher, "rocker_bogie", 0.3, size, Kernel::best());
+    step(bencher, &BOGIE, size, Kernel::best());
 }
 
 /// The same runs on other instructions, and one by one.
@@ -153,11 +176,11 @@ mod kernels {
 
     #[divan::bench(args = KERNELS)]
     fn two_wheels(bencher: Bencher, kernel: Kernel) {
-        step(bencher, "two_wheeled", 1.5, (1024, 1), kernel);
+        step(bencher, &TWO_WHEELS, (1024, 1), kernel);
     }
 
     #[divan::bench(args = KERNELS)]
     fn rocker_bogie_side(bencher: Bencher, kernel: Kernel) {
-        step(bencher, "rocker_bogie", 0.3, (1024, 1), kernel);
+        step(bencher, &BOGIE, (1024, 1), kernel);
     }
 }

@@ -48,7 +48,7 @@ def made(algorithm: str, task: str, seed: int) -> BaseAlgorithm:
                    gae_lambda=0.95, ent_coef=0.0, policy_kwargs=small | {"log_std_init": -0.8}, seed=seed, device="cpu")
     env = rovers(task, 8)
     return SAC("MlpPolicy", env, train_freq=8, gradient_steps=8, learning_starts=2000, batch_size=256, gamma=GAMMA,
-               learning_rate=RATE, policy_kwargs=small, seed=seed, device="cpu")
+               learning_rate=RATE, ent_coef="auto_0.01", policy_kwargs=small, seed=seed, device="cpu")
 
 
 class Curve(BaseCallback):

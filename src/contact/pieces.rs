@@ -7,7 +7,7 @@
 
 use super::quadrature::{NODES_8, NODES_12, NODES_16};
 use super::rim::{Rim, Shear, Sums};
-use crate::scalar::{Mask, Plain, Scalar, always};
+use crate::scalar::{MOST_LANES, Mask, Plain, Scalar, always};
 use num_dual::DualNum;
 use num_traits::Signed;
 
@@ -21,8 +21,6 @@ const MORE_NODES: f64 = 8.0;
 const BUILT_UP: f64 = 12.0;
 /// Pieces at most: j has three monotone parts, each with at most three cuts, and the zones' three ends.
 const MOST_CUTS: usize = 12;
-/// Most numbers side by side.
-const MOST_LANES: usize = 8;
 /// Accuracy of a cut, rad; near a change of sign the error of the integral is of its square.
 const CUT: f64 = 1e-10;
 

@@ -36,6 +36,9 @@ pub(crate) use plain::ROUNDING;
 use plain::{SPLIT_BIAS, SPLIT_FRACTION, SPLIT_MAGIC, SPLIT_ROOT, SPLIT_SHIFT};
 pub use smooth::{smooth_step, smooth_step_slope};
 
+/// Most numbers side by side.
+pub(crate) const MOST_LANES: usize = 8;
+
 /// Yes or no, for each of the numbers side by side.
 pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
     /// Whether it is yes for any.

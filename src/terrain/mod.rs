@@ -100,7 +100,7 @@ impl<S: Scalar> Terrain<S> {
     #[cfg_attr(feature = "batch", inline(always))]
     pub fn at(&self, x: S) -> Sample<S> {
         if let Some(several) = self.several.as_ref().filter(|several| several.shapes()) {
-            let Sample { height, slope, curvature } = several.at(x.plain());
+            let Sample { height, slope, curvature } = Curve::at(&**several, x.plain());
             let [height, slope, curvature] = [height, slope, curvature].map(S::from_plain);
             return Sample { height, slope, curvature };
         }

@@ -2,11 +2,12 @@
 
 use super::curve::{Curve, Sample};
 use super::preset::bend_nearby;
-use crate::scalar::Scalar;
+use crate::scalar::{MOST_LANES, Plain, Scalar};
 use bekker_modeldescription::{Unit, parameters};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{LN_2, TAU};
+use std::ops::Mul;
 use std::sync::Arc;
 
 /// Octaves of the spectrum below the longest wavelength.
@@ -105,31 +106,93 @@ impl<'a, S: Scalar> Sum<'a, S> {
     }
 }
 
+/// Height, slope and curvature of a sum at `x`; `P` is what its phases are given in.
+#[cfg_attr(feature = "batch", inline(always))]
+fn sample<S: Scalar + Mul<P, Output = S>, P: Copy>(
+    x: S,
+    wavenumber: impl Fn(usize) -> S,
+    amplitude: impl Fn(usize) -> S,
+    phases: impl Fn(usize) -> [P; 2],
+) -> Sample<S> {
+    let zero = S::from(0.0);
+    let mut sample = Sample { height: zero, slope: zero, curvature: zero };
+    for voice in 0..VOICES {
+        let mut k = wavenumber(voice);
+        let (mut sin, mut cos) = (k * x).sine_cosine();
+        for octave in 0..OCTAVES {
+            let j = octave * VOICES + voice;
+            let [cos_phase, sin_phase] = phases(j);
+            let a = amplitude(j);
+            let wave = a * (cos * cos_phase - sin * sin_phase);
+            sample.height += wave;
+            sample.slope -= a * k * (sin * cos_phase + cos * sin_phase);
+            sample.curvature -= k * k * wave;
+            (sin, cos) = (sin * cos * 2.0, cos * cos - sin * sin);
+            k *= 2.0;
+        }
+    }
+    sample
+}
+
 impl<S: Scalar> Curve<S> for Sum<'_, S> {
     #[cfg_attr(feature = "batch", inline(always))]
     fn at(&self, x: S) -> Sample<S> {
-        let zero = S::from(0.0);
-        let mut sample = Sample { height: zero, slope: zero, curvature: zero };
-        for voice in 0..VOICES {
-            let mut k = self.wavenumber[voice];
-            let (mut sin, mut cos) = (k * x).sine_cosine();
-            for octave in 0..OCTAVES {
-                let j = octave * VOICES + voice;
-                let [cos_phase, sin_phase] = self.phases[j];
-                let a = self.amplitude[j];
-                let wave = a * (cos * cos_phase - sin * sin_phase);
-                sample.height += wave;
-                sample.slope -= a * k * (sin * cos_phase + cos * sin_phase);
-                sample.curvature -= k * k * wave;
-                (sin, cos) = (sin * cos * 2.0, cos * cos - sin * sin);
-                k *= 2.0;
-            }
-        }
-        sample
+        sample(x, |v| self.wavenumber[v], |j| self.amplitude[j], |j| self.phases[j])
     }
 
     fn bend(&self, side: f64, from: f64, to: f64, middle: &Sample<f64>) -> f64 {
         let [second, third] = self.bend;
         bend_nearby(side * middle.curvature, third, 0.5 * (to - from), second)
+    }
+}
+
+/// The sums of several grounds side by side: number k of each row is that of ground k.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Sums {
+    wavenumber: [Row; VOICES],
+    amplitude: [Row; WAVES],
+    phases: [[Row; 2]; WAVES],
+    most_bend: Row,
+}
+
+type Row = [f64; MOST_LANES];
+
+impl Sums {
+    /// Those of up to [`MOST_LANES`] grounds.
+    pub fn new<'a>(grounds: impl Iterator<Item = &'a Random>) -> Self {
+        let row = [0.0; MOST_LANES];
+        let (wavenumber, amplitude, phases) = ([row; VOICES], [row; WAVES], [[row; 2]; WAVES]);
+        let mut sums = Self { wavenumber, amplitude, phases, most_bend: row };
+        for (k, ground) in grounds.enumerate().take(MOST_LANES) {
+            let sum = ground.sum(|number| number);
+            sums.wavenumber.iter_mut().zip(sum.wavenumber).for_each(|(row, number)| row[k] = number);
+            sums.amplitude.iter_mut().zip(sum.amplitude).for_each(|(row, number)| row[k] = number);
+            let pairs = sums.phases.iter_mut().flatten().zip(sum.phases.iter().flatten());
+            pairs.for_each(|(row, number)| row[k] = *number);
+            sums.most_bend[k] = sum.bend[0];
+        }
+        sums
+    }
+}
+
+impl<R: Plain> Curve<R> for Sums {
+    #[cfg_attr(feature = "batch", inline(always))]
+    fn at(&self, x: R) -> Sample<R> {
+        let several = |row: &Row| R::from_lanes(|k| row[k]);
+        sample(
+            x,
+            |v| several(&self.wavenumber[v]),
+            |j| several(&self.amplitude[j]),
+            |j| [several(&self.phases[j][0]), several(&self.phases[j][1])],
+        )
+    }
+
+    fn bend(&self, _: f64, _: f64, _: f64, _: &Sample<f64>) -> f64 {
+        f64::INFINITY
+    }
+
+    #[cfg_attr(feature = "batch", inline(always))]
+    fn most_bend(&self) -> R {
+        R::from_lanes(|k| self.most_bend[k])
     }
 }

@@ -2,9 +2,10 @@
 
 use super::curve::{Curve, Sample};
 use super::foot::{self, Foot};
+use super::random::Sums;
 use super::samples::cubic;
 use super::{Profile, Terrain, TerrainError};
-use crate::scalar::{Mask, Plain, Scalar};
+use crate::scalar::{MOST_LANES, Plain, Scalar};
 use crate::soil::Soil;
 use bekker_modeldescription::Parameters;
 
@@ -12,55 +13,59 @@ use bekker_modeldescription::Parameters;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Several {
     grounds: Vec<Terrain>,
-    /// Whether all profiles are by samples.
-    sampled: bool,
-    /// Largest |d2z/dx2| of each.
-    bends: Vec<f64>,
+    shape: Shape,
     tables: bool,
 }
 
+/// How the profiles are reckoned side by side.
+#[derive(Clone, Debug, PartialEq)]
+enum Shape {
+    /// By formulas, elsewhere.
+    Elsewhere,
+    /// Pieces of samples, with the largest |d2z/dx2| of each ground.
+    Pieces([f64; MOST_LANES]),
+    Random(Box<Sums>),
+}
+
+impl Shape {
+    fn of(grounds: &[Terrain]) -> Self {
+        match grounds.first().map(|ground| &ground.profile) {
+            Some(Profile::Samples(_)) => {
+                let mut bends = [f64::INFINITY; MOST_LANES];
+                for (bend, ground) in bends.iter_mut().zip(grounds) {
+                    if let Profile::Samples(samples) = &ground.profile {
+                        *bend = samples.most_bend();
+                    }
+                }
+                Self::Pieces(bends)
+            }
+            Some(Profile::Random(_)) => {
+                let random = grounds.iter().filter_map(|ground| match &ground.profile {
+                    Profile::Random(random) => Some(random),
+                    _ => None,
+                });
+                Self::Random(Box::new(Sums::new(random)))
+            }
+            _ => Self::Elsewhere,
+        }
+    }
+}
+
 impl Several {
+    /// Grounds whose profiles are of one kind.
     pub fn new(grounds: Vec<Terrain>) -> Self {
-        let bend = |ground: &Terrain| match &ground.profile {
-            Profile::Samples(samples) => Some(samples.most_bend()),
-            _ => None,
-        };
-        let bends: Option<Vec<f64>> = grounds.iter().map(bend).collect();
         let tables = grounds.iter().any(|ground| ground.soil.is_some());
-        Self { sampled: bends.is_some(), bends: bends.unwrap_or_default(), tables, grounds }
+        Self { shape: Shape::of(&grounds), tables, grounds }
     }
 
     /// Whether the profiles are only here.
     pub fn shapes(&self) -> bool {
-        !matches!(
-            self.grounds.first().map(|ground| &ground.profile),
-            Some(Profile::Flat | Profile::Slope(_) | Profile::Waves(_) | Profile::Ditch(_) | Profile::Step(_))
-        )
-    }
-
-    #[cfg_attr(feature = "batch", inline(always))]
-    pub fn at<R: Plain>(&self, x: R) -> Sample<R> {
-        if self.sampled {
-            return Curve::<R>::at(self, x);
-        }
-        let (mut heights, mut slopes, mut curvatures) = ([0.0; 8], [0.0; 8], [0.0; 8]);
-        for k in 0..R::LANES.min(8) {
-            let sample = self.grounds[k].at(x.lane(k));
-            (heights[k], slopes[k], curvatures[k]) = (sample.height, sample.slope, sample.curvature);
-        }
-        let several = |numbers: [f64; 8]| R::from_lanes(|k| numbers[k]);
-        Sample { height: several(heights), slope: several(slopes), curvature: several(curvatures) }
+        self.shape != Shape::Elsewhere
     }
 
     #[cfg_attr(feature = "batch", inline(always))]
     pub fn foot<R: Plain>(&self, centre: [R; 2]) -> Result<Foot<R>, TerrainError> {
         let one = |k: usize| self.grounds[k].foot(centre.map(|c| c.lane(k)));
-        if !self.sampled {
-            let zero = [R::from(0.0); 2];
-            let mut feet = Foot { position: zero, angle: zero[0], tangent: zero, normal: zero, distance: zero[0] };
-            foot::put_each(&mut feet, Mask::from_lanes(|_| true), one)?;
-            return Ok(feet);
-        }
         let feet = foot::side_by_side(self, self.most_bend(), one, centre)?;
         for (k, ground) in self.grounds.iter().enumerate() {
             let (x, (from, to)) = (feet.position[0].lane(k), ground.range());
@@ -80,8 +85,8 @@ impl Several {
     #[inline(never)]
     fn soil_of_tables<S: Scalar>(&self, base: &Soil<S>, x: S) -> Soil<S> {
         let lane = |x: S, k: usize| x.plain().lane(k);
-        let mut numbers = [[0.0; 8]; 16];
-        for (k, ground) in self.grounds.iter().enumerate().take(8) {
+        let mut numbers = [[0.0; MOST_LANES]; 16];
+        for (k, ground) in self.grounds.iter().enumerate().take(MOST_LANES) {
             let mut rows = numbers.iter_mut();
             ground.soil(&base.map(&|x| lane(x, k)), lane(x, k)).values(&mut |value| {
                 if let Some(row) = rows.next() {
@@ -100,8 +105,11 @@ impl Several {
 impl<R: Plain> Curve<R> for Several {
     #[cfg_attr(feature = "batch", inline(always))]
     fn at(&self, x: R) -> Sample<R> {
-        let mut pieces = [[0.0; 8]; 5];
-        for (k, ground) in self.grounds.iter().enumerate().take(8) {
+        if let Shape::Random(sums) = &self.shape {
+            return sums.at(x);
+        }
+        let mut pieces = [[0.0; MOST_LANES]; 5];
+        for (k, ground) in self.grounds.iter().enumerate().take(MOST_LANES) {
             if let Profile::Samples(samples) = &ground.profile {
                 let piece = samples.piece(x.lane(k));
                 pieces.iter_mut().zip(piece).for_each(|(row, number)| row[k] = number);
@@ -116,6 +124,10 @@ impl<R: Plain> Curve<R> for Several {
 
     #[cfg_attr(feature = "batch", inline(always))]
     fn most_bend(&self) -> R {
-        R::from_lanes(|k| self.bends[k])
+        match &self.shape {
+            Shape::Elsewhere => R::from(f64::INFINITY),
+            Shape::Pieces(bends) => R::from_lanes(|k| bends[k]),
+            Shape::Random(sums) => sums.most_bend(),
+        }
     }
 }

@@ -15,12 +15,12 @@ pub(crate) use counted::{Counted, Operations, operations};
 #[cfg(target_arch = "x86_64")]
 pub(crate) use {avx2::Avx2, avx512::Avx512};
 
-use super::Mask;
+use super::{MOST_LANES, Mask};
 use std::fmt::Debug;
 use std::ops::{BitAnd, BitOr, Not};
 
 /// Numbers side by side.
-pub(crate) const WIDTH: usize = 8;
+pub(crate) const WIDTH: usize = MOST_LANES;
 
 /// An instruction set. A value of [`Self::V`] is made only where [`Self::there`] has said yes.
 ///
