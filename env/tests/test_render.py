@@ -128,6 +128,12 @@ def test_property_a_window_shows_every_step_once(monkeypatch: pytest.MonkeyPatch
         env.render()
     (screen,) = opened
     assert len(screen.frames) == 4 and screen.fps == 50.0 and not np.array_equal(screen.frames[0], screen.frames[-1])
+    moment = env.unwrapped.snapshot()
+    env.step(np.full(env.action_space.shape, -0.5, np.float32))
+    env.unwrapped.restore(moment)
+    env.step(np.full(env.action_space.shape, 0.5, np.float32))
+    # The same instants, another state.
+    assert len(screen.frames) == 7 and not np.array_equal(screen.frames[4], screen.frames[6])
     env.reset(seed=0)
     assert np.array_equal(screen.frames[-1], screen.frames[0])
     env.close()

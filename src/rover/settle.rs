@@ -12,9 +12,11 @@ use crate::signals::Command;
 const AT_REST: f64 = 1e-8;
 /// Newton iterations before the fall-back, which settles in a second or two of simulated time.
 const ITERATIONS: usize = 40;
-/// Gauss-Newton iterations that put all wheels on the ground; the ground under a wheel changes little within them.
+/// Gauss-Newton iterations that put all wheels on the ground: a guess for Newton's method need not be exact.
 const STANDING_ITERATIONS: usize = 8;
-/// Weight of the way that this takes, beside metres of sinkage: only where the sinkages leave a joint open does it count.
+/// Largest step of one of them, m and rad.
+const STANDING_STEP: f64 = 0.2;
+/// Weight of the way that they take, beside metres of sinkage: it counts only where the sinkages leave a joint open.
 const STANDING_DAMPING: f64 = 1e-9;
 /// Steepest pitch of a rover that stands on its wheels, rad.
 const MOST_PITCH: f64 = 1.3;
@@ -75,17 +77,10 @@ impl Rover<f64> {
     fn settled(&self, x: f64) -> Result<State, SettleError> {
         let fail = |source| SettleError::Dynamics { x, source };
         let mut balance = Balance::new(self);
-        let guess = self.placed_at(x).map_err(fail)?;
-        let mut standing = guess.clone();
-        let left = match balance.newton(self, guess).map_err(fail)? {
+        let left = match balance.rest(self, self.placed_at(x).map_err(fail)?).map_err(fail)? {
             Ok(state) => return Ok(state),
             Err(left) => left,
         };
-        // On rough ground the guess leaves wheels in the air, where the balance does not change with their joints.
-        balance.stand(self, &mut standing).map_err(fail)?;
-        if let Ok(state) = balance.newton(self, standing).map_err(fail)? {
-            return Ok(state);
-        }
         let relaxed = self.relaxed(x).map_err(fail)?;
         balance
             .newton(self, relaxed)
@@ -171,6 +166,21 @@ impl<S: Scalar> Balance<S> {
 }
 
 impl Balance {
+    /// Newton's method from a guess, and where it fails from there with all wheels on the ground; the inner error as for
+    /// [`Self::newton`].
+    fn rest(&mut self, rover: &Rover, guess: State) -> Result<Result<State, f64>, DynamicsError> {
+        let mut standing = guess.clone();
+        let found = self.newton(rover, guess)?;
+        // On rough ground the guess leaves wheels in the air, where the balance does not change with their joints.
+        if found.is_err()
+            && self.stand(rover, &mut standing).is_ok()
+            && let Ok(Ok(state)) = self.newton(rover, standing)
+        {
+            return Ok(Ok(state));
+        }
+        Ok(found)
+    }
+
     /// Moves chassis and joints until all wheels are sunk as deep as expected, as nearly as the joints allow.
     fn stand(&mut self, rover: &Rover, state: &mut State) -> Result<(), DynamicsError> {
         let (n, expected) = (rover.coordinates(), rover.expected_sinkage());
@@ -186,7 +196,8 @@ impl Balance {
             (0..n - 1).for_each(|i| matrix[i][i] += STANDING_DAMPING);
             let Some(factors) = Factors::new(&matrix, n - 1) else { break };
             let change = factors.solve(&right);
-            (1..n).for_each(|i| state.position[i] += change[i - 1]);
+            let largest = change[..n - 1].iter().fold(STANDING_STEP, |most, step| most.max(step.abs()));
+            (1..n).for_each(|i| state.position[i] += change[i - 1] * (STANDING_STEP / largest));
         }
         Ok(())
     }
@@ -294,24 +305,39 @@ mod tests {
     use crate::model::Model;
     use crate::terrain::{Profile, Random, Spectrum, Terrain};
 
-    /// Rough ground leaves a wheel of the first guess in the air; a simulated fall, which takes some hundred times as long,
-    /// is to be the exception.
+    /// Two rests of the same balance, m and rad: both leave [`AT_REST`] of acceleration at most.
+    const SAME: f64 = 1e-7;
+
+    /// Rough ground leaves a wheel of the first guess in the air; to drop the rover takes some hundred times as long, and is
+    /// to be the exception. It ends in the same rest.
     #[test]
     fn property_a_rocker_bogie_settles_on_rough_ground_without_being_dropped() {
         const GROUNDS: u32 = 200;
-        let (mut at_once, mut stood) = (0, 0);
         let spectrum = Spectrum { roughness: 0.04, wavelength: 4.0, exponent: 3.0 };
+        let (mut at_once, mut stood, mut compared) = (0, 0, 0);
         for seed in 0..GROUNDS {
             let mut rover = Model::preset("rocker_bogie_velocity").expect("a preset").rover;
             rover.terrain = Terrain::new(Profile::Random(Random::new(spectrum, seed)));
             let mut balance = Balance::new(&rover);
             let guess = rover.placed_at(0.0).expect("known ground");
-            at_once += u32::from(balance.newton(&rover, guess.clone()).expect("finite").is_ok());
-            let mut standing = guess;
-            balance.stand(&rover, &mut standing).expect("known ground");
-            stood += u32::from(balance.newton(&rover, standing).expect("finite").is_ok());
+            let first = balance.newton(&rover, guess.clone()).expect("finite").is_ok();
+            let rest = balance.rest(&rover, guess).expect("finite");
+            at_once += u32::from(first);
+            stood += u32::from(rest.is_ok());
+            if let Ok(rest) = rest
+                && !first
+                && compared < 5
+            {
+                compared += 1;
+                let dropped = balance.newton(&rover, rover.relaxed(0.0).expect("known ground")).expect("finite");
+                let dropped = dropped.expect("a dropped rover comes to rest");
+                for (a, b) in rest.position.iter().zip(&dropped.position) {
+                    assert!((a - b).abs() < SAME, "ground {seed}: {:?}, dropped {:?}", rest.position, dropped.position);
+                }
+            }
         }
-        println!("{at_once} from the guess, {stood} standing, of {GROUNDS}");
         assert!(stood > GROUNDS * 98 / 100, "{stood} of {GROUNDS}");
+        // Else the grounds are not rough enough to need it.
+        assert!(at_once < GROUNDS * 3 / 4 && compared == 5, "{at_once} of {GROUNDS} from the first guess");
     }
 }

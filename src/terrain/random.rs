@@ -147,7 +147,7 @@ impl<S: Scalar> Curve<S> for Sum<'_, S> {
 }
 
 /// The sums of several grounds side by side: number k of each row is that of ground k.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Sums {
     wavenumber: [Row; VOICES],
     amplitude: [Row; WAVES],
@@ -158,20 +158,14 @@ pub(super) struct Sums {
 type Row = [f64; MOST_LANES];
 
 impl Sums {
-    /// Those of up to [`MOST_LANES`] grounds.
-    pub fn new<'a>(grounds: impl Iterator<Item = &'a Random>) -> Self {
-        let row = [0.0; MOST_LANES];
-        let (wavenumber, amplitude, phases) = ([row; VOICES], [row; WAVES], [[row; 2]; WAVES]);
-        let mut sums = Self { wavenumber, amplitude, phases, most_bend: row };
-        for (k, ground) in grounds.enumerate().take(MOST_LANES) {
-            let sum = ground.sum(|number| number);
-            sums.wavenumber.iter_mut().zip(sum.wavenumber).for_each(|(row, number)| row[k] = number);
-            sums.amplitude.iter_mut().zip(sum.amplitude).for_each(|(row, number)| row[k] = number);
-            let pairs = sums.phases.iter_mut().flatten().zip(sum.phases.iter().flatten());
-            pairs.for_each(|(row, number)| row[k] = *number);
-            sums.most_bend[k] = sum.bend[0];
-        }
-        sums
+    /// Puts ground `k`.
+    pub fn put(&mut self, k: usize, ground: &Random) {
+        let sum = ground.sum(|number| number);
+        self.wavenumber.iter_mut().zip(sum.wavenumber).for_each(|(row, number)| row[k] = number);
+        self.amplitude.iter_mut().zip(sum.amplitude).for_each(|(row, number)| row[k] = number);
+        let phases = self.phases.iter_mut().flatten().zip(sum.phases.iter().flatten());
+        phases.for_each(|(row, number)| row[k] = *number);
+        self.most_bend[k] = sum.bend[0];
     }
 }
 
@@ -187,6 +181,7 @@ impl<R: Plain> Curve<R> for Sums {
         )
     }
 
+    /// Asked for by the search of a single ground alone.
     fn bend(&self, _: f64, _: f64, _: f64, _: &Sample<f64>) -> f64 {
         f64::INFINITY
     }

@@ -40,11 +40,13 @@ impl Shape {
                 Self::Pieces(bends)
             }
             Some(Profile::Random(_)) => {
-                let random = grounds.iter().filter_map(|ground| match &ground.profile {
-                    Profile::Random(random) => Some(random),
-                    _ => None,
-                });
-                Self::Random(Box::new(Sums::new(random)))
+                let mut sums = Sums::default();
+                for (k, ground) in grounds.iter().enumerate().take(MOST_LANES) {
+                    if let Profile::Random(random) = &ground.profile {
+                        sums.put(k, random);
+                    }
+                }
+                Self::Random(Box::new(sums))
             }
             _ => Self::Elsewhere,
         }
@@ -60,7 +62,7 @@ impl Several {
 
     /// Whether the profiles are only here.
     pub fn shapes(&self) -> bool {
-        self.shape != Shape::Elsewhere
+        !matches!(self.shape, Shape::Elsewhere)
     }
 
     #[cfg_attr(feature = "batch", inline(always))]
@@ -118,6 +120,7 @@ impl<R: Plain> Curve<R> for Several {
         cubic(x, pieces.map(|row| R::from_lanes(|k| row[k])))
     }
 
+    /// Asked for by the search of a single ground alone.
     fn bend(&self, _: f64, _: f64, _: f64, _: &Sample<f64>) -> f64 {
         f64::INFINITY
     }

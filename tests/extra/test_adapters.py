@@ -96,13 +96,15 @@ def test_agreement_a_window_shows_the_frame(monkeypatch: pytest.MonkeyPatch) -> 
     pygame = pytest.importorskip("pygame")
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     shown, drawn = (gymnasium.make(ID, render_mode=mode) for mode in ("human", "rgb_array"))
-    for env in (shown, drawn):
-        env.reset(seed=0)
-        env.render()  # the ruts begin with the first frame
-        env.step(np.full(2, 0.5, np.float32))
-    window = pygame.surfarray.array3d(pygame.display.get_surface()).swapaxes(0, 1)
-    assert np.array_equal(window, drawn.render())
-    shown.close()
+    try:
+        for env in (shown, drawn):
+            env.reset(seed=0)
+            env.render()  # the ruts begin with the first frame
+            env.step(np.full(2, 0.5, np.float32))
+        window = pygame.surfarray.array3d(pygame.display.get_surface()).swapaxes(0, 1)
+        assert np.array_equal(window, drawn.render())
+    finally:
+        shown.close()
 
 
 def test_property_rllib_reads_the_environment() -> None:

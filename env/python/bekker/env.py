@@ -86,7 +86,7 @@ class RoverEnv(Levelled, gymnasium.Env[Observation, Action]):
         chosen = Options.of(options, self.setup)
         super().reset(seed=seed)
         self.mechanics.start(0, self.np_random, seed, chosen)
-        self._show()
+        self._gallery.show(self.mechanics)
         return self.mechanics.observations()[0], self.mechanics.info(0)
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
@@ -103,17 +103,13 @@ class RoverEnv(Levelled, gymnasium.Env[Observation, Action]):
             raise gymnasium.error.ResetNeeded(f"the episode has ended, {status}: call reset()")
         mechanics.step(np.asarray(action)[np.newaxis])
         info = mechanics.info(0)
-        self._show()
+        self._gallery.show(mechanics)
         return mechanics.observations()[0], float(mechanics.rewards()[0]), info["status"] != "running", False, info
 
     def render(self) -> Any:
-        """The rover as it is now, by ``render_mode``; see :mod:`bekker.render`. In the mode "human", `reset` and `step` have
-        shown it already."""
+        """The rover as it is now, by ``render_mode``; see :mod:`bekker.render`. In the mode "human", `reset` and `step`
+        have shown it already."""
         return self._gallery.render(self.mechanics, 0)
-
-    def _show(self) -> None:
-        if self.render_mode == "human":
-            self.render()
 
     def close(self) -> None:
         """Closes the window of the mode "human"."""
@@ -127,6 +123,7 @@ class RoverEnv(Levelled, gymnasium.Env[Observation, Action]):
         """Goes on from a snapshot of an environment with the same arguments, to the same bits."""
         self.mechanics.restore(snapshot.mechanics)
         self.np_random.bit_generator.state = snapshot.random
+        self._gallery.show(self.mechanics)
 
 
 def spaces_of(setup: Setup, mechanics: Mechanics) -> tuple["spaces.Box[np.float32]", "spaces.Box[np.float32]"]:

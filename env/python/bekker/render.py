@@ -4,7 +4,8 @@
 - ``rgb_array``: a frame, height x width x 3 bytes, drawn in Rust without a display: the rover in its cross-section of the
   ground, ruts as deep as the wheels have sunk, normal forces and drawbar pulls, time, speed and slip.
 - ``ansi``: a line of numbers and the profile of the ground in characters.
-- ``human``: the same frames in a window (pygame or, without it, matplotlib), shown by every step and reset.
+- ``human``: the same frames in a window (pygame or, without it, matplotlib), shown by every step, reset and restored
+  snapshot; ``render()`` itself has nothing left to do. A process has one window of pygame.
 """
 
 from typing import Any, Protocol
@@ -45,7 +46,6 @@ class Gallery:
         self.mode, self._period = mode, period
         self._renderers: dict[int, tuple[Model, Renderer]] = {}
         self._window: Window | None = None
-        self._shown: tuple[Model | None, float] = (None, 0.0)
 
     @property
     def metadata(self) -> dict[str, Any]:
@@ -53,12 +53,26 @@ class Gallery:
         return {"render_modes": RENDER_MODES, "render_fps": max(round(1.0 / self._period), 1)}
 
     def render(self, mechanics: Mechanics, index: int) -> Frame | str | None:
-        """The rover as it is now."""
+        """The rover as it is now; nothing in the mode "human", where it has been shown already."""
         if self.mode is None:
             gymnasium.logger.warn("render() does nothing: the environment was made without a render_mode")
             return None
         if not mechanics.started[index]:
             raise gymnasium.error.ResetNeeded("there is no episode yet: call reset()")
+        # Drawn again, a loop that calls render() after each step would take twice the time.
+        return None if self.mode == "human" else self._drawn(mechanics, index)
+
+    def show(self, mechanics: Mechanics) -> None:
+        """Shows the first rover in the window, in the mode "human"."""
+        if self.mode != "human":
+            return
+        if self._window is None:
+            self._window = _window(1.0 / self._period)
+        frame = self._drawn(mechanics, 0)
+        assert not isinstance(frame, str)
+        self._window.show(frame)
+
+    def _drawn(self, mechanics: Mechanics, index: int) -> Frame | str:
         model = mechanics.models[index]
         known, renderer = self._renderers.get(index, (None, None))
         if renderer is None or known is not model:
@@ -67,17 +81,7 @@ class Gallery:
         time, row = mechanics.batch.time(index), np.ascontiguousarray(mechanics.signals[index])
         if self.mode == "ansi":
             return renderer.text(time, row, mechanics.status(index))
-        frame = renderer.frame(time, row, mechanics.status(index))
-        if self.mode == "rgb_array":
-            return frame
-        # A loop that asks for what its steps have shown already must not take twice the time.
-        last_model, last_time = self._shown
-        if last_model is not model or last_time != time:
-            self._shown = (model, time)
-            if self._window is None:
-                self._window = _window(1.0 / self._period)
-            self._window.show(frame)
-        return None
+        return renderer.frame(time, row, mechanics.status(index))
 
     def close(self) -> None:
         """Closes the window, where there is one."""
@@ -123,7 +127,7 @@ class _Pygame:
         self._clock.tick(self._fps)
 
     def close(self) -> None:
-        self._pygame.quit()
+        self._pygame.display.quit()
 
 
 class _Matplotlib:

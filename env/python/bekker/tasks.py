@@ -170,7 +170,8 @@ TASKS: dict[str, Task] = {
             name="EnergyTraverse",
             purpose="Cross random rough ground with as little energy a metre as possible.",
             physics="One side of a six-wheeled rocker-bogie on dry sand (Wong). A new ground every episode, with the "
-            "spectrum k^-3, smoother than the k^-2 of ISO 8608; energy goes into slip, sinkage and the windings, so smooth, even driving pays.",
+            "spectrum k^-3, smoother than the k^-2 of ISO 8608; energy goes into slip, sinkage and the windings, so "
+            "smooth, even driving pays.",
             success="Four metres along x, which ends the episode; `electrical_energy` over `distance` tells how well.",
             goal=Reach(4.0),
             seconds=40.0,

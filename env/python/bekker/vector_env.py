@@ -98,7 +98,7 @@ class RoverVectorEnv(Levelled, VectorEnv[Array, Array, Array]):
         for index in np.flatnonzero(mask):
             self._start(int(index), seeds[int(index)], chosen)
         self._done[mask] = False
-        self._show()
+        self._gallery.show(self.mechanics)
         return self._observed(), self._infos(mask)
 
     def step(self, actions: ArrayLike) -> Stepped:
@@ -127,7 +127,7 @@ class RoverVectorEnv(Levelled, VectorEnv[Array, Array, Array]):
         else:
             self._done = done
         everywhere = np.ones(self.num_envs, np.bool_)
-        self._show()
+        self._gallery.show(mechanics)
         return self._observed(), rewards, terminated, truncated, infos | self._infos(everywhere)
 
     def _check_ready(self) -> None:
@@ -198,10 +198,6 @@ class RoverVectorEnv(Levelled, VectorEnv[Array, Array, Array]):
         shown = 1 if self.render_mode == "human" else self.num_envs
         return tuple(self._gallery.render(self.mechanics, index) for index in range(shown))
 
-    def _show(self) -> None:
-        if self.render_mode == "human":
-            self.render()
-
     def close_extras(self, **kwargs: Any) -> None:
         """Closes the window of the mode "human"."""
         self._gallery.close()
@@ -221,6 +217,7 @@ class RoverVectorEnv(Levelled, VectorEnv[Array, Array, Array]):
             generator.bit_generator.state = state
             self._random.append(generator)
         self._done = snapshot.done.copy()
+        self._gallery.show(self.mechanics)
 
     def _check_reset(self) -> None:
         if not self.mechanics.started.all():

@@ -14,13 +14,6 @@ pub(crate) struct Operations {
     pub choices: u64,
 }
 
-impl Operations {
-    /// Those that count as floating-point operations.
-    pub fn flops(self) -> u64 {
-        self.sums_and_products + self.quotients_and_roots
-    }
-}
-
 thread_local! {
     static DONE: Cell<Operations> = Cell::default();
 }
