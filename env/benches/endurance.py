@@ -58,7 +58,7 @@ def endure(steps: int, seed: int) -> int:
     """Makes at least so many environment steps in one configuration; how many it made, fewer where no start could be found."""
     random = np.random.default_rng(seed)
     arguments = configuration(random)
-    count = int(random.integers(1, 9))
+    count = int(2.0 ** random.uniform(0.0, 7.0))
     env = bekker.RoverVectorEnv(
         count,
         max_episode_steps=200,

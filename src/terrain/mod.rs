@@ -8,6 +8,10 @@ mod preset;
 mod profile_file;
 mod random;
 mod samples;
+#[cfg(feature = "batch")]
+mod several;
+#[cfg(not(feature = "batch"))]
+#[path = "alone.rs"]
 mod several;
 mod soil_table;
 mod spec;
@@ -154,6 +158,7 @@ impl<S: Scalar> Terrain<S> {
 
     /// The grounds of several rovers side by side, whose profiles are of one kind; `parameter` gives the numbers of a
     /// formula, in the order in which it visits them.
+    #[cfg(feature = "batch")]
     pub(crate) fn side_by_side(grounds: Vec<Terrain>, parameter: &dyn Fn(&Read) -> S) -> Self {
         let number = |read: &dyn Fn(&Profile) -> f64| parameter(&|ground| read(&ground.profile));
         macro_rules! formula {

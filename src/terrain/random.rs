@@ -2,7 +2,9 @@
 
 use super::curve::{Curve, Sample};
 use super::preset::bend_nearby;
-use crate::scalar::{MOST_LANES, Plain, Scalar};
+use crate::scalar::Scalar;
+#[cfg(feature = "batch")]
+use crate::scalar::{MOST_LANES, Plain};
 use bekker_modeldescription::{Unit, parameters};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -147,6 +149,7 @@ impl<S: Scalar> Curve<S> for Sum<'_, S> {
 }
 
 /// The sums of several grounds side by side: number k of each row is that of ground k.
+#[cfg(feature = "batch")]
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Sums {
     wavenumber: [Row; VOICES],
@@ -155,8 +158,10 @@ pub(super) struct Sums {
     most_bend: Row,
 }
 
+#[cfg(feature = "batch")]
 type Row = [f64; MOST_LANES];
 
+#[cfg(feature = "batch")]
 impl Sums {
     /// Puts ground `k`.
     pub fn put(&mut self, k: usize, ground: &Random) {
@@ -169,6 +174,7 @@ impl Sums {
     }
 }
 
+#[cfg(feature = "batch")]
 impl<R: Plain> Curve<R> for Sums {
     #[cfg_attr(feature = "batch", inline(always))]
     fn at(&self, x: R) -> Sample<R> {

@@ -1,0 +1,35 @@
+//! Without batches no grounds are side by side, and nothing of them is in the library.
+
+use super::TerrainError;
+use super::curve::{Curve, Sample};
+use super::foot::Foot;
+use crate::scalar::{Plain, Scalar};
+use crate::soil::Soil;
+
+/// There are none.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Several {}
+
+impl Several {
+    pub fn shapes(&self) -> bool {
+        match *self {}
+    }
+
+    pub fn foot<R: Plain>(&self, _: [R; 2]) -> Result<Foot<R>, TerrainError> {
+        match *self {}
+    }
+
+    pub fn soil<S: Scalar>(&self, _: &Soil<S>, _: S) -> Soil<S> {
+        match *self {}
+    }
+}
+
+impl<R: Plain> Curve<R> for Several {
+    fn at(&self, _: R) -> Sample<R> {
+        match *self {}
+    }
+
+    fn bend(&self, _: f64, _: f64, _: f64, _: &Sample<f64>) -> f64 {
+        match *self {}
+    }
+}
