@@ -79,8 +79,9 @@ belong to the vector and know their process.
 {arguments}
 
 **Free-threaded Python.** The wheel is abi3, one for CPython 3.10 and later, which builds without the global lock do not
-load. For them build from source with that Python, 3.14 or later (PyO3 has given 3.13 up), which leaves abi3 by itself: a wheel for each
-version. No such Python was to be had here, so it has not been loaded. The classes hold their state behind PyO3's borrow checks, so that two threads that step one environment at once get an error, not a race.
+load. For them build from source with that Python, 3.14 or later (PyO3 has given 3.13 up): by its sources PyO3 then leaves abi3 by
+itself and makes a wheel for that version alone. No such Python was to be had here, so this has not been tried. The classes hold their
+state behind PyO3's borrow checks, so that two threads that step one environment at once get an error, not a race.
 
 **Pictures.** `render_mode="rgb_array"` draws the rover, the ground, its ruts and the forces without a display, some 11 ms a frame of
 960 x 540; `"human"` shows the same in a window at every step (pygame or matplotlib); `"ansi"` is a line of numbers and a profile.
@@ -107,9 +108,10 @@ car on a rigid plane through `mujoco.rollout`; 49,000 environment steps with ran
 and 12 quotients and roots, the step 10,843 and 203 (three wheels of a rocker-bogie 19,426 and 326, on random ground 34,862 and 333;
 counted by `cargo test --lib operations -- --nocapture`). A core of this machine makes 51 G sums and products in AVX-512 registers a
 second, or 3.2 G quotients, not fused, as the same bits on every processor ask. So no more than 3.6 million steps are possible in
-this way, of which 25 to 27 % are reached (rocker-bogie 30, random ground 35 to 38; `cargo bench --bench batch`): polynomials wait
-for their own last term, choices between regimes are evaluated on both sides, and about an eighth of the time copies matrices.
-Random actions take rovers apart into different regimes and halve the speed.
+this way, of which 25 to 27 % are reached (rocker-bogie 30, random ground 35 to 38; `cargo bench --bench batch`). The counts are of
+eight rovers in one regime, where no contact is reckoned twice. Of the rest one part is known: a sampling profile shows about an
+eighth of the time in copies, most of them of matrices of 4 to 5 kB. Random actions, with their resets and rovers in different
+regimes, halve the speed.
 """
 
 TASK = """

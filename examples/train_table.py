@@ -38,7 +38,7 @@ def pooled(env: gymnasium.Env, policies: list[Policy], episodes: int) -> Evaluat
 
 
 def torque_driven(task: str) -> gymnasium.Env:
-    """The task with torques as actions, twice as large as usual: with those a wheel does not come over a bump."""
+    """The task with torques as actions, twice the usual ones, with which a wheel does not come over a bump."""
     usual = bekker.RoverEnv(task=task, control="torque").setup.action_scale
     return gymnasium.make(f"bekker/{task}-v0", control="torque", action_scale=2.0 * usual, disable_env_checker=True)
 
