@@ -65,6 +65,8 @@ fn experiment() -> Experiment {
         folder: "bench".into(),
         parameters: BTreeMap::new(),
         priors: BTreeMap::new(),
+        soil_class: None,
+        model: None,
         noise: BTreeMap::new(),
         runs: (0..18).map(run).collect(),
     }

@@ -78,6 +78,8 @@ pub mod signals;
 pub mod simulation;
 pub mod snapshot;
 pub mod soil;
+#[cfg(feature = "experiments")]
+pub mod soil_class;
 pub mod terrain;
 pub mod wheel;
 

@@ -247,6 +247,8 @@ fn experiment() -> Experiment {
         folder: "drives".into(),
         parameters: BTreeMap::new(),
         priors: BTreeMap::new(),
+        soil_class: None,
+        model: None,
         noise: BTreeMap::new(),
         runs,
     }

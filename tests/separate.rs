@@ -5,7 +5,7 @@ use bekker::diagnosis::{
     CompareError, CompareOptions, Control, DiagnoseOptions, Likeness, NoiseSource, SeparateOptions, Separation,
     SingleWheelPlan, TraversePlan, compare, diagnose, modelled, sensitivity, separate,
 };
-use bekker::measurement::{Experiment, Table};
+use bekker::measurement::{Experiment, Prior, Table};
 use bekker::model::Model;
 use bekker::modeldescription::Lookup;
 use nalgebra::{DMatrix, DVector};
@@ -109,7 +109,7 @@ fn property_less_noise_and_known_soil_show_weaker_effects() {
     let ratio = smallest(&stated, "coulomb_friction") / smallest(&usual, "coulomb_friction");
     assert!((ratio - 0.5).abs() < MET, "{ratio}");
     for (name, value) in &usual.absorbing {
-        experiment.priors.insert(name.clone(), 0.01 * value.abs().max(1e-3));
+        experiment.priors.insert(name.clone(), Prior { mean: *value, deviation: 0.01 * value.abs().max(1e-3) });
     }
     let share = |separation: &Separation| separation.effect("slip_sinkage").unwrap().visible_share;
     assert!(share(&look(&experiment)) > 2.0 * share(&stated), "priors keep the soil from absorbing the effect");

@@ -5,9 +5,10 @@
 //! modulus trade against each other.
 
 use super::effort::{Draws, Effort};
-use super::free::{Free, Prior};
+use super::free::Free;
 use super::least_squares::{LeastSquares, Minimum, Pace};
 use super::weighted::Weighted;
+use crate::measurement::Prior;
 use bekker_modeldescription::Variable;
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;

@@ -1,19 +1,11 @@
 //! A parameter that a fit may move, and the coordinate in which it is searched.
 
 use super::linear_algebra::Reach;
+use crate::measurement::Prior;
 use bekker_modeldescription::Variable;
 
 /// Ratio of the bounds from which a positive parameter is searched in logarithms.
 const DECADES: f64 = 100.0;
-
-/// What is known of a parameter from a separate test.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Prior {
-    /// The value that the test gave.
-    pub mean: f64,
-    /// Its standard deviation.
-    pub deviation: f64,
-}
 
 /// A free parameter: its bounds (those of `variable`), where it starts, what is known of it.
 #[derive(Clone, Debug, PartialEq)]

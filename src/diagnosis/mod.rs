@@ -40,7 +40,6 @@ pub use diagnose::{
 pub(crate) use failure::levels_of;
 pub use failure::{Failure, Level, levels};
 pub use fit::{Fit, RunFit, SignalFit};
-pub use free::Prior;
 pub use noise::{FloorSource, NoiseFloor, NoiseModel, Pooled};
 pub use prediction::{Derivatives, PredictionError};
 pub use replay::{Replay, ReplayError};

@@ -4,7 +4,7 @@
 use super::bounds::believable;
 use super::compare::CompareError;
 use super::diagnose::Task;
-use super::free::{Free, Prior};
+use super::free::Free;
 use super::layout::Layout;
 use super::prediction::{Predict, PredictionError, SingleWheelPrediction};
 use super::single_wheel::Rig;
@@ -266,13 +266,13 @@ fn base_parameters(model: &mut Model, experiment: &Experiment) -> Result<Vec<Fre
     let chosen = listed.into_iter().filter(|(variable, _)| is_free(&variable.name, variable.role));
     Ok(chosen
         .map(|(mut variable, start)| {
-            let deviation = experiment.priors.get(&variable.name).copied();
+            let prior = experiment.priors.get(&variable.name).copied();
             if let Some((low, high)) = believable(&variable.name) {
                 // A value that the experiment states stays reachable.
                 variable.min = variable.min.max(low.min(start));
                 variable.max = variable.max.min(high.max(start));
             }
-            Free { prior: deviation.map(|deviation| Prior { mean: start, deviation }), variable, start }
+            Free { prior, variable, start }
         })
         .collect())
 }

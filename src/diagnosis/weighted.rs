@@ -3,10 +3,11 @@
 //! Rows: one a measured value, made white by the noise model, then one a prior, (p - p_0)/sigma_p. Beyond a threshold a
 //! measured value counts as in Huber's loss, so that single bad samples do not lead; see [`Weighted::robust`].
 
-use super::free::{Free, Prior};
+use super::free::Free;
 use super::layout::Layout;
 use super::noise::Whitening;
 use super::prediction::{Predict, PredictionError};
+use crate::measurement::Prior;
 use nalgebra::DMatrix;
 
 /// A weighted least-squares problem over `free`.

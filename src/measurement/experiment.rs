@@ -41,6 +41,16 @@ impl Kind {
     }
 }
 
+/// What a separate test says of a parameter: a normal distribution.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Prior {
+    /// The value that the test gave, in the parameter's unit.
+    pub mean: f64,
+    /// Its standard deviation.
+    #[serde(rename = "sd")]
+    pub deviation: f64,
+}
+
 /// Measurements, what they were made with and what is known of their noise. Everything in SI units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Experiment {
@@ -52,8 +62,12 @@ pub struct Experiment {
     pub folder: PathBuf,
     /// What is known of the rig, by the model's parameter names.
     pub parameters: BTreeMap<String, f64>,
-    /// Standard deviations of parameters known from separate tests.
-    pub priors: BTreeMap<String, f64>,
+    /// Parameters known from separate tests.
+    pub priors: BTreeMap<String, Prior>,
+    /// Class of the soil, whose priors stand in for tests that were not made; one of [`SOIL_CLASSES`](crate::soil_class).
+    pub soil_class: Option<String>,
+    /// The vehicle or rig: a built-in model or a model file, as the experiment names it.
+    pub model: Option<String>,
     /// Stated standard deviation of one sample, by signal.
     pub noise: BTreeMap<String, f64>,
     /// Effects of the user's own, neutral unless a parameter says otherwise; candidates of a diagnosis.
@@ -124,6 +138,8 @@ impl Experiment {
             folder: files.folder(),
             parameters: settings.parameters,
             priors: settings.priors,
+            soil_class: settings.soil_class,
+            model: settings.model,
             effects: settings.effects,
             noise: settings.noise.iter().map(|(name, (sd, _))| (name.clone(), *sd)).collect(),
             runs,

@@ -8,10 +8,13 @@
 //! name = "sand box, wheel 2"
 //! kind = "single_wheel"            # or "traverse"
 //! ignore = ["note"]                # columns that are not for the model
+//! soil.class = "dry sand"          # priors of the class for what is not known otherwise, see [`soil_class`](crate::soil_class)
+//! model = "rocker_bogie_speed"     # the vehicle: a built-in model or a model file
 //! [parameters]                     # what is known of the rig; the rest keeps the model's value or is calibrated
 //! "wheel.radius" = 0.10
-//! [priors]                         # standard deviation of a parameter known from a separate test; frees it
-//! "soil.cohesion" = 200.0
+//! [priors]                         # what a separate test says of a parameter; frees it
+//! "soil.exponent" = { mean = 1.31, sd = 0.09 }
+//! "soil.cohesion" = 200.0          # a standard deviation alone: about the value in [parameters]
 //! [noise]                          # standard deviation of one sample, where repeats do not tell it
 //! drawbar_pull = 0.3
 //! [[run]]
@@ -46,7 +49,7 @@ mod table_file;
 mod write;
 
 pub use error::{ExperimentError, Problem};
-pub use experiment::{Experiment, Kind, Run};
+pub use experiment::{Experiment, Kind, Prior, Run};
 pub use record::Record;
 pub use replicates::Sample;
 pub use table::{Table, TableError};

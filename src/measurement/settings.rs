@@ -1,9 +1,10 @@
 //! `experiment.toml`: strict, with the line of whatever is wrong.
 
 use super::error::{ExperimentError, Problem};
-use super::experiment::Kind;
+use super::experiment::{Kind, Prior};
 use super::files::{Files, SETTINGS};
 use crate::effects::EffectDefinition;
+use crate::soil_class::SoilClass;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -22,12 +23,28 @@ struct File {
     #[serde(default)]
     parameters: Numbers,
     #[serde(default)]
-    priors: Numbers,
+    priors: BTreeMap<String, Spanned<PriorEntry>>,
+    soil: Option<SoilTable>,
+    model: Option<String>,
     #[serde(default)]
     noise: Numbers,
     #[serde(default)]
     effect: Vec<Spanned<EffectDefinition>>,
     run: Vec<RunTable>,
+}
+
+/// A prior as it is written: with its mean, or as a deviation about the value in `[parameters]`.
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "expected { mean = number, sd = number }, or a standard deviation alone")]
+enum PriorEntry {
+    Deviation(f64),
+    Whole(Prior),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SoilTable {
+    class: Spanned<String>,
 }
 
 #[derive(Deserialize)]
@@ -48,7 +65,9 @@ pub(super) struct Settings {
     pub kind: Kind,
     pub ignore: Vec<String>,
     pub parameters: BTreeMap<String, f64>,
-    pub priors: BTreeMap<String, f64>,
+    pub priors: BTreeMap<String, Prior>,
+    pub soil_class: Option<String>,
+    pub model: Option<String>,
     /// Standard deviation and the line on which it stands.
     pub noise: BTreeMap<String, (f64, u64)>,
     /// Candidates of the user's own.
@@ -77,16 +96,15 @@ impl Settings {
         let noise = file.noise.iter().map(|(name, sd)| {
             Ok((name.clone(), (check.positive("noise", name, sd)?, line_of(&text, sd.span().start))))
         });
+        let priors = check.priors(&file)?;
         Ok(Self {
             name: file.name,
             kind: file.kind,
             ignore: file.ignore,
             parameters: check.numbers("parameters", &file.parameters)?,
-            priors: file
-                .priors
-                .iter()
-                .map(|(name, sd)| Ok((name.clone(), check.positive("priors", name, sd)?)))
-                .collect::<Result<_, _>>()?,
+            priors,
+            soil_class: file.soil.as_ref().map(|soil| check.soil_class(&soil.class)).transpose()?,
+            model: file.model,
             noise: noise.collect::<Result<_, _>>()?,
             effects: file.effect.into_iter().map(|effect| check.effect(effect)).collect::<Result<_, _>>()?,
             runs: file.run.into_iter().map(|run| check.run(file.kind, run)).collect::<Result<_, _>>()?,
@@ -145,6 +163,44 @@ impl Checker<'_> {
             return Ok(number);
         }
         Err(self.error(key, value.span().start, format!("{number} is not a finite number")))
+    }
+
+    /// Priors with their means: a deviation alone stands about the value in `[parameters]`.
+    fn priors(&self, file: &File) -> Result<BTreeMap<String, Prior>, ExperimentError> {
+        let prior = |(name, entry): (&String, &Spanned<PriorEntry>)| {
+            let (key, at) = (format!("priors.{name}"), entry.span().start);
+            let prior = match entry.get_ref() {
+                PriorEntry::Whole(prior) => *prior,
+                PriorEntry::Deviation(deviation) => {
+                    let mean = file.parameters.get(name).map(|value| *value.get_ref());
+                    let missing = || {
+                        let message = format!(
+                            "a standard deviation alone needs the mean under [parameters]; or write {{ mean = .., sd = {deviation} }}"
+                        );
+                        self.error(&key, at, message)
+                    };
+                    Prior { mean: mean.ok_or_else(missing)?, deviation: *deviation }
+                }
+            };
+            if !prior.mean.is_finite() {
+                return Err(self.error(&key, at, format!("the mean {} is not a finite number", prior.mean)));
+            }
+            if !prior.deviation.is_finite() || prior.deviation <= 0.0 {
+                let message = format!("a standard deviation is positive and finite, not {}", prior.deviation);
+                return Err(self.error(&key, at, message));
+            }
+            Ok((name.clone(), prior))
+        };
+        file.priors.iter().map(prior).collect()
+    }
+
+    fn soil_class(&self, class: &Spanned<String>) -> Result<String, ExperimentError> {
+        let name = class.get_ref();
+        if SoilClass::find(name).is_some() {
+            return Ok(name.clone());
+        }
+        let message = format!("no class of soil is called `{name}`; expected one of {}", SoilClass::names());
+        Err(self.error("soil.class", class.span().start, message))
     }
 
     fn positive(&self, table: &str, name: &str, value: &Spanned<f64>) -> Result<f64, ExperimentError> {

@@ -1,6 +1,6 @@
 //! Writing an experiment folder.
 
-use super::experiment::{Experiment, Kind, Run};
+use super::experiment::{Experiment, Kind, Prior, Run};
 use crate::effects::EffectDefinition;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -38,15 +38,24 @@ pub enum WriteError {
 struct File<'a> {
     name: &'a str,
     kind: Kind,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    model: Option<&'a String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    soil: Option<SoilTable<'a>>,
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     parameters: &'a BTreeMap<String, f64>,
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    priors: &'a BTreeMap<String, f64>,
+    priors: &'a BTreeMap<String, Prior>,
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     noise: &'a BTreeMap<String, f64>,
     run: Vec<RunTable<'a>>,
     #[serde(skip_serializing_if = "<[EffectDefinition]>::is_empty")]
     effect: &'a [EffectDefinition],
+}
+
+#[derive(Serialize)]
+struct SoilTable<'a> {
+    class: &'a str,
 }
 
 #[derive(Serialize)]
@@ -97,6 +106,8 @@ impl Experiment {
         let file = File {
             name,
             kind,
+            model: self.model.as_ref(),
+            soil: self.soil_class.as_deref().map(|class| SoilTable { class }),
             parameters,
             priors: &self.priors,
             noise: &self.noise,

@@ -4,13 +4,13 @@ use super::bootstrap::{Gains, Null, Projected, Statistics, p_value};
 use super::control::Control;
 use super::fits::Noise;
 use super::signature::{Sensitivities, sensitivities};
-use crate::diagnosis::Prior;
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::free::Free;
 use crate::diagnosis::linear_algebra::{Basis, Reach, dot};
 use crate::diagnosis::noise::{Repeats, Whitening};
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::Problem;
+use crate::measurement::Prior;
 use crate::parallel::map_in_order;
 
 /// A fit of the baseline with some effects, seen from where it stands.

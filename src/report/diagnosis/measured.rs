@@ -14,8 +14,11 @@ pub(super) fn add_measured(page: &mut Page, diagnosis: &Diagnosis) {
         experiment.parameters.iter().map(|(name, value)| format!("{name} = {}", short(*value))).collect();
     let known =
         if known.is_empty() { String::new() } else { format!("Known of the rig (SI units): {}. ", known.join(", ")) };
-    let priors: Vec<String> =
-        experiment.priors.iter().map(|(name, deviation)| format!("{name} \u{b1} {}", short(*deviation))).collect();
+    let priors: Vec<String> = experiment
+        .priors
+        .iter()
+        .map(|(name, prior)| format!("{name} = {} \u{b1} {}", short(prior.mean), short(prior.deviation)))
+        .collect();
     let priors = if priors.is_empty() { String::new() } else { format!("Priors (SI units): {}.", priors.join(", ")) };
     begin(page, "measured", (known + &priors).trim());
     page.html(&ranges(experiment));

@@ -63,6 +63,8 @@ fn experiment(name: &str, kind: Kind, parameters: &BTreeMap<String, f64>, runs: 
         folder: PathBuf::new(),
         parameters: parameters.clone(),
         priors: BTreeMap::new(),
+        soil_class: None,
+        model: None,
         noise: BTreeMap::new(),
         runs,
     }
