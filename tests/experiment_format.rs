@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
-use bekker::measurement::{Experiment, Kind, Problem};
+use bekker::measurement::{Experiment, Kind, Prior, Problem};
 use std::path::{Path, PathBuf};
 
 const TOML: &str =
@@ -47,7 +47,7 @@ fn property_single_wheel_is_read_to_the_digit() {
 
 #[test]
 fn property_traverse_with_everything() {
-    let toml = "name = \"t\"\nkind = \"traverse\"\nignore = [\"note\"]\n[priors]\n\"soil.cohesion\" = 200\n[noise]\npitch = 0.01\n\
+    let toml = "name = \"t\"\nkind = \"traverse\"\nignore = [\"note\"]\n[parameters]\n\"soil.cohesion\" = 1000\n[priors]\n\"soil.exponent\" = { mean = 1.31, sd = 0.09 }\n\"soil.cohesion\" = 200\n[noise]\npitch = 0.01\n\
                 [[run]]\nfile = \"a.csv\"\nterrain = \"hill.csv\"\nx0 = 0.6\nparameters = { \"rover.mass\" = 12 }\n";
     let csv = "\u{feff}time, wheel[1].torque_command ,pitch,note,wheel[1].slip\n".to_owned()
         + &(0..10).map(|k| format!("{k},1.0,0.1,hello,0.2\n")).collect::<String>();
@@ -60,7 +60,8 @@ fn property_traverse_with_everything() {
     assert_eq!(run.terrain.as_ref().unwrap().column("z").unwrap(), [0.0, 0.1]);
     assert_eq!(run.measured, ["pitch", "wheel[1].slip"]);
     assert_eq!(experiment.noise["pitch"], 0.01);
-    assert_eq!(experiment.priors["soil.cohesion"], 200.0);
+    assert_eq!(experiment.priors["soil.cohesion"], Prior { mean: 1000.0, deviation: 200.0 });
+    assert_eq!(experiment.priors["soil.exponent"], Prior { mean: 1.31, deviation: 0.09 });
 }
 
 /// Reads a folder that must be refused; returns file name, line, column and the message.
