@@ -29,6 +29,7 @@ impl Diagnosis {
                 "chi_square": number(self.lack_of_fit.chi_square),
                 "degrees_of_freedom": self.lack_of_fit.degrees_of_freedom,
                 "p_value": number(self.lack_of_fit.p_value),
+                "p_common": number(self.lack_of_fit.p_common),
                 "explainable": number(self.lack_of_fit.explainable),
                 "p_structure": number(self.lack_of_fit.p_structure),
             },
@@ -44,6 +45,7 @@ impl Diagnosis {
             "suggestions": self.suggestions.iter().map(|suggestion| json!({
                 "text": suggestion.text, "effects": suggestion.effects,
             })).collect::<Vec<_>>(),
+            "improved_is": self.improved_is(),
             "cautions": self.cautions,
             "interrupted": self.interrupted,
         })

@@ -1,7 +1,9 @@
 """What a diagnosis is worth, given the truth: the rules of the study."""
 
-# A member of a tie whose signature is less alike than this is no honest tie: the tie is too broad to help.
-HONEST = 0.6
+# A tie of more effects than this helps nobody.
+MOST_TIED = 3
+# A true model that removes at least this share of the removable left-out error asks the named effect for as much.
+WHOLE = 0.9
 CAUTION = ("wrong_prior", "noise_half", "noise_double", "poor")
 
 
@@ -11,14 +13,8 @@ def named(result):
 
 
 def tied(result):
-    """Everything that the diagnosis holds possible: what it names, the candidates that it marks as tied, and what it says
-    that the named ones are confused with."""
-    found = set(result.get("effects", []))
-    found |= {c["effect"] for c in result.get("candidates", []) if c.get("tied")}
-    for pair in result.get("confused_with", []):
-        if found & set(pair):
-            found |= set(pair)
-    return found
+    """Effects that the diagnosis leaves possible where it does not decide."""
+    return {c["effect"] for c in result.get("candidates", []) if c.get("tied")}
 
 
 def outcome(truth, result):
@@ -51,8 +47,9 @@ def single(effect, result):
     if verdict == "undetermined":
         possible = tied(result)
         if true in possible:
-            alike = {name for name, c in effect["cosines"].items() if abs(c) > HONEST}
-            return "right_tie" if possible - {true} <= alike else "broad_tie"
+            # A member whose signature is not alike, or too many of them, make a tie that does not help.
+            alike = possible - {true} <= set(effect["allowed_ties"])
+            return "right_tie" if alike and len(possible) <= MOST_TIED else "broad_tie"
     if verdict == "effect_missing":
         return "extra" if true in named(result) else "wrong"
     if verdict == "unexplained":
@@ -65,7 +62,7 @@ def pair(effects, result):
     if verdict == "effect_missing" and set(named(result)) == true:
         return "right"
     allowed = true | tied_allowed(effects)
-    if verdict == "undetermined" and true <= tied(result) and set(result["effects"]) <= allowed:
+    if verdict == "undetermined" and true <= tied(result) <= allowed:
         return "right_tie"
     if verdict == "effect_missing":
         if set(named(result)) - allowed:
@@ -76,15 +73,16 @@ def pair(effects, result):
     return "missed" if verdict == "explained" else "undecided"
 
 
-def removed_share(truth, result):
-    """Share of the removable held-out error (over the true noise, in squares, signals pooled) that the last step removed.
+def removed_share(truth, result, last=None):
+    """Share of the removable held-out error (over the true noise, in squares, signals pooled) that the last step removed, or
+    that a model with the held-out errors `last` (by signal) would remove.
 
     None where nothing was added or less than half of the noise variance was removable.
     """
     steps = result.get("steps", [])
     if len(steps) < 2 or not truth["effects"]:
         return None
-    first, last = steps[0].get("heldout_rmse", {}), steps[-1].get("heldout_rmse", {})
+    first, last = steps[0].get("heldout_rmse", {}), last or steps[-1].get("heldout_rmse", {})
     gone = removable = 0.0
     for signal, noise in truth["deviation"].items():
         if noise > 0.0 and first.get(signal) is not None and last.get(signal) is not None:

@@ -23,6 +23,8 @@ pub(crate) struct Null<'a> {
     /// Raw columns that the fit absorbs (layout order), and the priors' rows of each.
     pub base: &'a [(Vec<f64>, Vec<f64>)],
     pub signatures: &'a [Signature],
+    /// For every whitened value the set of repeats that it belongs to; values that nothing repeats are sets of one.
+    pub sets: &'a [usize],
     /// Directions along the conditions, in whitened values of the given noise, outside the base.
     pub flexible: &'a Basis,
     /// Whether to draw pairs as well.
@@ -34,6 +36,8 @@ pub(crate) struct Null<'a> {
 pub(crate) struct Statistics {
     /// Chi-square after the base.
     pub chi_square: f64,
+    /// Its part that repeats have in common: noise divided by the root of their number, and all of the model's error.
+    pub common: f64,
     /// Its part along the flexible columns.
     pub structure: f64,
     /// Largest gain of a single candidate.
@@ -173,7 +177,7 @@ impl Null<'_> {
                 .collect(),
         };
         let Some(whitening) = Whitening::new(self.layout, &models, &|_, _| true) else {
-            return Statistics { chi_square: 0.0, structure: 0.0, single: 0.0, pair: 0.0 };
+            return Statistics { chi_square: 0.0, common: 0.0, structure: 0.0, single: 0.0, pair: 0.0 };
         };
         self.statistics(&whitening, &whitening.apply(&noise)).0
     }
@@ -188,12 +192,24 @@ impl Null<'_> {
         let gains = projected.gains(&residual, &[], self.pairs);
         let statistics = Statistics {
             chi_square: dot(&residual, &residual),
+            common: common(&residual, self.sets),
             structure: self.flexible.squares_within(&residual),
             single: gains.singles.iter().map(|(fall, ..)| *fall).fold(0.0, f64::max),
             pair: gains.pairs.iter().map(|(.., fall)| *fall).fold(0.0, f64::max),
         };
         (statistics, gains, projected)
     }
+}
+
+/// Squares of a whitened residual along the means of its sets.
+fn common(residual: &[f64], sets: &[usize]) -> f64 {
+    let count = sets.iter().max().map_or(0, |last| last + 1);
+    let mut sums = vec![(0.0, 0.0); count];
+    for (value, set) in residual.iter().zip(sets) {
+        sums[*set].0 += value;
+        sums[*set].1 += 1.0;
+    }
+    sums.iter().filter(|(_, size)| *size > 0.0).map(|(sum, size)| sum * sum / size).sum()
 }
 
 /// Share of draws with at least `observed`, counting the observation itself: never below 1/(draws + 1).

@@ -4,7 +4,8 @@
 //! from the full fit to the optimum without the fold, within the bounds; where the full fit is far from the measurements,
 //! so that such a step means little, it is refitted for a few steps. The left-out runs are then simulated with those
 //! values, so that the prediction itself is not linearised. A rover that gets stuck in them predicts that it stays there.
-//! The few conditions of a traverse leave some parameters open: what such a step does not determine widens its prediction.
+//! What the kept conditions do not determine widens the prediction: else a fit that extrapolates into a left-out end of the
+//! slips is judged by chance.
 
 use super::fits::{Noise, Task, run};
 use super::folds::Fold;
@@ -16,6 +17,7 @@ use crate::diagnosis::weighted::Weighted;
 use crate::measurement::Kind;
 use nalgebra::{DMatrix, DVector};
 use std::collections::{BTreeMap, BTreeSet};
+use std::rc::Rc;
 
 /// Squared range of a uniform distribution over its variance.
 const UNIFORM: f64 = 12.0;
@@ -38,16 +40,17 @@ pub(crate) fn held_out(
     fit: &Calibration,
     folds: &[Fold],
 ) -> Option<HeldOut> {
-    let (fitted, columns) = match problem.experiment.kind {
+    let fitted = match problem.experiment.kind {
         Kind::Traverse if !fit.is_far() => stepped(problem, noise, effects, &fit.values(), folds)?,
         kind => {
             let scouting = (kind == Kind::Traverse).then_some(0);
             let refitted = |fold: &Fold| {
                 let task = problem.task(effects, vec![fit.values()]);
                 let task = Task { left_out: fold.clone(), scouting, ..task };
-                Some(Kept { values: run(problem, noise, &task)?.values(), precision: DMatrix::zeros(0, 0) })
+                let values = run(problem, noise, &task)?.values();
+                opened(problem, noise, effects, values, fold)
             };
-            (folds.iter().map(refitted).collect::<Option<_>>()?, Vec::new())
+            folds.iter().map(refitted).collect::<Option<_>>()?
         }
     };
     let (mut density, mut squares) = (Vec::new(), BTreeMap::<String, (f64, usize)>::new());
@@ -59,8 +62,8 @@ pub(crate) fn held_out(
         for run in inside.iter().map(|(run, _)| *run).collect::<BTreeSet<_>>() {
             let whitening = noise.whitening(problem, &|other, row| other == run && inside.contains(&(other, row)))?;
             let residual = DVector::from_vec(whitening.apply(&difference));
-            let open: Vec<f64> = columns.iter().flat_map(|column: &Vec<f64>| whitening.apply(column)).collect();
-            let open = DMatrix::from_vec(residual.len(), columns.len(), open);
+            let open: Vec<f64> = kept.columns.iter().flat_map(|column| whitening.apply(column)).collect();
+            let open = DMatrix::from_vec(residual.len(), kept.columns.len(), open);
             density.push(log_density(&residual, &open, &kept.precision)?);
         }
         for block in &problem.layout.blocks {
@@ -100,23 +103,41 @@ fn predict(problem: &Problem, effects: &[String], values: &[f64], fold: &Fold) -
 /// What the runs outside a fold say.
 struct Kept {
     values: Vec<f64>,
-    /// Precision of the search coordinates around them; empty where they are taken as known.
+    /// Precision of the search coordinates around them.
     precision: DMatrix<f64>,
+    /// Derivatives of all rows in these coordinates; none where a far rover's values are taken as known.
+    columns: Rc<Vec<Vec<f64>>>,
 }
 
-/// One Gauss-Newton step to each fold's own optimum; and the derivatives of all rows in the search coordinates.
-fn stepped(
-    problem: &Problem,
-    noise: &Noise,
-    effects: &[String],
-    values: &[f64],
-    folds: &[Fold],
-) -> Option<(Vec<Kept>, Vec<Vec<f64>>)> {
+/// Values that were refitted without a fold, and what the kept rows leave open around them.
+fn opened(problem: &Problem, noise: &Noise, effects: &[String], values: Vec<f64>, fold: &Fold) -> Option<Kept> {
+    if problem.experiment.kind == Kind::Traverse {
+        return Some(Kept { values, precision: DMatrix::zeros(0, 0), columns: Rc::default() });
+    }
+    let free = problem.free(effects);
+    let inside: BTreeSet<_> = fold.iter().copied().collect();
+    let whitening = noise.whitening(problem, &|run, row| !inside.contains(&(run, row)))?;
+    let (_, slopes) = problem.predict(&free, |predict| predict.slopes(&values)).ok()?.ok()?;
+    let kept = |predict: &dyn crate::diagnosis::prediction::Predict| {
+        let (layout, free, robust) = (&problem.layout, free.as_slice(), f64::INFINITY);
+        Weighted { predict, layout, free, whitening: &whitening, robust, whole: false }.columns(&slopes, &values)
+    };
+    let precision = precision(&free, &problem.predict(&free, kept).ok()?);
+    Some(Kept { columns: Rc::new(scaled(&free, &slopes, &values)), precision, values })
+}
+
+/// Derivatives in the search coordinates.
+fn scaled(free: &[crate::diagnosis::free::Free], slopes: &[Vec<f64>], values: &[f64]) -> Vec<Vec<f64>> {
+    let scaled = |(k, slope): (usize, &Vec<f64>)| slope.iter().map(|s| s * free[k].slope(values[k])).collect();
+    slopes.iter().enumerate().map(scaled).collect()
+}
+
+/// One Gauss-Newton step to each fold's own optimum.
+fn stepped(problem: &Problem, noise: &Noise, effects: &[String], values: &[f64], folds: &[Fold]) -> Option<Vec<Kept>> {
     let free = problem.free(effects);
     let whole = noise.whitening(problem, &|_, _| true)?;
     let (modelled, slopes) = problem.predict(&free, |predict| predict.slopes(values)).ok()?.ok()?;
-    let scaled = |(k, slope): (usize, &Vec<f64>)| slope.iter().map(|s| s * free[k].slope(values[k])).collect();
-    let columns = slopes.iter().enumerate().map(scaled).collect();
+    let all = Rc::new(scaled(&free, &slopes, values));
     let fit = |predict: &dyn crate::diagnosis::prediction::Predict| {
         let (layout, free, robust) = (&problem.layout, free.as_slice(), f64::INFINITY);
         let u = Weighted { predict, layout, free, whitening: &whole, robust, whole: true }.coordinates(values);
@@ -127,11 +148,11 @@ fn stepped(
             let residual = weighted.whitened(&modelled, values);
             let columns = weighted.columns(&slopes, values);
             let values = weighted.values(&linear_optimum(free, &u, &residual, &columns)?);
-            Some(Kept { values, precision: precision(free, &columns) })
+            Some(Kept { values, precision: precision(free, &columns), columns: Rc::clone(&all) })
         };
         folds.iter().map(kept).collect::<Option<Vec<_>>>()
     };
-    Some((problem.predict(&free, fit).ok()??, columns))
+    problem.predict(&free, fit).ok()?
 }
 
 /// Precision of search coordinates from whitened columns; a coordinate that these do not determine may lie anywhere between

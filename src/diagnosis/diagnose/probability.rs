@@ -5,7 +5,6 @@ use super::fits::Noise;
 use super::folds::Fold;
 use crate::diagnosis::noise::Whitening;
 use crate::diagnosis::problem::Problem;
-use crate::measurement::Kind;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -65,8 +64,8 @@ pub(crate) fn log_density(residual: &DVector<f64>, columns: &DMatrix<f64>, preci
 const STRENGTHS: [f64; 7] = [1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0];
 
 /// Log predictive densities, by fold, of the baseline plus a flexible discrepancy: ridge regression of the residual on the
-/// columns along the conditions, its strength by the evidence of the rows that are kept. The base follows linearly. On a
-/// traverse what the rows that are kept leave open widens the prediction, as with the effects.
+/// columns along the conditions, its strength by the evidence of the rows that are kept. The base follows linearly. What the
+/// rows that are kept leave open widens the prediction, as with the effects.
 pub(crate) fn something_else(
     problem: &Problem,
     noise: &Noise,
@@ -95,10 +94,7 @@ pub(crate) fn something_else(
             let left = noise.whitening(problem, &|other, row| other == run && inside.contains(&(other, row)))?;
             let columns = scaled(&left);
             let rest = DVector::from_vec(left.apply(difference)) - &columns * &coefficients;
-            densities.push(match problem.experiment.kind {
-                Kind::SingleWheel => -0.5 * rest.norm_squared(),
-                Kind::Traverse => log_density(&rest, &columns, &precision)?,
-            });
+            densities.push(log_density(&rest, &columns, &precision)?);
         }
     }
     Some(densities)

@@ -2,16 +2,14 @@
 
 use super::bootstrap::p_value;
 use super::engine::DiagnoseOptions;
-use super::fits::Noise;
-use super::folds::Fold;
-use super::held_out::{HeldOut, held_out};
+use super::evidence::Evidence;
+use super::held_out::held_out;
 use super::prepare::Prepared;
-use super::probability::{better, something_else, weights};
 use super::profile::profiles;
-use super::result::{CandidateResult, Diagnosis, LackOfFit, PairResult, ParameterResult, Share, Step};
+use super::result::{CandidateResult, Diagnosis, LackOfFit, PairResult, ParameterResult, Step};
 use super::search::Search;
 use super::stage::Stage;
-use super::verdict::{Finding, confused, left, misfit};
+use super::verdict::{Judgement, confused, left, misfit};
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::failure::{Failure, failures};
@@ -26,17 +24,12 @@ use std::collections::BTreeMap;
 /// number of candidates.
 pub(crate) const DETECTABLE: f64 = 5.0;
 
-/// Prior probability that the baseline is enough, and that something else than any candidate is missing.
-const PRIOR_ENOUGH: f64 = 0.5;
-const PRIOR_OTHER: f64 = 0.1;
-
 /// A finished search.
 pub(crate) struct Inputs<'a> {
     pub search: &'a Search<'a>,
     pub stage: &'a Stage,
     pub prepared: &'a Prepared,
-    pub folds: &'a [Fold],
-    pub held: &'a BTreeMap<Vec<String>, HeldOut>,
+    pub evidence: &'a Evidence,
 }
 
 /// Whitened residual of a fitted set, priors' rows last.
@@ -74,17 +67,17 @@ pub(crate) fn largest_size(stage: &Stage, k: usize) -> f64 {
 /// Puts the result together.
 pub(crate) fn assemble(
     inputs: &Inputs,
-    finding: Finding,
+    judgement: Judgement,
     chosen: &[String],
     options: &DiagnoseOptions,
 ) -> Result<Diagnosis, CompareError> {
     let Inputs { search, stage, prepared, .. } = inputs;
     let problem = search.problem;
     let steps = steps(inputs, chosen)?;
-    let (share, inclusion) = probabilities(inputs);
-    let mut candidates = candidates(inputs, &finding, &inclusion)?;
+    let (share, inclusion) = inputs.evidence.probabilities(search, stage, prepared);
+    let mut candidates = candidates(inputs, &judgement, &inclusion)?;
     candidates.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(b.gain.total_cmp(&a.gain)));
-    let (all, structure) = misfit(stage);
+    let misfit = misfit(stage);
     let last = &steps[steps.len() - 1];
     let fitted = search.fits.get(chosen).unwrap_or(&prepared.baseline);
     let floors = &prepared.floors;
@@ -94,14 +87,14 @@ pub(crate) fn assemble(
     let interrupted = (search.control.stop)();
     let profiles = if interrupted { Vec::new() } else { profiles(search, chosen) };
     let mut cautions = prepared.cautions.clone();
-    cautions.extend(finding.cautions.clone());
+    cautions.extend(judgement.cautions.clone());
     cautions.extend(super::cautions::of_parameters(fitted));
     cautions.extend(super::cautions::of_draws(options.draws));
     let left_over = failures(&problem.experiment, &last.fit, floors);
-    let suggestions = suggestions(inputs, &finding, fitted, &left_over);
+    let suggestions = suggestions(inputs, &judgement, chosen, fitted, &left_over);
     Ok(Diagnosis {
         experiment: (*problem.experiment).clone(),
-        verdict: finding.verdict,
+        verdict: judgement.verdict,
         noise_floor: floors.clone(),
         noise_floor_source: prepared.source,
         noise: prepared.noise.models.clone(),
@@ -112,19 +105,20 @@ pub(crate) fn assemble(
         lack_of_fit: LackOfFit {
             chi_square: stage.observed.chi_square,
             degrees_of_freedom: prepared.baseline.degrees_of_freedom,
-            p_value: all,
+            p_value: misfit.all,
+            p_common: misfit.common,
             explainable: stage.structure(&stage.residual, &[]).0,
-            p_structure: structure,
+            p_structure: misfit.structure,
         },
         smallest_p: 1.0 / (options.draws as f64 + 1.0),
         explained_share: 1.0 - last.left,
-        confused_with: confused(search, stage, &finding),
+        confused_with: confused(search, stage, &judgement, chosen),
         failures: failures(&problem.experiment, &steps[0].fit, floors),
         failures_left: left_over,
         suggestions,
         cautions,
         improved: problem.improved(&problem.free(chosen), &fitted.values()),
-        effects: finding.listed(),
+        effects: judgement.effects,
         candidates,
         profiles,
         steps,
@@ -133,18 +127,24 @@ pub(crate) fn assemble(
 }
 
 /// What to measure next.
-fn suggestions(inputs: &Inputs, finding: &Finding, fitted: &Calibration, left_over: &[Failure]) -> Vec<Suggestion> {
+fn suggestions(
+    inputs: &Inputs,
+    judgement: &Judgement,
+    chosen: &[String],
+    fitted: &Calibration,
+    left_over: &[Failure],
+) -> Vec<Suggestion> {
     let Inputs { search, stage, prepared, .. } = inputs;
     let signatures = stage.sensitivities.signatures.iter().enumerate();
     let unseen = signatures.filter(|(k, _)| largest_size(stage, *k) < DETECTABLE).map(|(_, s)| s.id.clone());
     let blind: Vec<String> = unseen.chain(prepared.invisible.iter().cloned()).collect();
-    let pairs = confused(search, stage, finding);
+    let pairs = confused(search, stage, judgement, chosen);
     let question = Question {
         problem: search.problem,
         values: &fitted.values()[..search.problem.base.len()],
         noise: &prepared.noise.models,
-        verdict: finding.verdict,
-        named: &finding.effects,
+        verdict: judgement.verdict,
+        named: &judgement.effects,
         pairs: &pairs,
         // Telling apart what is named or tied comes first.
         blind: if pairs.is_empty() { &blind } else { &[] },
@@ -167,11 +167,9 @@ fn steps(inputs: &Inputs, chosen: &[String]) -> Result<Vec<Step>, CompareError> 
         let shown = Fit::new(&problem.experiment, &problem.layout, &modelled);
         let residual = whitened_residual(search, effects, &values)?;
         let left = if count == 0 { 1.0 } else { left(search, stage, effects, &residual).0 };
-        let mut key = effects.to_vec();
-        key.sort();
-        let held = match inputs.held.get(&key) {
+        let held = match inputs.evidence.of(effects) {
             Some(held) => Some(held.clone()),
-            None => held_out(problem, &prepared.noise, effects, fit, inputs.folds),
+            None => held_out(problem, &prepared.noise, effects, fit, &inputs.evidence.folds),
         };
         steps.push(Step {
             added: effects.last().cloned(),
@@ -197,16 +195,16 @@ fn parameters(base: usize, fit: &Calibration) -> Vec<ParameterResult> {
 
 fn candidates(
     inputs: &Inputs,
-    finding: &Finding,
+    judgement: &Judgement,
     inclusion: &BTreeMap<String, f64>,
 ) -> Result<Vec<CandidateResult>, CompareError> {
     let Inputs { search, stage, .. } = inputs;
-    let baseline = inputs.held.get(&Vec::new());
+    let baseline = inputs.evidence.of(&[]);
     let mut all = Vec::new();
     for (k, signature) in stage.sensitivities.signatures.iter().enumerate() {
         let set = vec![signature.id.clone()];
         let fit = search.fits.get(&set);
-        let held = inputs.held.get(&set).zip(baseline);
+        let held = inputs.evidence.of(&set).zip(baseline);
         let gain = if fit.is_some() { search.gain(&set) } else { stage.gains.singles[k].0 };
         let left = match fit {
             Some(fit) => left(search, stage, &set, &whitened_residual(search, &set, &fit.values())?).0,
@@ -216,9 +214,9 @@ fn candidates(
             |fit: &Calibration| parameters(search.problem.base.len(), fit).split_off(search.problem.base.len());
         all.push(CandidateResult {
             probability: inclusion.get(&signature.id).copied().unwrap_or(0.0),
-            tied: finding.is_tied(&signature.id),
+            tied: judgement.tied.contains(&signature.id),
             heldout_gain: held.map(|(own, base)| own.density.iter().sum::<f64>() - base.density.iter().sum::<f64>()),
-            better: held.map(|(own, base)| better(&own.density, &base.density)),
+            better: inputs.evidence.better(&set, &[]),
             p_value: p_value(&stage.draws, |draw| draw.single, gain),
             gain,
             left,
@@ -257,31 +255,4 @@ fn pairs(inputs: &Inputs) -> Vec<PairResult> {
         .collect();
     pairs.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     pairs
-}
-
-/// Probabilities of "enough" and "something else", and of each effect being part of the explanation.
-fn probabilities(inputs: &Inputs) -> (Share, BTreeMap<String, f64>) {
-    let Inputs { search, stage, prepared, .. } = inputs;
-    let difference: Vec<f64> = search.problem.layout.measured.iter().zip(&stage.modelled).map(|(y, m)| y - m).collect();
-    let noise: &Noise = &prepared.noise;
-    let base = &stage.sensitivities.base;
-    let other = something_else(search.problem, noise, &difference, base, &prepared.flexible, inputs.folds);
-    let mut densities: Vec<&[f64]> = inputs.held.values().map(|held| held.density.as_slice()).collect();
-    densities.extend(other.as_deref());
-    // A candidate at its neutral value is the baseline, so many useless candidates must not outvote "enough".
-    let each = (1.0 - PRIOR_ENOUGH - PRIOR_OTHER) / inputs.held.len().saturating_sub(1).max(1) as f64;
-    let mut priors: Vec<f64> = inputs.held.keys().map(|set| if set.is_empty() { PRIOR_ENOUGH } else { each }).collect();
-    priors.extend(other.as_ref().map(|_| PRIOR_OTHER));
-    let weights = weights(&densities, &priors);
-    let mut inclusion = BTreeMap::new();
-    let mut share = Share { enough: 0.0, other: if other.is_some() { weights[weights.len() - 1] } else { 0.0 } };
-    for (set, weight) in inputs.held.keys().zip(&weights) {
-        if set.is_empty() {
-            share.enough = *weight;
-        }
-        for id in set {
-            *inclusion.entry(id.clone()).or_insert(0.0) += weight;
-        }
-    }
-    (share, inclusion)
 }

@@ -85,7 +85,7 @@ pub struct CandidateResult {
     pub effect: String,
     /// Probability that the effect is part of the explanation.
     pub probability: f64,
-    /// Whether it ties with the effects named, or with another candidate where none is.
+    /// Whether it remains possible where the verdict is undetermined.
     pub tied: bool,
     /// Gain in log predictive density on left-out data over the baseline, nats; `None` where only screened.
     pub heldout_gain: Option<f64>,
@@ -126,6 +126,9 @@ pub struct LackOfFit {
     pub degrees_of_freedom: usize,
     /// Probability of as large a chi-square by noise alone, the noise model being uncertain too.
     pub p_value: f64,
+    /// Probability of as large a part that repeats have in common by noise alone: the model's error is all in that part, the
+    /// noise only with a share.
+    pub p_common: f64,
     /// The part along the conditions (slip, load, speed, position, time ...), less what noise puts there.
     pub explainable: f64,
     /// Probability of as large a part along the conditions by noise alone.
@@ -148,7 +151,8 @@ pub struct Diagnosis {
     pub experiment: Experiment,
     /// The answer.
     pub verdict: Verdict,
-    /// Effects that account for the structure (partial ones where unexplained, the tied ones where undetermined).
+    /// Effects that account for the structure, or a part of it where unexplained; none where undetermined: all that remain
+    /// possible there stand in `candidates` with `tied`.
     pub effects: Vec<String>,
     /// Noise floor of each signal: standard deviation of one sample.
     pub noise_floor: BTreeMap<String, NoiseFloor>,
@@ -197,6 +201,33 @@ impl Diagnosis {
     #[must_use]
     pub fn next_experiment(&self) -> String {
         self.suggestions.first().map_or_else(String::new, |suggestion| suggestion.text.clone())
+    }
+
+    /// Effects that remain possible where the verdict is undetermined, those of the best fit first.
+    #[must_use]
+    pub fn tied(&self) -> Vec<&str> {
+        let added: Vec<&str> = self.steps.iter().filter_map(|step| step.added.as_deref()).collect();
+        let mut tied: Vec<&str> = self.candidates.iter().filter(|c| c.tied).map(|c| c.effect.as_str()).collect();
+        tied.sort_by_key(|id| added.iter().position(|known| known == id).unwrap_or(added.len()));
+        tied
+    }
+
+    /// Which model [`improved`](Self::improved) is, in words.
+    #[must_use]
+    pub fn improved_is(&self) -> String {
+        let added: Vec<&str> = self.steps.iter().filter_map(|step| step.added.as_deref()).collect();
+        match (self.verdict, added.is_empty()) {
+            (_, true) => "the calibrated baseline, without any added effect".to_owned(),
+            (Verdict::EffectMissing, _) => format!("the calibrated model with {}", added.join(" and ")),
+            (Verdict::Undetermined, _) => {
+                format!(
+                    "the best fit, with {}, which is not decided: {} tie",
+                    added.join(" and "),
+                    self.tied().join(", ")
+                )
+            }
+            _ => format!("the best fit, with {}, which explains a part only", added.join(" and ")),
+        }
     }
 
     /// The calibrated baseline.

@@ -8,7 +8,9 @@ use super::starts::Start;
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::Problem;
+use crate::diagnosis::weighted::Weighted;
 use crate::measurement::Kind;
+use crate::soil_class::SoilClass;
 use std::collections::BTreeMap;
 
 /// Most pairs that are refitted, for a carriage and for a traverse; the others are screened by their sensitivities.
@@ -133,6 +135,46 @@ impl Search<'_> {
         let parts: Vec<(&str, &[f64])> =
             set.iter().map(|id| (id.as_str(), self.problem.part(larger, &values, id))).collect();
         self.fit_again(set, self.problem.assemble(&values, &parts));
+    }
+
+    /// Fits a part of a fitted set where that is missing, from where the whole came.
+    pub fn fit_part(&mut self, whole: &[String], part: &[String]) {
+        let (None, Some(fit)) = (self.fits.get(part), self.fits.get(whole)) else { return };
+        let values = fit.values();
+        let kept: Vec<(&str, &[f64])> =
+            part.iter().map(|id| (id.as_str(), self.problem.part(whole, &values, id))).collect();
+        let start = self.problem.assemble(&values, &kept);
+        self.fit(vec![(part.to_vec(), vec![start])]);
+    }
+
+    /// Rise of chi-square of a fitted set where its soil is held within what a class of soil allows; `None` where there is no
+    /// such fit.
+    pub fn cost_within(&self, effects: &[String], fit: &Calibration, class: &SoilClass) -> Option<f64> {
+        let mut problem = self.problem.clone();
+        for free in &mut problem.base {
+            if let Some(range) = class.allows(&free.variable.name) {
+                free.variable.min = free.variable.min.max(*range.start());
+                free.variable.max = free.variable.max.min(*range.end());
+            }
+        }
+        if problem.base.iter().any(|free| free.variable.min >= free.variable.max) {
+            return None;
+        }
+        let within = run(&problem, self.noise, &problem.task(effects, vec![fit.values()]))?;
+        Some(within.chi_square - fit.chi_square)
+    }
+
+    /// Whitened derivatives by search coordinate at the values of a set, priors' rows last.
+    ///
+    /// # Errors
+    /// [`PredictionError`] where the model has no answer there.
+    pub fn whitened_columns(&self, effects: &[String], values: &[f64]) -> Result<Vec<Vec<f64>>, PredictionError> {
+        let free = self.problem.free(effects);
+        self.problem.predict(&free, |predict| {
+            let (layout, whitening) = (&self.problem.layout, self.ground.whitening);
+            let weighted = Weighted { predict, layout, free: &free, whitening, robust: f64::INFINITY, whole: true };
+            Ok(weighted.columns(&predict.slopes(values)?.1, values))
+        })?
     }
 
     /// Fits a set from another start and keeps the better fit.

@@ -12,6 +12,7 @@ use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::Problem;
 use crate::measurement::Prior;
 use crate::parallel::map_in_order;
+use std::collections::BTreeMap;
 
 /// A fit of the baseline with some effects, seen from where it stands.
 pub(crate) struct Stage {
@@ -98,6 +99,7 @@ impl Stage {
             repeats: ground.repeats,
             base: &base,
             signatures: &sensitivities.signatures,
+            sets: &sets_of_repeats(problem, ground.whitening),
             flexible: &flexible,
             pairs: effects.is_empty(),
         };
@@ -155,6 +157,32 @@ impl Stage {
     pub fn cosine(&self, a: &str, b: &str) -> f64 {
         largest_cosine(&self.columns(a), &self.columns(b))
     }
+}
+
+/// For every whitened value the number of the set of repeats that it belongs to, one signal apart from the other.
+fn sets_of_repeats(problem: &Problem, whitening: &Whitening) -> Vec<usize> {
+    let layout = &problem.layout;
+    let mut set_of: BTreeMap<(usize, usize), usize> = BTreeMap::new();
+    for (k, set) in problem.experiment.replicates().iter().enumerate() {
+        set_of.extend(set.iter().map(|sample| ((sample.run, sample.row), k)));
+    }
+    let mut names = vec![String::new(); layout.len()];
+    for block in &layout.blocks {
+        for (row, at) in block.range.clone().enumerate() {
+            names[at] = match set_of.get(&(block.run, row)) {
+                Some(set) => format!("{} {set}", block.signal),
+                None => format!("{at}"),
+            };
+        }
+    }
+    let mut numbers: BTreeMap<&str, usize> = BTreeMap::new();
+    whitening
+        .places()
+        .map(|at| {
+            let next = numbers.len();
+            *numbers.entry(&names[at]).or_insert(next)
+        })
+        .collect()
 }
 
 /// Change of a prior's row, that of parameter `j`, with the search coordinate of parameter `k`.

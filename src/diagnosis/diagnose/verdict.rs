@@ -1,18 +1,17 @@
 //! From fits and p-values to the verdict.
 
 use super::bootstrap::p_value;
-use super::held_out::HeldOut;
-use super::probability::better;
+use super::doubts::Doubt;
 use super::result::Verdict;
 use super::search::Search;
 use super::stage::Stage;
 
 /// An effect is named below this p-value, corrected for the number of candidates.
 pub(crate) const NAMED: f64 = 0.01;
-/// The baseline misses something below this p-value; two tests share the risk of a false alarm.
+/// The baseline misses something up to this p-value; three tests share the risk of a false alarm.
 const MISFIT: f64 = 0.005;
 /// Probability from which an effect predicts better than the baseline.
-const BETTER: f64 = 0.95;
+pub(crate) const BETTER: f64 = 0.95;
 /// Share of the explainable chi-square that may stay, and from which nothing is named.
 pub(crate) const MAY_STAY: f64 = 0.2;
 pub(crate) const TOO_MUCH: f64 = 0.5;
@@ -23,43 +22,60 @@ const REACH_SHARE: f64 = 0.02;
 /// Cosine of signatures from which two effects can stand for each other.
 pub(crate) const ALIKE: f64 = 0.8;
 
-/// What was found.
+/// A verdict and what it rests on.
 #[derive(Clone, Debug)]
-pub(crate) struct Finding {
+pub(crate) struct Judgement {
     pub verdict: Verdict,
+    /// Effects that the verdict names, in full or in part; none where it is undetermined.
     pub effects: Vec<String>,
+    /// Effects that remain possible where it is undetermined, the best first.
+    pub tied: Vec<String>,
     /// An effect and a candidate that could stand in its place.
-    pub ties: Vec<(String, String)>,
+    pub rivals: Vec<(String, String)>,
     pub cautions: Vec<String>,
 }
 
-impl Finding {
-    /// Whether an effect could stand in another's place, or another in its.
-    pub fn is_tied(&self, id: &str) -> bool {
-        self.ties.iter().any(|(own, rival)| own == id || rival == id)
+impl Judgement {
+    fn plain(verdict: Verdict, cautions: Vec<String>) -> Self {
+        Self { verdict, effects: Vec::new(), tied: Vec::new(), rivals: Vec::new(), cautions }
     }
 
-    /// Effects found, and those that tie with them.
+    /// Where the noise is not known nothing is decided; what would have been named stays possible.
+    pub fn without_a_floor(&mut self) {
+        self.verdict = Verdict::Undetermined;
+        self.tied.splice(0..0, self.effects.drain(..));
+    }
+
+    /// Effects named or possible.
     pub fn involved(&self) -> Vec<String> {
-        let mut all = self.effects.clone();
-        for (_, rival) in &self.ties {
-            if !all.contains(rival) {
-                all.push(rival.clone());
-            }
-        }
-        all
-    }
-
-    /// What the verdict lists: the effects found and, where it is undetermined, those that tie with them.
-    pub fn listed(&self) -> Vec<String> {
-        if self.verdict == Verdict::Undetermined { self.involved() } else { self.effects.clone() }
+        self.effects.iter().chain(&self.tied).cloned().collect()
     }
 }
 
-/// P-values of the baseline's misfit: in all, and along the conditions.
-pub(crate) fn misfit(stage: &Stage) -> (f64, f64) {
-    let all = p_value(&stage.draws, |draw| draw.chi_square, stage.observed.chi_square);
-    (all, p_value(&stage.draws, |draw| draw.structure, stage.observed.structure))
+/// P-values of the baseline's misfit.
+pub(crate) struct Misfit {
+    /// In all.
+    pub all: f64,
+    /// In what repeats have in common.
+    pub common: f64,
+    /// Along the conditions.
+    pub structure: f64,
+}
+
+/// Whether the baseline leaves more than noise, by three statistics.
+pub(crate) fn misfit(stage: &Stage) -> Misfit {
+    let (draws, observed) = (&stage.draws, &stage.observed);
+    Misfit {
+        all: p_value(draws, |draw| draw.chi_square, observed.chi_square),
+        common: p_value(draws, |draw| draw.common, observed.common),
+        structure: p_value(draws, |draw| draw.structure, observed.structure),
+    }
+}
+
+/// Whether a p-value of so many draws says that noise alone does not do it. With few draws the smallest p that they can give
+/// counts, so that the test can always fail.
+pub(crate) fn is_misfit(p: f64, draws: usize) -> bool {
+    p <= MISFIT.max(1.0 / (draws as f64 + 1.0))
 }
 
 /// Share of the baseline's explainable chi-square that a fitted set leaves, and whether what stays is more than noise.
@@ -69,7 +85,7 @@ pub(crate) fn left(search: &Search, stage: &Stage, effects: &[String], residual:
     let (after, p) = stage.structure(&stage.projected.base.outside(residual), &columns);
     // What an effect explains is explainable, even where the flexible curves are blind to it.
     let explainable = before.max(search.gain(effects)).max(f64::MIN_POSITIVE);
-    ((after / explainable).clamp(0.0, 1.0), p < MISFIT)
+    ((after / explainable).clamp(0.0, 1.0), is_misfit(p, stage.draws.len()))
 }
 
 /// Rivals within reach of a fitted set: candidates that could stand in the place of one of its effects.
@@ -94,51 +110,85 @@ pub(crate) fn rivals(search: &Search, effects: &[String], all: &[String]) -> Vec
 /// What the verdict needs to know of the final set.
 pub(crate) struct Case<'a> {
     pub effects: &'a [String],
+    /// Share of the explainable chi-square that stays, and whether that is more than noise.
     pub left: (f64, bool),
+    /// Whether the set gains more than noise alone gives the best of all candidates.
+    pub more_than_noise_alone: bool,
+    /// Effects of the set with a look-alike that the fits do not tell from them, or a rival that fits about as well.
+    pub imitating: Vec<String>,
     pub rivals: Vec<(String, String)>,
-    pub baseline: Option<&'a HeldOut>,
-    pub held_out: Option<&'a HeldOut>,
+    /// Whether left-out data are predicted better than by the baseline.
+    pub confirmed: bool,
     /// Whether the naming holds with the priors all but removed; `None` without priors.
     pub without_priors: Option<bool>,
+    pub doubts: &'a [Doubt],
 }
 
-/// The verdict where at least one effect gains more than noise alone.
-pub(crate) fn with_effects(case: &Case) -> Finding {
-    let mut cautions = Vec::new();
-    let ties = case.rivals.clone();
-    let confirmed = match (case.held_out, case.baseline) {
-        (Some(ours), Some(baseline)) => better(&ours.density, &baseline.density) > BETTER,
-        _ => false,
-    };
+/// The verdict where effects gain more than noise alone.
+pub(crate) fn with_effects(case: &Case) -> Judgement {
     let (left, more_than_noise) = case.left;
-    let effects = case.effects.to_vec();
-    let verdict = if more_than_noise && left > TOO_MUCH {
-        return Finding { verdict: Verdict::Unexplained, effects: Vec::new(), ties: Vec::new(), cautions };
-    } else if more_than_noise && left > MAY_STAY {
-        Verdict::Unexplained
-    } else if case.without_priors == Some(false) {
+    if more_than_noise && left > MAY_STAY {
+        return Judgement { effects: partial(case), ..Judgement::plain(Verdict::Unexplained, Vec::new()) };
+    }
+    let cautions = against(case);
+    let rivals = case.rivals.clone();
+    if cautions.is_empty() && rivals.is_empty() {
+        let effects = case.effects.to_vec();
+        return Judgement { effects, ..Judgement::plain(Verdict::EffectMissing, cautions) };
+    }
+    let mut tied = case.effects.to_vec();
+    for (_, rival) in &rivals {
+        if !tied.contains(rival) {
+            tied.push(rival.clone());
+        }
+    }
+    Judgement { tied, rivals, ..Judgement::plain(Verdict::Undetermined, cautions) }
+}
+
+/// The effects of a set that are worth listing although much is left: over half of what could be explained is gone with
+/// them, and none of them only imitates something else.
+fn partial(case: &Case) -> Vec<String> {
+    let imitates =
+        |id: &String| case.imitating.contains(id) || case.doubts.iter().any(|doubt| doubt.superfluous() == Some(id));
+    if case.left.0 > TOO_MUCH || !case.confirmed {
+        return Vec::new();
+    }
+    case.effects.iter().filter(|id| !imitates(id)).cloned().collect()
+}
+
+/// What speaks against naming a set that leaves little, or nothing but noise.
+fn against(case: &Case) -> Vec<String> {
+    let mut cautions: Vec<String> = case.doubts.iter().map(Doubt::words).collect();
+    if case.left.0 > TOO_MUCH {
+        cautions.push(format!(
+            "{} accounts for {:.0} % only of what could be explained; the rest may be noise, but it is too much to name anything",
+            case.effects.join(" with "),
+            100.0 * (1.0 - case.left.0)
+        ));
+    }
+    if !case.more_than_noise_alone {
+        cautions
+            .push(format!("{} gains no more than the best candidate may by noise alone", case.effects.join(" with ")));
+    }
+    if case.without_priors == Some(false) {
         cautions.push(
             "without the priors the effect is not needed: a prior may be wrong, which looks like a missing effect"
                 .to_owned(),
         );
-        Verdict::Undetermined
-    } else if !confirmed {
+    }
+    if !case.confirmed {
         cautions.push("left-out conditions do not confirm the effect: it fits, but does not predict better".to_owned());
-        Verdict::Undetermined
-    } else if !ties.is_empty() {
-        Verdict::Undetermined
-    } else {
-        Verdict::EffectMissing
-    };
-    Finding { verdict, effects, ties, cautions }
+    }
+    cautions
 }
 
 /// The verdict where no effect gains more than noise alone; `blind` is the share of visible effects that could be there
 /// at full physical strength without showing.
-pub(crate) fn without_effects(stage: &Stage, blind: f64) -> Finding {
-    let (all, structure) = misfit(stage);
+pub(crate) fn without_effects(stage: &Stage, blind: f64) -> Judgement {
+    let Misfit { all, common, structure } = misfit(stage);
     let mut cautions = Vec::new();
-    let verdict = if all < MISFIT || structure < MISFIT {
+    let draws = stage.draws.len();
+    let verdict = if [all, common, structure].into_iter().any(|p| is_misfit(p, draws)) {
         Verdict::Unexplained
     } else if blind > TOO_MUCH {
         cautions.push(format!(
@@ -149,16 +199,25 @@ pub(crate) fn without_effects(stage: &Stage, blind: f64) -> Finding {
     } else {
         Verdict::Explained
     };
-    Finding { verdict, effects: Vec::new(), ties: Vec::new(), cautions }
+    Judgement::plain(verdict, cautions)
+}
+
+/// Whether an effect of a set has a look-alike that the fits do not tell from it.
+pub(crate) fn is_imitation(search: &Search, stage: &Stage, set: &[String], own: &str) -> bool {
+    stage.sensitivities.signatures.iter().any(|signature| {
+        !set.contains(&signature.id)
+            && stage.cosine(own, &signature.id) > ALIKE
+            && !told_apart(search, set, own, &signature.id)
+    })
 }
 
 /// Pairs that look alike here and of which one is named or tied, less those that the data tell apart.
-pub(crate) fn confused(search: &Search, stage: &Stage, finding: &Finding) -> Vec<[String; 2]> {
+pub(crate) fn confused(search: &Search, stage: &Stage, judgement: &Judgement, chosen: &[String]) -> Vec<[String; 2]> {
     let mut pairs: Vec<[String; 2]> = Vec::new();
-    for own in &finding.involved() {
-        // The set in which `own` plays its part: the effects found, or those with it in its rival's place.
-        let part_of = |(found, rival): &(String, String)| (rival == own).then(|| swapped(&finding.effects, found, own));
-        let set = finding.ties.iter().find_map(part_of).unwrap_or_else(|| finding.effects.clone());
+    for own in &judgement.involved() {
+        // The set in which `own` plays its part: the chosen one, or that with it in its rival's place.
+        let part_of = |(found, rival): &(String, String)| (rival == own).then(|| swapped(chosen, found, own));
+        let set = judgement.rivals.iter().find_map(part_of).unwrap_or_else(|| chosen.to_vec());
         for signature in &stage.sensitivities.signatures {
             let known = |pair: &[String; 2]| pair.contains(own) && pair.contains(&signature.id);
             if signature.id != *own
@@ -173,7 +232,8 @@ pub(crate) fn confused(search: &Search, stage: &Stage, finding: &Finding) -> Vec
     pairs
 }
 
-fn swapped(effects: &[String], out: &str, into: &str) -> Vec<String> {
+/// A set with one effect in the place of another.
+pub(crate) fn swapped(effects: &[String], out: &str, into: &str) -> Vec<String> {
     effects.iter().map(|id| if id == out { into } else { id.as_str() }.to_owned()).collect()
 }
 

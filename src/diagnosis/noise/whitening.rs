@@ -40,6 +40,11 @@ impl Whitening {
         Some(Self { strands, len })
     }
 
+    /// Place in the layout of every whitened value, in order.
+    pub fn places(&self) -> impl Iterator<Item = usize> {
+        self.strands.iter().flat_map(|strand| strand.rows.iter().map(|row| strand.start + row))
+    }
+
     /// Number of whitened values.
     pub fn len(&self) -> usize {
         self.len

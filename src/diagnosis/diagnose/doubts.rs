@@ -1,0 +1,170 @@
+//! What speaks against naming a fitted set of effects although it fits: effects that the set could do without, a soil that
+//! no class of soil allows, a bound that carries the fit.
+
+use super::bootstrap::p_value;
+use super::report_parts::whitened_residual;
+use super::search::Search;
+use super::stage::Stage;
+use super::verdict::{ALIKE, NAMED, REACH};
+use crate::diagnosis::calibrate::{CalibratedParameter, Calibration};
+use crate::diagnosis::linear_algebra::{Basis, dot};
+use crate::diagnosis::prediction::PredictionError;
+
+/// Standard errors of a 95 % interval.
+const INTERVAL: f64 = 1.96;
+
+/// 95 % points of chi-square for one, two and three parameters.
+const LIKELY: [f64; 3] = [3.841, 5.991, 7.815];
+
+/// Share of a set's gain below which an effect could be left out: another form of one of the others gains as much.
+const LITTLE: f64 = 0.01;
+
+/// Share of a set's gain that a bound may hold back.
+const HELD_BACK: f64 = 0.02;
+
+/// One reason not to name a set.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Doubt {
+    /// Two of its effects change the same.
+    Alike { effects: [String; 2], cosine: f64, weaker: String },
+    /// The interval of an effect's strength holds its neutral value.
+    Neutral { effect: String, strength: String },
+    /// Without the effect the fit is hardly worse.
+    Spare { effect: String, loss: f64, gain: f64 },
+    /// No class of soil allows the fitted soil.
+    Soil(String),
+    /// The fit leans on a bound.
+    Bound { parameter: String, value: String, gain: f64 },
+}
+
+impl Doubt {
+    /// The effect that the set could do without.
+    pub fn superfluous(&self) -> Option<&str> {
+        match self {
+            Self::Alike { weaker, .. } => Some(weaker),
+            Self::Neutral { effect, .. } | Self::Spare { effect, .. } => Some(effect),
+            Self::Soil(_) | Self::Bound { .. } => None,
+        }
+    }
+
+    /// The reason in a sentence.
+    pub fn words(&self) -> String {
+        match self {
+            Self::Alike { effects: [a, b], cosine, .. } => {
+                format!("{a} and {b} look alike here: the cosine of what they change is {cosine:.2}")
+            }
+            Self::Neutral { effect, strength } => {
+                format!("the strength of {effect} is not told from none: {strength}")
+            }
+            Self::Spare { effect, loss, gain } => {
+                format!("{effect} could be left out: chi-square rises by {loss:.1} only, of {gain:.0} that all gain")
+            }
+            Self::Soil(words) => words.clone(),
+            Self::Bound { parameter, value, gain } => format!(
+                "{parameter} is held at its bound, {value}, and the fit leans on it: beyond it chi-square would fall by about {gain:.0} more"
+            ),
+        }
+    }
+}
+
+/// All that speaks against naming `effects`, which are fitted. Sets with one effect less are fitted where they are missing.
+///
+/// # Errors
+/// [`PredictionError`] where the model has no answer at the fit.
+pub(crate) fn doubts(search: &mut Search, stage: &Stage, effects: &[String]) -> Result<Vec<Doubt>, PredictionError> {
+    let mut found = Vec::new();
+    let Some(fit) = search.fits.get(effects).cloned() else { return Ok(found) };
+    let losses: Vec<f64> = effects.iter().map(|id| loss(search, effects, id)).collect();
+    for (k, own) in effects.iter().enumerate() {
+        found.extend(spare(search, stage, effects, own, losses[k]));
+        found.extend(neutral(search, effects, own, &fit, losses[k]));
+        for other in &effects[k + 1..] {
+            let cosine = stage.cosine(own, other);
+            if cosine > ALIKE {
+                let j = effects.iter().position(|id| id == other).unwrap_or(k);
+                let weaker = if losses[j] < losses[k] { other } else { own }.clone();
+                found.push(Doubt::Alike { effects: [own.clone(), other.clone()], cosine, weaker });
+            }
+        }
+    }
+    found.extend(leaning(search, effects, &fit)?);
+    found.extend(super::soil::unbelievable(search, effects, &fit).map(Doubt::Soil));
+    Ok(found)
+}
+
+/// Rise of chi-square without one effect of the set, all else fitted again.
+fn loss(search: &mut Search, effects: &[String], id: &String) -> f64 {
+    let part: Vec<String> = effects.iter().filter(|other| *other != id).cloned().collect();
+    if !part.is_empty() {
+        search.fit_part(effects, &part);
+    }
+    search.gain(effects) - search.gain(&part)
+}
+
+/// Whether the set could do without an effect of it.
+fn spare(search: &Search, stage: &Stage, effects: &[String], own: &str, loss: f64) -> Option<Doubt> {
+    let gain = search.gain(effects);
+    let noise = p_value(&stage.draws, |draw| draw.single, loss) >= NAMED;
+    let little = noise || loss < LITTLE * gain;
+    (effects.len() > 1 && little).then(|| Doubt::Spare { effect: own.to_owned(), loss, gain })
+}
+
+/// Whether the strength of an effect is told from none: by its standard error where it has one parameter, and by the rise of
+/// chi-square without it, both against the misfit that stays.
+fn neutral(search: &Search, effects: &[String], own: &str, fit: &Calibration, loss: f64) -> Option<Doubt> {
+    let values = fit.values();
+    let count = search.problem.part(effects, &values, own).len();
+    let of_own = |parameter: &&CalibratedParameter| parameter.variable.name.split('.').next() == Some(own);
+    let parameters: Vec<&CalibratedParameter> =
+        fit.parameters[search.problem.base.len()..].iter().filter(of_own).collect();
+    let scatter = (fit.chi_square / fit.degrees_of_freedom.max(1) as f64).max(1.0);
+    let likely = LIKELY[count.clamp(1, LIKELY.len()) - 1];
+    let holds = |parameter: &&CalibratedParameter| {
+        let from_neutral = (parameter.value - parameter.variable.default).abs();
+        parameter.deviation.is_some_and(|deviation| from_neutral <= INTERVAL * deviation)
+    };
+    let by_error = count == 1 && parameters.iter().all(holds);
+    (by_error || loss / scatter < likely).then(|| Doubt::Neutral {
+        effect: own.to_owned(),
+        strength: parameters.iter().map(|parameter| strength(parameter)).collect::<Vec<_>>().join(", "),
+    })
+}
+
+/// A parameter with its standard error.
+fn strength(parameter: &CalibratedParameter) -> String {
+    let variable = &parameter.variable;
+    let error = parameter.deviation.map_or_else(
+        || "with an unknown standard error".to_owned(),
+        |deviation| format!("with a standard error of {deviation:.2e}"),
+    );
+    format!("{} = {:.2e} {} {error}", variable.name, parameter.value, variable.unit.symbol)
+}
+
+/// Bounds without which the fit would be better by more than another form of the effects is: by the sensitivities. Where
+/// nothing is the natural end of a parameter, as with cohesion, it counts as no bound.
+fn leaning(search: &Search, effects: &[String], fit: &Calibration) -> Result<Vec<Doubt>, PredictionError> {
+    if !fit.parameters.iter().any(|parameter| parameter.at_bound) {
+        return Ok(Vec::new());
+    }
+    let (problem, values) = (search.problem, fit.values());
+    let free = problem.free(effects);
+    let residual = whitened_residual(search, effects, &values)?;
+    let columns = search.whitened_columns(effects, &values)?;
+    let inner = Basis::of(columns.iter().zip(&fit.parameters).filter(|(_, p)| !p.at_bound).map(|(column, _)| column));
+    let outside = inner.outside(&residual);
+    let bar = REACH.max(HELD_BACK * search.gain(effects));
+    let mut found = Vec::new();
+    for (k, parameter) in fit.parameters.iter().enumerate().filter(|(_, p)| p.at_bound && p.value != 0.0) {
+        let column = inner.outside(&columns[k]);
+        let size = dot(&column, &column);
+        let step = -dot(&column, &outside) / size.max(f64::MIN_POSITIVE);
+        let (low, high) = free[k].bounds();
+        let outward = if free[k].coordinate(parameter.value) > 0.5 * (low + high) { step > 0.0 } else { step < 0.0 };
+        let gain = step * step * size;
+        if outward && gain > bar {
+            let value = format!("{:.4} {}", parameter.value, parameter.variable.unit.symbol);
+            found.push(Doubt::Bound { parameter: parameter.variable.name.clone(), value, gain });
+        }
+    }
+    Ok(found)
+}

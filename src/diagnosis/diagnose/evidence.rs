@@ -1,0 +1,100 @@
+//! What left-out data say: predictions of fitted sets, and the probabilities that follow from them.
+
+use super::folds::{Fold, folds};
+use super::held_out::{HeldOut, held_out};
+use super::prepare::Prepared;
+use super::probability::{better, something_else, weights};
+use super::result::Share;
+use super::search::Search;
+use super::stage::Stage;
+use std::collections::BTreeMap;
+
+/// Single effects that compete on left-out data: the best fits; the others gain nothing worth predicting.
+const COMPETING_SINGLES: usize = 6;
+
+/// Pairs beside the chosen ones that compete in the probabilities.
+const COMPETING_PAIRS: usize = 3;
+
+/// Prior probability that the baseline is enough, and that something else than any candidate is missing.
+const PRIOR_ENOUGH: f64 = 0.5;
+const PRIOR_OTHER: f64 = 0.1;
+
+/// Predictions of what was left out, by fitted set.
+pub(crate) struct Evidence {
+    pub folds: Vec<Fold>,
+    held: BTreeMap<Vec<String>, HeldOut>,
+}
+
+impl Evidence {
+    /// Of the baseline, the best singles and pairs, and the prefixes of a chosen set.
+    pub fn new(search: &Search, chosen: &[String]) -> Self {
+        let mut evidence = Self { folds: folds(&search.problem.experiment), held: BTreeMap::new() };
+        let best = |count: usize, most: usize| {
+            let mut sets: Vec<&Vec<String>> = search.fits.of(count).map(|(set, _)| set).collect();
+            sets.sort_by(|a, b| search.net_gain(b).total_cmp(&search.net_gain(a)));
+            sets.into_iter().take(most).cloned().collect::<Vec<_>>()
+        };
+        let mut sets = vec![Vec::new()];
+        sets.extend(best(1, COMPETING_SINGLES));
+        sets.extend((2..=chosen.len()).map(|count| chosen[..count].to_vec()));
+        sets.extend(best(2, COMPETING_PAIRS));
+        evidence.add(search, sets);
+        evidence
+    }
+
+    /// Predicts with further sets, as far as they are fitted and not predicted with yet.
+    pub fn add(&mut self, search: &Search, mut sets: Vec<Vec<String>>) {
+        sets.iter_mut().for_each(|set| set.sort());
+        sets.sort();
+        sets.dedup();
+        sets.retain(|set| !self.held.contains_key(set));
+        let folds = &self.folds;
+        let predict = |set: &Vec<String>| {
+            if (search.control.stop)() {
+                return None;
+            }
+            let fit = search.fits.get(set)?;
+            held_out(search.problem, search.noise, set, fit, folds).map(|held| (set.clone(), held))
+        };
+        self.held.extend(crate::parallel::map_in_order(&sets, predict).into_iter().flatten());
+    }
+
+    /// What a set predicts of the left-out data.
+    pub fn of(&self, effects: &[String]) -> Option<&HeldOut> {
+        let mut set = effects.to_vec();
+        set.sort();
+        self.held.get(&set)
+    }
+
+    /// Probability that one set predicts better than another; `None` where one of them was not predicted with.
+    pub fn better(&self, ours: &[String], theirs: &[String]) -> Option<f64> {
+        Some(better(&self.of(ours)?.density, &self.of(theirs)?.density))
+    }
+
+    /// Probabilities of "enough" and "something else", and of each effect being part of the explanation.
+    pub fn probabilities(&self, search: &Search, stage: &Stage, prepared: &Prepared) -> (Share, BTreeMap<String, f64>) {
+        let measured = &search.problem.layout.measured;
+        let difference: Vec<f64> = measured.iter().zip(&stage.modelled).map(|(y, m)| y - m).collect();
+        let base = &stage.sensitivities.base;
+        let other = something_else(search.problem, &prepared.noise, &difference, base, &prepared.flexible, &self.folds);
+        let mut densities: Vec<&[f64]> = self.held.values().map(|held| held.density.as_slice()).collect();
+        densities.extend(other.as_deref());
+        // A candidate at its neutral value is the baseline, so many useless candidates must not outvote "enough".
+        let each = (1.0 - PRIOR_ENOUGH - PRIOR_OTHER) / self.held.len().saturating_sub(1).max(1) as f64;
+        let mut priors: Vec<f64> =
+            self.held.keys().map(|set| if set.is_empty() { PRIOR_ENOUGH } else { each }).collect();
+        priors.extend(other.as_ref().map(|_| PRIOR_OTHER));
+        let weights = weights(&densities, &priors);
+        let mut inclusion = BTreeMap::new();
+        let mut share = Share { enough: 0.0, other: if other.is_some() { weights[weights.len() - 1] } else { 0.0 } };
+        for (set, weight) in self.held.keys().zip(&weights) {
+            if set.is_empty() {
+                share.enough = *weight;
+            }
+            for id in set {
+                *inclusion.entry(id.clone()).or_insert(0.0) += weight;
+            }
+        }
+        (share, inclusion)
+    }
+}
