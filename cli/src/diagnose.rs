@@ -74,6 +74,7 @@ impl Diagnose {
         }
         if let Some(path) = &self.save {
             write(path, &diagnosis.improved.to_toml()?)?;
+            say!("  it is {}", diagnosis.improved_is());
         }
         if diagnosis.interrupted {
             say!("interrupted: what was not done is missing from this result");

@@ -31,10 +31,10 @@ pub fn print(diagnosis: &Diagnosis) -> Result<()> {
 
 /// The verdict in a sentence.
 fn sentence(diagnosis: &Diagnosis) -> String {
-    let effects = diagnosis.effects.join(", ");
+    let effects = diagnosis.involved().join(", ");
     let share = 100.0 * diagnosis.explained_share;
     let word = diagnosis.verdict.name();
-    match (diagnosis.verdict, diagnosis.effects.len()) {
+    match (diagnosis.verdict, diagnosis.involved().len()) {
         (Verdict::Explained, _) => format!("{word}. The calibrated model leaves only noise; no effect is missing"),
         (Verdict::EffectMissing, 1) => {
             format!("{word}. {effects} is missing from the model and accounts for {share:.0} % of the structure")

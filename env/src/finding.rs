@@ -77,6 +77,7 @@ impl Finding {
         })?;
         all.set_item("suggestions", suggestions)?;
         all.set_item("next_experiment", core.next_experiment())?;
+        all.set_item("improved_is", core.improved_is())?;
         all.set_item("cautions", &core.cautions)?;
         all.set_item("interrupted", core.interrupted)?;
         Ok(all)
@@ -162,6 +163,7 @@ fn lack_of_fit<'py>(py: Python<'py>, lack: &LackOfFit) -> PyResult<Bound<'py, Py
     described.set_item("chi_square", lack.chi_square)?;
     described.set_item("degrees_of_freedom", lack.degrees_of_freedom)?;
     described.set_item("p_value", lack.p_value)?;
+    described.set_item("p_common", lack.p_common)?;
     described.set_item("explainable", lack.explainable)?;
     described.set_item("p_structure", lack.p_structure)?;
     Ok(described)

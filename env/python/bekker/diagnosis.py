@@ -82,7 +82,7 @@ class Diagnosis:
     structure. ``unexplained``: no candidate accounts for it, the listed effects are none or partial.
     ``undetermined``: candidates tie, or the experiment cannot see the difference."""
     effects: list[str]
-    """The effects that the verdict is about."""
+    """The effects that the verdict names, in part where ``unexplained``; none where ``undetermined``, see :attr:`tied`."""
     noise_floor: dict[str, NoiseFloor]
     """Standard deviation of one sample by signal."""
     noise_floor_source: Literal["stated", "replicates", "unknown"]
@@ -116,6 +116,8 @@ class Diagnosis:
     """What to measure next, the most useful first."""
     next_experiment: str
     """The first of them in one line; empty where there is none."""
+    improved_is: str
+    """Which model :attr:`improved` is, in words."""
     cautions: list[str]
     """What the reader should beware of."""
     interrupted: bool
@@ -227,8 +229,14 @@ class Diagnosis:
         # The native part stays where it is: all numbers are here, only the report needs it.
         return {name: value for name, value in self.__dict__.items() if name != "_finding"} | {"_finding": None}
 
+    @property
+    def tied(self) -> list[str]:
+        """Effects that remain possible where the verdict is ``undetermined``, the most probable first."""
+        return [candidate.effect for candidate in self.candidates if candidate.tied]
+
     def __str__(self) -> str:
-        lines = [f"{self.experiment}: {self.verdict.replace('_', ' ')}" + _list(": ", self.effects)]
+        about = _list(": ", self.effects) or _list(", tied: ", self.tied)
+        lines = [f"{self.experiment}: {self.verdict.replace('_', ' ')}" + about]
         for step in self.steps:
             errors = ", ".join(f"{signal} {rmse:.3g}" for signal, rmse in step.rmse.items())
             lines.append(f"  {f'+ {step.added}' if step.added else 'calibrated'}: error {errors} rms, {step.left:.0%} left")

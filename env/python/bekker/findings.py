@@ -83,7 +83,7 @@ class Candidate:
     probability: float
     """Probability that it is part of the explanation."""
     tied: bool
-    """Whether it ties with the effects named, or with another candidate where none is."""
+    """Whether it remains possible where the verdict is undetermined."""
     heldout_gain: float | None
     """Gain in log predictive density on left-out data, nats; None where only screened."""
     better: float | None
@@ -130,6 +130,8 @@ class LackOfFit:
     degrees_of_freedom: int
     p_value: float
     """Probability of as large a chi-square by noise alone."""
+    p_common: float
+    """Probability of as large a part that repeats have in common by noise alone."""
     explainable: float
     """The part of chi-square along the conditions, less what noise puts there."""
     p_structure: float

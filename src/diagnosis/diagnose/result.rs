@@ -212,6 +212,16 @@ impl Diagnosis {
         tied
     }
 
+    /// Effects that the verdict is about: those that it names, or those that remain possible.
+    #[must_use]
+    pub fn involved(&self) -> Vec<String> {
+        if self.effects.is_empty() {
+            self.tied().into_iter().map(str::to_owned).collect()
+        } else {
+            self.effects.clone()
+        }
+    }
+
     /// Which model [`improved`](Self::improved) is, in words.
     #[must_use]
     pub fn improved_is(&self) -> String {

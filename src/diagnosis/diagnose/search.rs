@@ -85,6 +85,14 @@ impl Search<'_> {
         let sets: Vec<_> = sets.into_iter().filter(|(effects, _)| self.fits.get(effects).is_none()).collect();
         let tasks: Vec<Task> = sets.into_iter().map(|(effects, starts)| self.problem.task(&effects, starts)).collect();
         self.settle_all(&tasks);
+        // A baseline may have bent its soil so far that with an effect added it carries no wheel: then from the given soil and
+        // draws. On a traverse, where that is dear, only the best effects are fitted so, see `afresh`.
+        if self.problem.experiment.kind == Kind::SingleWheel {
+            let failed = |task: &&Task| self.fits.get(&task.effects).is_none();
+            let anew: Vec<Task> =
+                tasks.iter().filter(failed).map(|task| self.problem.task(&task.effects, Vec::new())).collect();
+            self.settle_all(&anew);
+        }
         let again: Vec<Task> = tasks.iter().filter_map(|task| self.restart_at_part(&task.effects)).collect();
         self.settle_all(&again);
     }

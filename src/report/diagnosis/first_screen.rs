@@ -28,7 +28,7 @@ pub(super) fn verdict(diagnosis: &Diagnosis) -> String {
     )
 }
 
-/// The named and tied effects with their meaning, probability and parameters.
+/// The named or tied effects with their meaning, probability and parameters.
 fn effects(diagnosis: &Diagnosis) -> String {
     let (_, tied) = named_and_tied(diagnosis);
     let item = |effect: &String| {
@@ -53,7 +53,7 @@ fn effects(diagnosis: &Diagnosis) -> String {
             escape(&facts.join(" \u{b7} "))
         )
     };
-    let items: String = diagnosis.effects.iter().map(item).collect();
+    let items: String = diagnosis.involved().iter().map(item).collect();
     if items.is_empty() { items } else { format!("<ul class=\"effects\">{items}</ul>") }
 }
 

@@ -13,16 +13,16 @@ pub(super) fn meaning(effect: &str) -> String {
     EFFECTS.iter().find(|(id, _)| *id == effect).map_or_else(String::new, |(_, meaning)| meaning.trim().to_owned())
 }
 
-/// The effects of the final model that the verdict names, and those that tie with them.
+/// The effects of the final model that the verdict is about, and those that tie with them.
 pub(super) fn named_and_tied(diagnosis: &Diagnosis) -> (Vec<String>, Vec<String>) {
     let added: Vec<String> = diagnosis.steps.iter().filter_map(|step| step.added.clone()).collect();
-    diagnosis.effects.iter().cloned().partition(|effect| added.contains(effect))
+    diagnosis.involved().into_iter().partition(|effect| added.contains(effect))
 }
 
 /// Effects that the last step has but the verdict does not name.
 pub(super) fn tried(diagnosis: &Diagnosis) -> Vec<String> {
-    let added = diagnosis.steps.iter().filter_map(|step| step.added.clone());
-    added.filter(|effect| !diagnosis.effects.contains(effect)).collect()
+    let (added, involved) = (diagnosis.steps.iter().filter_map(|step| step.added.clone()), diagnosis.involved());
+    added.filter(|effect| !involved.contains(effect)).collect()
 }
 
 /// `a`, `a and b`, `a, b and c`.
