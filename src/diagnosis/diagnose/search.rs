@@ -4,7 +4,7 @@ use super::bootstrap::p_value;
 use super::control::Control;
 use super::fits::{Noise, Outcome, Task, run};
 use super::stage::{Ground, Stage};
-use super::starts::Start;
+use super::starts::{Start, nearly_neutral};
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::Problem;
@@ -85,14 +85,6 @@ impl Search<'_> {
         let sets: Vec<_> = sets.into_iter().filter(|(effects, _)| self.fits.get(effects).is_none()).collect();
         let tasks: Vec<Task> = sets.into_iter().map(|(effects, starts)| self.problem.task(&effects, starts)).collect();
         self.settle_all(&tasks);
-        // A baseline may have bent its soil so far that with an effect added it carries no wheel: then from the given soil and
-        // draws. On a traverse, where that is dear, only the best effects are fitted so, see `afresh`.
-        if self.problem.experiment.kind == Kind::SingleWheel {
-            let failed = |task: &&Task| self.fits.get(&task.effects).is_none();
-            let anew: Vec<Task> =
-                tasks.iter().filter(failed).map(|task| self.problem.task(&task.effects, Vec::new())).collect();
-            self.settle_all(&anew);
-        }
         let again: Vec<Task> = tasks.iter().filter_map(|task| self.restart_at_part(&task.effects)).collect();
         self.settle_all(&again);
     }
@@ -110,10 +102,11 @@ impl Search<'_> {
         }
     }
 
-    /// A search of a set from the best set with one effect less, that effect neutral, where a fit of the whole set leaves
-    /// more than that: its search has failed.
+    /// A search of a set from the best set with one effect less, that effect all but neutral, where a fit of the whole set
+    /// leaves more than that, or there is none: its search has failed. The baseline may have bent its soil so far that with
+    /// more of the effect it carries no wheel.
     fn restart_at_part(&self, effects: &[String]) -> Option<Task> {
-        let whole = self.fits.get(effects)?;
+        let whole = self.fits.get(effects).map_or(f64::INFINITY, |fit| fit.chi_square);
         let without = |k: usize| effects.iter().enumerate().filter(move |(j, _)| *j != k).map(|(_, id)| id.clone());
         let parts = (0..effects.len()).filter_map(|k| {
             let part: Vec<String> = without(k).collect();
@@ -121,10 +114,10 @@ impl Search<'_> {
             Some((fit.chi_square, part, fit.values(), &effects[k]))
         });
         let (least, part, values, new) = parts.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        if whole.chi_square <= least {
+        if whole <= least {
             return None;
         }
-        let neutral: Vec<f64> = self.problem.candidate(new)?.free.iter().map(|free| free.start).collect();
+        let neutral: Vec<f64> = self.problem.candidate(new)?.free.iter().map(nearly_neutral).collect();
         let kept = part.iter().map(|id| (id.as_str(), self.problem.part(&part, &values, id)));
         let all: Vec<(&str, &[f64])> = kept.chain([(new.as_str(), neutral.as_slice())]).collect();
         Some(self.problem.task(effects, vec![self.problem.assemble(&values, &all)]))

@@ -13,6 +13,9 @@ const STARTS: [f64; 3] = [0.1, 0.3, 0.6];
 /// Share of its range by which a parameter on a bound is moved inwards before a refit.
 const OFF_BOUND: f64 = 0.1;
 
+/// Share of its range by which an effect that is all but neutral differs from neutral.
+const NEARLY: f64 = 0.002;
+
 /// A set of effects and the values from which its fit starts.
 pub(super) type Start = (Vec<String>, Vec<Vec<f64>>);
 
@@ -81,6 +84,11 @@ fn off_bounds(fit: &Calibration) -> Vec<f64> {
         parameter.value.clamp(low + margin, high - margin)
     };
     fit.parameters.iter().map(inside).collect()
+}
+
+/// A parameter of an effect at its neutral value, moved off a bound on which that may lie: a search cannot leave a corner.
+pub(super) fn nearly_neutral(free: &Free) -> f64 {
+    free.start + NEARLY * span(free)
 }
 
 fn span(free: &Free) -> f64 {
