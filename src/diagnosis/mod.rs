@@ -34,19 +34,19 @@ mod weighted;
 
 pub use calibrate::{CalibratedParameter, Calibration};
 pub use compare::{CompareError, CompareOptions, Comparison, compare};
-pub use curves::{Axis, Curve, CurveGroup, Curves, ModelCurves};
 #[cfg(feature = "report")]
 pub(crate) use curves::set_points;
+pub use curves::{Axis, Curve, CurveGroup, Curves, ModelCurves};
 pub use diagnose::{
     CandidateResult, Control, DiagnoseOptions, Diagnosis, FinalParameter, LackOfFit, Noise, Outcome, PairResult,
     ParameterResult, Progress, Share, Spread, Step, Task, Threads, Verdict, diagnose, fit_task,
 };
 #[cfg(feature = "report")]
 pub(crate) use failure::levels_of;
-#[cfg(feature = "report")]
-pub(crate) use local_line::LocalLine;
 pub use failure::{Failure, Level, levels};
 pub use fit::{Fit, RunFit, SignalFit};
+#[cfg(feature = "report")]
+pub(crate) use local_line::{LocalLine, Smoothed};
 pub use noise::{FloorSource, NoiseFloor, NoiseModel, Pooled};
 pub use prediction::{Derivatives, PredictionError};
 pub use replay::{Replay, ReplayError};

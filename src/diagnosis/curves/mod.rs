@@ -264,10 +264,9 @@ impl Group {
         };
         let grid: Vec<Vec<[f64; 3]>> = at.iter().map(|x| inputs.at(*x)).collect();
         let rig_of = |values: &Values| problem.rig(rows[0].at.run, values);
-        let models = models.iter().map(|(step, values)| ModelCurves {
-            step: *step,
-            signals: evaluated(&rig_of(values), &grid, signals),
-        });
+        let models = models
+            .iter()
+            .map(|(step, values)| ModelCurves { step: *step, signals: evaluated(&rig_of(values), &grid, signals) });
         CurveGroup {
             models: models.collect(),
             name,
@@ -294,7 +293,8 @@ fn evaluated(rig: &Rig, grid: &[Vec<[f64; 3]>], signals: &[String]) -> BTreeMap<
             })
             .collect();
         for (signal, curve) in &mut curves {
-            let value = |k: usize| answers[k].as_ref().map_or(f64::NAN, |point| super::prediction::signal(point, signal));
+            let value =
+                |k: usize| answers[k].as_ref().map_or(f64::NAN, |point| super::prediction::signal(point, signal));
             let middle = value(0);
             // Where the typical inputs have no answer the curve has a gap, and so has its band.
             let all = (0..answers.len()).map(value).filter(|v| !v.is_nan() && !middle.is_nan());

@@ -18,10 +18,8 @@ pub(crate) fn set_points(values: impl IntoIterator<Item = f64>, least: f64) -> V
     gaps.truncate(MOST - 1);
     // The finest division that holds; classes are divided by their largest gaps.
     for smallest in gaps.iter().rev() {
-        let parts: Vec<(f64, f64)> = values
-            .chunk_by(|a, b| b - a < *smallest)
-            .map(|part| (part[0], part[part.len() - 1]))
-            .collect();
+        let parts: Vec<(f64, f64)> =
+            values.chunk_by(|a, b| b - a < *smallest).map(|part| (part[0], part[part.len() - 1])).collect();
         let widest = parts.iter().map(|(low, high)| high - low).fold(0.0, f64::max);
         if parts.len() <= MOST && *smallest > APART * widest {
             return parts;

@@ -15,13 +15,12 @@ pub(super) use candidates::{probabilities, visible_shares};
 pub(super) use conditions::{Condition, Samples, conditions};
 pub(super) use lines::lines;
 pub(super) use map::map;
-pub(super) use overlay::{controls, overlay};
+pub(super) use overlay::{controls, overlays};
 pub(super) use profile::profile;
 pub(super) use residuals::residuals;
 pub(super) use steps::steps;
 
-use super::units::digits;
-use crate::diagnosis::{Fit, NoiseFloor};
+use crate::diagnosis::{Curves, Fit};
 use crate::measurement::Experiment;
 use plotly::Layout;
 use plotly::common::{Anchor, DashType, Orientation, Title};
@@ -33,31 +32,49 @@ const COLOURS: [&str; 6] = ["#3b82f6", "#e8871e", "#12a87b", "#e5484d", "#9b6bdf
 const GREY: &str = "#8b949e";
 
 /// A model beside the measurements.
-pub(super) struct Modelled<'a> {
-    /// Word for the page's boxes.
+pub(super) struct Model<'a> {
+    /// Word for the page's buttons.
     pub key: &'static str,
     /// Name for people.
     pub name: String,
-    /// Name for legends, where there is little room.
+    /// Name where there is little room.
     pub short: &'static str,
+    /// The step of its curves; `None` is the model as given.
+    pub step: Option<usize>,
     pub fit: &'a Fit,
     pub dash: DashType,
-    /// Whether it is shown at first.
-    pub shown: bool,
+    /// Its colour where colours do not tell groups or wheels apart.
+    pub colour: &'static str,
+}
+
+impl<'a> Model<'a> {
+    /// The model with the parameters as given.
+    pub fn given(fit: &'a Fit) -> Self {
+        let name = "as given".to_owned();
+        Self { key: "given", name, short: "as given", step: None, fit, dash: DashType::Dot, colour: GREY }
+    }
+
+    /// The calibrated model without added effects; dashed where another model is the result.
+    pub fn calibrated(name: &str, short: &'static str, fit: &'a Fit, dash: DashType) -> Self {
+        Self { key: "baseline", name: name.to_owned(), short, step: Some(0), fit, dash, colour: COLOURS[1] }
+    }
+
+    /// The model of the last step.
+    pub fn last(name: String, step: usize, fit: &'a Fit) -> Self {
+        let (short, dash) = ("final model", DashType::Solid);
+        Self { key: "final", name, short, step: Some(step), fit, dash, colour: COLOURS[2] }
+    }
 }
 
 /// An experiment and the models drawn beside it.
 pub(super) struct View<'a> {
     pub experiment: &'a Experiment,
-    pub floors: &'a BTreeMap<String, NoiseFloor>,
-    pub models: Vec<Modelled<'a>>,
-}
-
-impl View<'_> {
-    /// Standard deviation of one sample, in the signal's unit.
-    fn floor(&self, signal: &str) -> Option<f64> {
-        self.floors.get(signal).and_then(NoiseFloor::value)
-    }
+    /// Standard deviation of one sample by signal, as it is in force; a signal of unknown noise is missing.
+    pub noise: BTreeMap<String, f64>,
+    pub curves: &'a [Curves],
+    pub models: Vec<Model<'a>>,
+    /// Keys of the models shown at first.
+    pub at_first: Vec<&'static str>,
 }
 
 /// A number of a plot: five digits are more than a screen shows, and keep the file small.
@@ -73,15 +90,6 @@ fn all_rounded(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
 fn faded(colour: &str, opacity: f64) -> String {
     let part = |at: usize| colour.get(at..at + 2).and_then(|hex| u8::from_str_radix(hex, 16).ok()).unwrap_or(128);
     format!("rgba({}, {}, {}, {opacity})", part(1), part(3), part(5))
-}
-
-/// A level of a set-point in words, for legends.
-fn level_name(low: f64, high: f64, unit: &str) -> String {
-    if digits(low) == digits(high) {
-        format!("{} {unit}", super::units::short(low))
-    } else {
-        format!("{} to {} {unit}", super::units::short(low), super::units::short(high))
-    }
 }
 
 /// A horizontal band about zero.
