@@ -1,7 +1,5 @@
 //! A smooth through scattered samples: local straight lines (LOESS of degree 1, Cleveland 1979).
 
-/// Share of the samples that each local line sees: half of them follow one bend, and average over accidental neighbours.
-const SPAN: f64 = 0.5;
 /// A local line sees at least this many samples.
 const FEWEST: usize = 4;
 /// The scatter about the smooth is taken at about this many samples, evenly by rank: enough for a standard error.
@@ -37,18 +35,29 @@ struct Local {
 }
 
 impl LocalLine {
-    /// `None` where there are no samples; NaN is left out.
-    pub fn new(samples: impl IntoIterator<Item = (f64, f64)>) -> Option<Self> {
+    /// Each local line sees the share `span` of the samples. `None` where there are no samples; NaN is left out.
+    pub fn new(samples: impl IntoIterator<Item = (f64, f64)>, span: f64) -> Option<Self> {
         let mut samples: Vec<(f64, f64)> = samples.into_iter().filter(|(x, y)| !x.is_nan() && !y.is_nan()).collect();
         if samples.is_empty() {
             return None;
         }
         samples.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let reach = ((SPAN * samples.len() as f64).ceil() as usize).max(FEWEST).min(samples.len());
+        let reach = ((span * samples.len() as f64).ceil() as usize).max(FEWEST).min(samples.len());
         let mean = samples.iter().map(|(_, y)| y).sum::<f64>() / samples.len() as f64;
         let mut smooth = Self { samples, reach, variance: None, mean };
         smooth.variance = smooth.scatter();
         Some(smooth)
+    }
+
+    /// Places of the samples, rising and each once, at most about `most` of them evenly by rank, the first and the last
+    /// always: between samples far apart a local line would only continue one side.
+    pub fn places(&self, most: usize) -> Vec<f64> {
+        let last = self.samples.len() - 1;
+        let every = (last / most.max(1)).max(1);
+        let mut places: Vec<f64> = self.samples[..last].iter().step_by(every).map(|(x, _)| *x).collect();
+        places.push(self.samples[last].0);
+        places.dedup();
+        places
     }
 
     /// The smooth at `x`.
@@ -147,7 +156,7 @@ mod tests {
 
     #[test]
     fn analytic_a_straight_line_is_met_exactly() {
-        let line = LocalLine::new((0..20).map(|k| f64::from(k * k)).map(|x| (x, 3.0 - 0.5 * x))).unwrap();
+        let line = LocalLine::new((0..20).map(|k| f64::from(k * k)).map(|x| (x, 3.0 - 0.5 * x)), 0.5).unwrap();
         for x in [0.0, 7.5, 200.0, 361.0] {
             let error = (line.at(x).value - (3.0 - 0.5 * x)).abs();
             assert!(error < 361.0 * ROUNDING, "{x}: {error}");
@@ -157,7 +166,7 @@ mod tests {
 
     #[test]
     fn analytic_samples_at_one_place_give_their_mean_and_its_standard_error() {
-        let line = LocalLine::new([1.0, 2.0, 4.0, 5.0].map(|y| (0.3, y))).unwrap();
+        let line = LocalLine::new([1.0, 2.0, 4.0, 5.0].map(|y| (0.3, y)), 0.5).unwrap();
         let smoothed = line.at(0.3);
         assert!((smoothed.value - 3.0).abs() < ROUNDING);
         // Variance 10/3 with three degrees of freedom, over four samples.
@@ -168,10 +177,10 @@ mod tests {
     #[test]
     fn property_scatter_without_a_trend_is_not_explained_and_nothing_gives_nothing() {
         // +1, -1 in turn has no trend over any stretch.
-        let line = LocalLine::new((0..40).map(|k| (f64::from(k), if k % 2 == 0 { 1.0 } else { -1.0 }))).unwrap();
+        let line = LocalLine::new((0..40).map(|k| (f64::from(k), if k % 2 == 0 { 1.0 } else { -1.0 })), 0.5).unwrap();
         assert!(line.explained() < 0.1, "{}", line.explained());
         assert!(line.at(20.0).value.abs() < 0.2);
-        assert!(LocalLine::new([(f64::NAN, 1.0)]).is_none());
-        assert!(LocalLine::new([(0.0, 1.0)]).unwrap().at(5.0).error.is_none());
+        assert!(LocalLine::new([(f64::NAN, 1.0)], 0.5).is_none());
+        assert!(LocalLine::new([(0.0, 1.0)], 0.5).unwrap().at(5.0).error.is_none());
     }
 }

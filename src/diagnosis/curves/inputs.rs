@@ -8,6 +8,9 @@ use crate::measurement::{Experiment, Sample};
 /// differences are accidental and the mean stands for it.
 const FOLLOWS: f64 = 0.8;
 
+/// Share of the rows that each local line of that smooth sees: half of them follow one bend.
+const SPAN: f64 = 0.5;
+
 /// Least difference of two set-points: of loads and speeds this share of the largest, of slips this much.
 pub(super) const LEAST_SHARE: f64 = 0.05;
 pub(super) const LEAST_SLIP: f64 = 0.02;
@@ -77,7 +80,7 @@ impl Trend {
     fn new(samples: &[(f64, f64)]) -> Self {
         let present: Vec<(f64, f64)> = samples.iter().copied().filter(|(_, y)| !y.is_nan()).collect();
         let mean = present.iter().map(|(_, y)| y).sum::<f64>() / present.len() as f64;
-        let smooth = LocalLine::new(present.iter().copied()).filter(|smooth| smooth.explained() > FOLLOWS);
+        let smooth = LocalLine::new(present.iter().copied(), SPAN).filter(|smooth| smooth.explained() > FOLLOWS);
         let mut trend = Self { mean, smooth, below: 0.0, above: 0.0 };
         let apart: Vec<f64> = present.iter().map(|(x, y)| y - trend.at(*x)).collect();
         trend.below = apart.iter().copied().fold(0.0, f64::min);

@@ -118,7 +118,8 @@ pub(super) fn overlay_again(page: &mut Page, view: &View, drawn: &Drawn) {
 }
 
 fn opening(when: &str) -> String {
-    if when.is_empty() { "<div>".to_owned() } else { format!("<div data-when=\"{when}\">") }
+    let when = if when.is_empty() { String::new() } else { format!(" data-when=\"{when}\"") };
+    format!("<div class=\"overlay\"{when}>")
 }
 
 /// What points, bars, lines and bands of the overlays are.

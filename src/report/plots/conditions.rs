@@ -92,7 +92,7 @@ impl Samples {
                         (Condition::Wheel, Some((wheel, _))) => Some(wheel as f64),
                         _ => condition.value(number, run, row),
                     };
-                    if let Some(at) = at.filter(|at| !at.is_nan()) {
+                    if let Some(at) = at {
                         values.push((at, *residual));
                         of_samples.push(group);
                     }

@@ -92,6 +92,19 @@ fn faded(colour: &str, opacity: f64) -> String {
     format!("rgba({}, {}, {}, {opacity})", part(1), part(3), part(5))
 }
 
+/// The colour at a share of the way along a list of colours.
+fn between(colours: &[&str], share: f64) -> String {
+    let place = share.clamp(0.0, 1.0) * (colours.len() - 1) as f64;
+    let from = (place as usize).min(colours.len().saturating_sub(2));
+    let rest = place - from as f64;
+    let part = |k: usize, at: usize| {
+        let hex = colours.get(k).and_then(|colour| colour.get(at..at + 2));
+        hex.and_then(|hex| u8::from_str_radix(hex, 16).ok()).map_or(128.0, f64::from)
+    };
+    let mixed = [1, 3, 5].map(|at| (1.0 - rest) * part(from, at) + rest * part(from + 1, at));
+    format!("#{:02x}{:02x}{:02x}", mixed[0] as u8, mixed[1] as u8, mixed[2] as u8)
+}
+
 /// A horizontal band about zero.
 fn band(half_width: f64) -> Shape {
     Shape::new()

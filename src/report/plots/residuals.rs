@@ -17,15 +17,17 @@ const MOST_TICKS: f64 = 12.0;
 const SAME_LEVEL: f64 = 0.02;
 /// A condition has set-points where that many samples lie at each on average; otherwise it takes values all along.
 const FEWEST: usize = 2;
-/// Intervals of a smooth.
-const INTERVALS: usize = 40;
+/// Places of a smooth, and the share of the samples that each local line sees: so wide that accidental neighbours average
+/// out (the usual choice for LOESS).
+const PLACES: usize = 60;
+const SPAN: f64 = 0.75;
 
 /// Colours of the smooth and of groups of runs; the smooth's is none of theirs.
 const SMOOTH: &str = COLOURS[1];
 const GROUPS: [&str; 5] = [COLOURS[0], COLOURS[2], COLOURS[4], COLOURS[5], COLOURS[3]];
 
 /// Residuals of a signal against a condition, what they are on average, and the band of two standard deviations of the
-/// noise of one sample. The average is a mean with its standard error at each set-point, or a smooth with its standard
+/// noise of one sample. The average is a mean with its standard error at each set-point or run, or a smooth with its standard
 /// error where the condition takes values all along. `before` is the model without what was added.
 pub(in crate::report) fn residuals(samples: &Samples, noise: Option<f64>, before: Option<&Samples>) -> Plot {
     let (shown, at) = (of_column(&samples.signal), samples.condition.shown());
@@ -78,7 +80,11 @@ fn average(
 ) {
     let places = samples.values.iter().map(|(x, _)| *x);
     let (low, high) = places.clone().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-    let classes = set_points(places, SAME_LEVEL * (high - low));
+    let classes = if samples.condition.counts() {
+        each_once(places).into_iter().map(|place| (place, place)).collect()
+    } else {
+        set_points(places, SAME_LEVEL * (high - low))
+    };
     if classes.len() > 1 && samples.values.len() >= FEWEST * classes.len() {
         let means: Vec<[f64; 3]> = classes.iter().map(|class| mean(samples, *class)).collect();
         let errors = means.iter().map(|m| 2.0 * m[2] * shown.factor);
@@ -94,8 +100,8 @@ fn average(
         );
         return;
     }
-    let Some(smooth) = LocalLine::new(samples.values.iter().copied()) else { return };
-    let grid: Vec<f64> = (0..=INTERVALS).map(|k| low + (high - low) * k as f64 / INTERVALS as f64).collect();
+    let Some(smooth) = LocalLine::new(samples.values.iter().copied(), SPAN) else { return };
+    let grid = smooth.places(PLACES);
     let values: Vec<_> = grid.iter().map(|x| smooth.at(*x)).collect();
     let x = all_rounded(grid.iter().map(|x| x * at.factor));
     let edge = |sign: f64| {
@@ -111,6 +117,13 @@ fn average(
             .hover_info(HoverInfo::Skip)
             .line(Line::new().color(colour).width(2.0).dash(dash)),
     );
+}
+
+fn each_once(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.filter(|value| !value.is_nan()).collect();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    values
 }
 
 /// Mean place, mean residual and its standard error (0 for one sample) of a class.

@@ -148,7 +148,7 @@ pub(super) fn groups(experiment: &Experiment) -> Vec<(String, Vec<usize>)> {
 fn legend_line(model: &Model, colour: &str) -> Box<Scatter<f64, f64>> {
     Scatter::new(vec![f64::NAN], vec![f64::NAN])
         .mode(Mode::Lines)
-        .name(&model.name)
+        .name(model.short)
         .meta(format!("model={}", model.key))
         .line(Line::new().color(colour.to_owned()).width(2.0).dash(model.dash.clone()))
 }
