@@ -10,6 +10,9 @@ use plotly::{Plot, Scatter};
 /// A plot has at most this many samples; means and smooths are computed from all of them.
 const MOST_SAMPLES: usize = 1500;
 
+/// Up to this many samples are drawn nearly opaque: they hide one another less than they are hard to see.
+const FEW: usize = 100;
+
 /// More runs than this are not ticked one by one.
 const MOST_TICKS: f64 = 12.0;
 
@@ -63,7 +66,11 @@ fn scatter(plot: &mut Plot, samples: &Samples, shown: Shown, at: Shown) {
             Scatter::new(all_rounded(x), all_rounded(y))
                 .mode(Mode::Markers)
                 .name(if coloured { &samples.group_names[group] } else { "samples" })
-                .marker(Marker::new().color(GROUPS[group]).size(5).opacity(0.45)),
+                .marker(Marker::new().color(GROUPS[group]).size(5).opacity(if thinned.len() > FEW {
+                    0.45
+                } else {
+                    0.8
+                })),
         );
     }
 }
