@@ -174,3 +174,34 @@ fn agreement_the_page_draws_the_curves_and_the_noise_in_force() {
     };
     assert_eq!(against(&page, "drawbar pull residual (N)", "diamond"), 2, "slip and wheel speed");
 }
+
+#[test]
+fn property_wheels_of_a_traverse_share_a_plot_with_a_colour_each() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("diagnosis_curves").join("wheels");
+    std::fs::create_dir_all(&folder).unwrap();
+    let mut csv = "time,wheel[1].speed_command,wheel[2].speed_command,wheel[1].torque,wheel[2].torque\n".to_owned();
+    for row in 0..20 {
+        csv += &format!("{},1.0,1.0,0.{row:02},0.{:02}\n", 0.1 * f64::from(row), 40 - row);
+    }
+    std::fs::write(folder.join("drive.csv"), csv).unwrap();
+    let noise = "\"wheel[1].torque\" = 0.05\n\"wheel[2].torque\" = 0.05";
+    let toml = format!("name = \"wheels\"\nkind = \"traverse\"\n[noise]\n{noise}\n[[run]]\nfile = \"drive.csv\"\n");
+    std::fs::write(folder.join("experiment.toml"), toml).unwrap();
+    let model = Model::preset("two_wheeled_speed").unwrap();
+    let comparison = compare(&model, &Experiment::read(&folder).unwrap(), &CompareOptions::default()).unwrap();
+    assert!(comparison.curves.is_empty());
+    let page = comparison_page(&comparison);
+    assert!(page.contains("<figcaption>torque of the wheels</figcaption>"));
+    let drawn = traces(&page, "torque (N.m)");
+    let colour = |wheel: &str| {
+        let points = drawn.iter().find(|trace| trace["name"] == wheel && trace["mode"] == "markers").unwrap();
+        points["marker"]["color"].clone()
+    };
+    assert_ne!(colour("wheel 1"), colour("wheel 2"));
+    // A band about each wheel's measurements, two standard deviations to either side.
+    let bands: Vec<_> = drawn.iter().filter(|trace| trace["fill"] == "toself").collect();
+    assert_eq!(bands.len(), 2);
+    let heights = bands[0]["y"].as_array().unwrap().iter().filter_map(Value::as_f64);
+    assert_eq!(heights.clone().fold(f64::INFINITY, f64::min), -0.1);
+    assert!((heights.fold(f64::NEG_INFINITY, f64::max) - 0.29).abs() < 1e-4);
+}

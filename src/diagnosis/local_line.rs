@@ -49,14 +49,21 @@ impl LocalLine {
         Some(smooth)
     }
 
-    /// Places of the samples, rising and each once, at most about `most` of them evenly by rank, the first and the last
-    /// always: between samples far apart a local line would only continue one side.
+    /// Places of the samples, rising, at most about `most` of them, at least a `most`-th of the range apart, the first and
+    /// the last always. Only places of samples: between samples far apart a local line would only continue one side.
     pub fn places(&self, most: usize) -> Vec<f64> {
-        let last = self.samples.len() - 1;
-        let every = (last / most.max(1)).max(1);
-        let mut places: Vec<f64> = self.samples[..last].iter().step_by(every).map(|(x, _)| *x).collect();
-        places.push(self.samples[last].0);
-        places.dedup();
+        let (first, last) = (self.samples[0].0, self.samples[self.samples.len() - 1].0);
+        let apart = (last - first) / most.max(1) as f64;
+        let mut places = vec![first];
+        for (x, _) in &self.samples {
+            let previous = places[places.len() - 1];
+            if x - previous >= apart && last - x >= apart {
+                places.push(*x);
+            }
+        }
+        if last > first {
+            places.push(last);
+        }
         places
     }
 
@@ -182,5 +189,13 @@ mod tests {
         assert!(line.at(20.0).value.abs() < 0.2);
         assert!(LocalLine::new([(f64::NAN, 1.0)], 0.5).is_none());
         assert!(LocalLine::new([(0.0, 1.0)], 0.5).unwrap().at(5.0).error.is_none());
+    }
+
+    #[test]
+    fn property_places_are_those_of_samples_and_not_crowded() {
+        let crowded = (0..500).map(|k| (1e-3 * f64::from(k), 0.0)).chain([(4.0, 0.0), (10.0, 0.0)]);
+        let line = LocalLine::new(crowded, 0.5).unwrap();
+        assert_eq!(line.places(20), [0.0, 4.0, 10.0]);
+        assert_eq!(LocalLine::new([(2.0, 1.0), (2.0, 3.0)], 0.5).unwrap().places(20), [2.0]);
     }
 }

@@ -55,7 +55,12 @@ def smooth(x: Floats, y: Floats, span: float = 0.75, places: int = 60) -> tuple[
     if x.size == 0:
         return x, y
     reach = min(max(int(np.ceil(span * x.size)), 4), x.size)
-    at = np.unique(x[:: max((x.size - 1) // places, 1)].tolist() + [x[-1]])
+    apart = float(x[-1] - x[0]) / places
+    kept = [float(x[0])]
+    for place in x:
+        if place - kept[-1] >= apart and x[-1] - place >= apart:
+            kept.append(float(place))
+    at = np.unique([*kept, float(x[-1])])
     return at, np.array([_local(x, y, reach, place) for place in at])
 
 

@@ -4,7 +4,7 @@ use super::{begin, view};
 use crate::diagnosis::Diagnosis;
 use crate::measurement::{Experiment, Kind, Run};
 use crate::report::page::{Page, table};
-use crate::report::plots::{View, controls, overlays};
+use crate::report::plots::{MOST_NAMED, View, controls, overlays};
 use crate::report::units::{of_column, short, spoken};
 
 /// The groups of runs and the ranges of what was set and measured.
@@ -148,5 +148,11 @@ pub(in crate::report) fn how_drawn(view: &View) -> String {
          is the model over the lowest and highest load and speed in the group: differences that count as accidental. Open \
          diamonds are the model at a point's own inputs."
     };
-    format!("Points are measurements. {bars} {curves}")
+    let many = view.curves.iter().any(|curves| curves.groups.len() > MOST_NAMED);
+    let order = if many {
+        " Where groups are too many for a legend their colours follow their order, from blue to red."
+    } else {
+        ""
+    };
+    format!("Points are measurements. {bars} {curves}{order}")
 }

@@ -17,8 +17,8 @@ const OPEN_PLOTS: usize = 6;
 const RUN_WEIGHT: f64 = 0.5;
 
 /// What the plots of residuals show.
-const RESIDUALS: &str = "Residuals (measured less model) against the conditions. The grey band is two standard deviations of the noise of one \
-                         sample. Diamonds are means at set-points; where a condition takes values all along, the line is a smooth \
+const RESIDUALS: &str = "Residuals (measured less model) against the conditions, a colour a group of repeats where these are few. The grey \
+                         band is two standard deviations of the noise of one sample. Diamonds are means at set-points; where a condition takes values all along, the line is a smooth \
                          (local lines over three quarters of the samples). Bars and band of the mean are two standard errors, as if samples were \
                          independent: a mean that stays away from zero is structure, not noise.";
 

@@ -15,7 +15,7 @@ pub(super) use candidates::{probabilities, visible_shares};
 pub(super) use conditions::{Condition, Samples, conditions};
 pub(super) use lines::lines;
 pub(super) use map::map;
-pub(super) use overlay::{controls, overlays};
+pub(super) use overlay::{MOST_NAMED, controls, overlays};
 pub(super) use profile::profile;
 pub(super) use residuals::residuals;
 pub(super) use steps::steps;

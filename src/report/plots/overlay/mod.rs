@@ -3,6 +3,8 @@
 mod over_time;
 mod steady;
 
+pub(in crate::report) use steady::MOST_NAMED;
+
 use super::{Model, View, all_rounded, faded};
 use crate::diagnosis::Curves;
 use crate::measurement::{Experiment, Kind};

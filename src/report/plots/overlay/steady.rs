@@ -11,7 +11,7 @@ use plotly::{Plot, Scatter};
 const RUNS: [&str; 4] = [COLOURS[0], COLOURS[4], COLOURS[5], COLOURS[3]];
 
 /// More groups than this have colours in order from the first to the last of these, and no room in a legend.
-const MOST_NAMED: usize = COLOURS.len();
+pub(in crate::report) const MOST_NAMED: usize = COLOURS.len();
 const ORDER: [&str; 4] = [COLOURS[0], COLOURS[2], COLOURS[1], COLOURS[3]];
 
 /// A band narrower than this share of the plot's height is no wider than the curve's line.
