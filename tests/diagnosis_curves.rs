@@ -42,9 +42,10 @@ fn carriage_rows() -> Vec<[f64; 3]> {
     LOADS.iter().enumerate().map(row).collect()
 }
 
-fn carriage(settings: &str) -> Comparison {
+/// `name` is that of the folder: tests run side by side.
+fn carriage(name: &str, settings: &str) -> Comparison {
     let model = Model::preset("two_wheeled").unwrap();
-    compared("carriage", &carriage_rows(), settings, &CompareOptions::default(), &model)
+    compared(name, &carriage_rows(), settings, &CompareOptions::default(), &model)
 }
 
 fn over(curves: &[Curves], axis: Axis) -> &[CurveGroup] {
@@ -53,7 +54,7 @@ fn over(curves: &[Curves], axis: Axis) -> &[CurveGroup] {
 
 #[test]
 fn agreement_unequal_inputs_still_give_one_curve_at_their_typical_values() {
-    let comparison = carriage("");
+    let comparison = carriage("curve", "");
     assert_eq!(comparison.curves.iter().map(|curves| curves.axis).collect::<Vec<_>>(), [Axis::Slip]);
     let [group] = over(&comparison.curves, Axis::Slip) else { panic!("one group") };
     assert_eq!((group.rows.len(), group.name.as_str()), (15, ""));
@@ -75,7 +76,7 @@ fn agreement_unequal_inputs_still_give_one_curve_at_their_typical_values() {
 
 #[test]
 fn property_the_band_holds_the_model_at_the_inputs_of_every_row() {
-    let comparison = carriage("");
+    let comparison = carriage("band", "");
     let group = &over(&comparison.curves, Axis::Slip)[0];
     let step = group.at[1] - group.at[0];
     for (signal, curve) in &group.models[0].signals {
@@ -150,7 +151,7 @@ fn traces(page: &str, title: &str) -> Vec<Value> {
 
 #[test]
 fn agreement_the_page_draws_the_curves_and_the_noise_in_force() {
-    let comparison = carriage("[noise]\ndrawbar_pull = 0.3");
+    let comparison = carriage("noise", "[noise]\ndrawbar_pull = 0.3");
     let page = comparison_page(&comparison);
     let drawn = traces(&page, "drawbar pull (N)");
     let line = drawn.iter().find(|t| t["mode"] == "lines" && t["name"] == "as given" && t["fill"].is_null()).unwrap();
@@ -163,7 +164,7 @@ fn agreement_the_page_draws_the_curves_and_the_noise_in_force() {
     let measured = drawn.iter().find(|trace| trace["name"] == "measured").unwrap();
     assert_eq!(measured["error_y"]["value"], 0.6);
     // Without noise no bars.
-    let silent = comparison_page(&carriage(""));
+    let silent = comparison_page(&carriage("silent", ""));
     let drawn = traces(&silent, "drawbar pull (N)");
     assert!(drawn.iter().all(|trace| trace["error_y"].is_null()));
     assert!(silent.contains("there are no error bars"));
