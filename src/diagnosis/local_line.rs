@@ -57,7 +57,8 @@ impl LocalLine {
         let mut places = vec![first];
         for (x, _) in &self.samples {
             let previous = places[places.len() - 1];
-            if x - previous >= apart && last - x >= apart {
+            let between = *x > previous && *x < last;
+            if between && x - previous >= apart && last - x >= apart {
                 places.push(*x);
             }
         }
