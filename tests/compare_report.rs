@@ -21,9 +21,12 @@ fn property_the_page_of_the_shipped_experiment_is_complete_and_alone() {
     for tag in ["<script src", "<link", "<img", "@import", "<iframe"] {
         assert!(!page.contains(tag), "{tag}");
     }
-    // The library stands in the page once; three overlays and 3 x 2 residual plots (speed is a third condition).
+    // The library stands in the page once; three signals over slip, load and wheel speed, and their residuals against these.
     assert_eq!(page.matches("plotly.js v").count(), 1);
-    assert_eq!(page.matches("data-plot=\"").count(), 3 + 3 * 3);
+    assert_eq!(page.matches("data-plot=\"").count(), 3 * 3 + 3 * 3);
+    for axis in ["slip", "load", "wheel_speed"] {
+        assert_eq!(page.matches(&format!("<div class=\"overlay\" data-when=\"axis={axis}\">")).count(), 1, "{axis}");
+    }
     // The numbers of the comparison stand in the table, in display units.
     let rmse = comparison.fit().rmse["sinkage"] * 1e3;
     let floor = comparison.noise_floor["sinkage"].value().unwrap() * 1e3;

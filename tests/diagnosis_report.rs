@@ -65,7 +65,16 @@ fn property_the_page_of_the_shipped_experiment_is_complete_and_alone() {
     let drawn_again = page.matches("data-again=\"plot").count();
     assert_eq!(plots, page.matches("<script type=\"application/json\" data-plot=\"").count() + drawn_again);
     assert_eq!(plots, page.matches("role=\"img\" aria-label=\"").count());
-    assert_eq!(drawn_again, 3);
+    // Three signals over slip, load and wheel speed.
+    assert_eq!(drawn_again, 3 * 3);
+    // Before, after and both are one click apart, and both are shown at first.
+    let overlay = section(&page, "overlay");
+    let button = |keys: &str, checked: &str| {
+        format!("<input type=\"radio\" name=\"model-overlay\" data-key=\"model\" value=\"{keys}\"{checked}>")
+    };
+    for (keys, checked) in [("given", ""), ("baseline", ""), ("final", ""), ("baseline final", " checked")] {
+        assert_eq!(overlay.matches(&button(keys, checked)).count(), 1, "{keys}");
+    }
     let megabytes = format!("one file of {:.1} MB", page.len() as f64 / 1e6);
     assert!(page.contains(&megabytes), "{megabytes}");
 }

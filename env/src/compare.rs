@@ -68,6 +68,9 @@ fn described<'py>(py: Python<'py>, comparison: &Comparison) -> PyResult<Bound<'p
     all.set_item("calibration", calibrated.map(|(found, _)| calibration(py, found)).transpose()?)?;
     all.set_item("calibrated", calibrated.map(|(_, fit)| fit_of(py, fit)).transpose()?)?;
     all.set_item("noise_floor", noise_floors(py, &comparison.noise_floor)?)?;
+    let curves =
+        serde_json::to_string(&comparison.curves).map_err(|refused| ModelError::new_err(refused.to_string()))?;
+    all.set_item("curves", curves)?;
     all.set_item("failures", failures_of(py, &comparison.failures)?)?;
     Ok(all)
 }

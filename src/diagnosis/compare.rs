@@ -1,6 +1,7 @@
 //! The comparison of a model with an experiment.
 
 use super::calibrate::{Calibration, calibrate};
+use super::curves::{Curves, curves_of_calibration};
 use super::effort::Effort;
 use super::failure::{Failure, failures};
 use super::fit::Fit;
@@ -87,6 +88,8 @@ pub struct Comparison {
     pub noise_floor: BTreeMap<String, NoiseFloor>,
     /// Where the model fails most, by signal and condition, the worst first.
     pub failures: Vec<Failure>,
+    /// The model as curves over the inputs that were varied, as given and, as step 0, after calibration; none for a traverse.
+    pub curves: Vec<Curves>,
     best: Fit,
 }
 
@@ -144,7 +147,8 @@ fn evaluate(predict: &dyn Predict, problem: &Problem, options: &CompareOptions) 
     let given = given.map(|values| Fit::new(experiment, layout, &values));
     let best = Fit::new(experiment, layout, &modelled);
     let failures = failures(experiment, &best, &floors);
-    Ok(Comparison { experiment: experiment.clone(), given, calibrated, noise_floor: floors, failures, best })
+    let curves = curves_of_calibration(problem, calibrated.as_ref().map(|(calibration, _)| calibration));
+    Ok(Comparison { experiment: experiment.clone(), given, calibrated, noise_floor: floors, failures, curves, best })
 }
 
 /// A calibration with independent samples of the given standard deviations.

@@ -18,6 +18,7 @@ impl Diagnosis {
             "noise_floor_source": self.noise_floor_source.name(),
             "noise_models": self.noise,
             "steps": self.steps.iter().map(step).collect::<Vec<_>>(),
+            "curves": self.curves,
             "candidates": self.candidates.iter().map(candidate).collect::<Vec<_>>(),
             "probability_enough": number(self.share.enough),
             "probability_other": number(self.share.other),

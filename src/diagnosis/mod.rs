@@ -8,6 +8,7 @@ mod calibrate;
 #[cfg(test)]
 mod certified;
 mod compare;
+mod curves;
 mod diagnose;
 mod effort;
 mod failure;
@@ -19,6 +20,7 @@ mod json;
 mod layout;
 mod least_squares;
 mod linear_algebra;
+mod local_line;
 mod noise;
 mod prediction;
 mod problem;
@@ -32,6 +34,9 @@ mod weighted;
 
 pub use calibrate::{CalibratedParameter, Calibration};
 pub use compare::{CompareError, CompareOptions, Comparison, compare};
+#[cfg(feature = "report")]
+pub(crate) use curves::set_points;
+pub use curves::{Axis, Curve, CurveGroup, Curves, ModelCurves};
 pub use diagnose::{
     CandidateResult, Control, DiagnoseOptions, Diagnosis, FinalParameter, LackOfFit, Noise, Outcome, PairResult,
     ParameterResult, Progress, Share, Spread, Step, Task, Threads, Verdict, diagnose, fit_task,
@@ -40,6 +45,8 @@ pub use diagnose::{
 pub(crate) use failure::levels_of;
 pub use failure::{Failure, Level, levels};
 pub use fit::{Fit, RunFit, SignalFit};
+#[cfg(feature = "report")]
+pub(crate) use local_line::{LocalLine, Smoothed};
 pub use noise::{FloorSource, NoiseFloor, NoiseModel, Pooled};
 pub use prediction::{Derivatives, PredictionError};
 pub use replay::{Replay, ReplayError};

@@ -210,7 +210,7 @@ fn points(experiment: &Experiment, rigs: &[Rig], names: &[String]) -> Vec<Point>
 }
 
 /// The signals that `measurement` knows for a single wheel.
-fn signal<S: Copy>(point: &SteadyPoint<S>, name: &str) -> S {
+pub(super) fn signal<S: Copy>(point: &SteadyPoint<S>, name: &str) -> S {
     match name {
         "drawbar_pull" => point.drawbar_pull,
         "torque" => point.torque,

@@ -167,6 +167,19 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// The wheel, soil and effects on a run, with these values of parameters; what the run itself states holds against them.
+    pub fn rig(&self, run: usize, values: &[(String, f64)]) -> Rig {
+        let mut rig = Rig::of(&self.models[run].rover);
+        let own = &self.experiment.runs[run].parameters;
+        rig.visit("", &mut |variable, place| {
+            let value = values.iter().find(|(name, _)| *name == variable.name && !own.contains_key(name));
+            if let Some((_, value)) = value {
+                *place = *value;
+            }
+        });
+        rig
+    }
+
     /// Sets a parameter on every run that does not state its own value.
     pub fn fix(&mut self, name: &str, value: f64) {
         for (model, run) in self.models.iter_mut().zip(&self.experiment.runs) {

@@ -1,8 +1,9 @@
 //! The page of a comparison, in the order in which a person asks: what was measured, how large is the error against
 //! the noise, what do measurement and model look like, where does it fail, what did the calibration do.
 
+use super::diagnosis::{add_panels, how_drawn};
 use super::page::{Page, escape, table};
-use super::plots::{Condition, Modelled, Samples, View, controls, overlay, residuals};
+use super::plots::{Condition, Model, Samples, View, residuals};
 use super::units::{digits, of_column, of_unit, short, spoken};
 use super::words::{sentence, source, summary, what_was_measured};
 use crate::diagnosis::{Calibration, Comparison, Failure};
@@ -58,33 +59,32 @@ fn errors(comparison: &Comparison) -> String {
 }
 
 fn add_overlays(page: &mut Page, comparison: &Comparison) {
-    let what = if comparison.calibrated.is_some() { "after calibration" } else { "with the parameters as given" };
-    page.section(
-        "Measured and modelled",
-        &format!("Points are measurements, repeats included; lines of the same colour are the model {what}."),
+    let mut models: Vec<Model> = comparison.given.iter().map(Model::given).collect();
+    models.extend(
+        comparison
+            .calibrated
+            .as_ref()
+            .map(|(_, fit)| Model::calibrated("calibrated", "calibrated", fit, DashType::Solid)),
     );
-    let model = Modelled {
-        key: "model",
-        name: "model".to_owned(),
-        short: "model",
-        fit: comparison.fit(),
-        dash: DashType::Solid,
-        shown: true,
+    let at_first = models.last().map(|model| model.key).into_iter().collect();
+    let noise = comparison.noise_floor.iter().filter_map(|(signal, floor)| Some((signal.clone(), floor.value()?)));
+    let view = View {
+        experiment: &comparison.experiment,
+        noise: noise.collect(),
+        curves: &comparison.curves,
+        models,
+        at_first,
     };
-    let view = View { experiment: &comparison.experiment, floors: &comparison.noise_floor, models: vec![model] };
-    let signals = comparison.experiment.signals();
-    let plots: Vec<_> = signals.iter().map(|signal| (spoken(signal), overlay(&view, signal))).collect();
-    page.html("<div class=\"filtered\">");
-    page.html(&controls(&view));
-    page.plots(&plots);
-    page.html("</div>");
+    page.section("Measured and modelled", &how_drawn(&view));
+    add_panels(page, &view);
 }
 
 fn add_failures(page: &mut Page, comparison: &Comparison) {
     page.section(
         "Where it fails",
         "Residuals (measured less model) against the conditions. The band is two standard deviations of the noise of one sample; \
-         diamonds are means: away from zero they are structure, not noise.",
+         diamonds are means at set-points, lines are smooths, each with two standard errors: away from zero they are structure, not \
+         noise.",
     );
     let clear = |failure: &&Failure| failure.ratio().is_none_or(|ratio| ratio > 1.0);
     let items: String = comparison

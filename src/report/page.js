@@ -18,14 +18,15 @@ function themed(layout) {
     xaxis: axis(layout.xaxis), yaxis: axis(layout.yaxis),
   });
 }
-// Whether the boxes and lists around a plot show a trace: its meta is `key=value;..`.
+// Whether the buttons, boxes and lists around a plot show a trace: its meta is `key=value;..`.
 function chosen(host, meta) {
   const frame = host.closest(".filtered");
   if (!frame || typeof meta !== "string") return true;
   return meta.split(";").every((pair) => {
     const [key, value] = pair.split("=");
     const controls = [...frame.querySelectorAll(`[data-key="${key}"]`)];
-    const agrees = (c) => c.type === "checkbox" ? c.checked && c.value === value : c.value === "all" || c.value === value;
+    const holds = (c) => c.value === "all" || c.value.split(" ").includes(value);
+    const agrees = (c) => (c.type === "checkbox" || c.type === "radio" ? c.checked : true) && holds(c);
     return controls.length === 0 || controls.some(agrees);
   });
 }
@@ -44,6 +45,11 @@ function draw(host) {
   Plotly.react(host, plot.data.map((data) => trace(host, data)), themed(plot.layout), options);
   host.dataset.drawn = "yes";
 }
+// Parts of a filtered frame that stand there only under some choice.
+function show(frame) {
+  for (const part of frame.querySelectorAll("[data-when]")) part.hidden = !chosen(part, part.dataset.when);
+}
+document.querySelectorAll(".filtered").forEach(show);
 const drawn = () => hosts.filter((host) => host.dataset.drawn);
 const seen = new IntersectionObserver((entries) => {
   for (const entry of entries) if (entry.isIntersecting && !entry.target.dataset.drawn) draw(entry.target);
@@ -53,5 +59,7 @@ dark.addEventListener("change", () => drawn().forEach(draw));
 window.addEventListener("beforeprint", () => hosts.forEach(draw));
 document.addEventListener("change", (event) => {
   const frame = event.target.closest(".filtered");
-  if (frame) drawn().filter((host) => frame.contains(host)).forEach(draw);
+  if (!frame) return;
+  show(frame);
+  drawn().filter((host) => frame.contains(host)).forEach(draw);
 });

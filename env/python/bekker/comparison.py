@@ -1,5 +1,6 @@
 """The model beside measurements: :func:`compare` and its :class:`Comparison`."""
 
+import json
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from . import _bekker
 from ._bekker import Model
+from .curves import Curves, curves_from
 from .errors import InputError
 from .experiment import ExperimentLike, source
 from .models import ModelLike, as_model, names_of, save_model
@@ -130,6 +132,8 @@ class Comparison:
     noise_floor: dict[str, NoiseFloor]
     failures: list[Failure]
     """Where the model fails, the worst first."""
+    curves: list[Curves]
+    """The model over each input that was varied, as given and after the calibration; empty for a traverse."""
     model: Model
     """The model of ``fit``: with what is known of the rig and, after a calibration, with what that found. What the
     experiment says of single runs is not part of it."""
@@ -201,6 +205,7 @@ def compare(
         calibrated=fit_from(found["calibrated"]),
         noise_floor=floors_from(found["noise_floor"]),
         failures=failures_from(found["failures"]),
+        curves=curves_from(json.loads(found["curves"])),
         model=found["model"],
     )
 

@@ -14,6 +14,7 @@ import numpy as np
 from . import _bekker
 from ._bekker import Model
 from .comparison import Failure, Fit, NoiseFloor, failures_from, fit_from, floors_from
+from .curves import Curves, curves_from
 from .errors import BekkerError, DiagnosisInterrupted, InputError
 from .experiment import ExperimentLike, source
 from .findings import (
@@ -92,6 +93,8 @@ class Diagnosis:
     """The model before calibration; None where it cannot compute the experiment."""
     steps: list[Step]
     """The calibrated baseline, then one step an effect."""
+    curves: list[Curves]
+    """The model of each step over each input that was varied; empty for a traverse."""
     candidates: list[Candidate]
     """Single effects, the most probable first."""
     pairs: list[Pair]
@@ -162,26 +165,30 @@ class Diagnosis:
                 return candidate
         raise unknown("candidate", effect, [candidate.effect for candidate in self.candidates])
 
-    def plot_overlay(self, signals: Iterable[str] | None = None) -> "Figure":
-        """Measured values with their noise, the calibrated baseline and the final model, by signal.
+    def plot_overlay(self, signals: Iterable[str] | None = None, axis: str | None = None) -> "Figure":
+        """Measured values with two standard deviations of their noise, the calibrated baseline and the final model.
 
-        A single wheel over slip, one colour a load, one column a wheel speed; a traverse over time, one column a set
-        of repeats. This and all plots need matplotlib (``pip install bekker[plot]``) and return its Figure.
+        A wheel on a carriage over one of its inputs, a colour a group of rows (a run where there is one group), the
+        model as the curves and bands of :attr:`curves`; a traverse over time, one column a set of repeats. This and
+        all plots need matplotlib (``pip install bekker[plot]``) and return its Figure.
 
         Args:
             signals: names in the order of the rows; where None, those whose error stands out most from the noise.
+            axis: "slip", "load" or "wheel_speed", of those that were varied; the first of them where None. Not for a
+                traverse.
 
         Raises:
-            UnknownNameError: a signal was not measured.
+            UnknownNameError: a signal was not measured, or ``axis`` was not varied.
             ImportError: matplotlib is missing.
         """
         from .plots import overlay
 
-        return overlay(self, signals)
+        return overlay(self, signals, axis)
 
     def plot_residuals(self, signals: Iterable[str] | None = None) -> "Figure":
-        """Residuals (measured minus modelled) of baseline and final model against each condition, with their means by
-        level and a band of two standard deviations of the noise. Arguments and errors as :meth:`plot_overlay`."""
+        """Residuals (measured minus modelled) of baseline and final model against each condition, with a band of
+        two standard deviations of the noise and what they are on average: means with two standard errors at set-points,
+        a smooth where a condition takes values all along. Arguments and errors as :meth:`plot_overlay`."""
         from .plots import residuals
 
         return residuals(self, signals)
@@ -344,13 +351,14 @@ def _step(found: dict[str, Any]) -> Step:
 
 
 def _diagnosis(finding: "_bekker.Finding") -> Diagnosis:
-    found = finding.described()
+    found, text = finding.described(), finding.json()
     made = {
         "runs": [RunData(**run) for run in found["runs"]],
         "noise_floor": floors_from(found["noise_floor"]),
         "noise": {signal: NoiseModel(**noise) for signal, noise in found["noise"].items()},
         "given": fit_from(found["given"]),
         "steps": [_step(step) for step in found["steps"]],
+        "curves": curves_from(json.loads(text)["curves"]),
         "candidates": [Candidate(**c | {"parameters": _parameters(c["parameters"])}) for c in found["candidates"]],
         "pairs": [Pair(**pair) for pair in found["pairs"]],
         "share": Share(**found["share"]),
@@ -360,4 +368,4 @@ def _diagnosis(finding: "_bekker.Finding") -> Diagnosis:
         "failures_left": failures_from(found["failures_left"]),
         "suggestions": [Suggestion(**suggestion) for suggestion in found["suggestions"]],
     }
-    return Diagnosis(**found | made, improved=finding.improved(), _json=finding.json(), _finding=finding)
+    return Diagnosis(**found | made, improved=finding.improved(), _json=text, _finding=finding)

@@ -9,13 +9,14 @@ from numpy.typing import NDArray
 
 from .comparison import Fit
 from .errors import InputError
-from .levels import Floats, levels, means
+from .levels import Floats, levels, set_points, smooth
 from .vocabulary import unknown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from .curves import CurveGroup, Curves
     from .diagnosis import Candidate, Diagnosis, Parameter
 
 try:
@@ -29,6 +30,8 @@ __all__ = ["candidates", "heatmap", "overlay", "profiles", "residuals", "steps"]
 
 # Of the palette of Okabe and Ito, which people with any colour vision tell apart.
 _MEASURED, _BEFORE, _AFTER, _QUIET = "#333333", "#D55E00", "#0072B2", "#9A9A9A"
+# Runs of one group, up to four; before and after have their own colours.
+_RUNS = ("#333333", "#009E73", "#CC79A7", "#E69F00")
 _STYLE: Any = {
     "font.size": 9.0,
     "axes.titlesize": 9.5,
@@ -66,41 +69,78 @@ _WORDS = {
 }
 
 
-def overlay(diagnosis: "Diagnosis", names: Iterable[str] | None) -> "Figure":
+def overlay(diagnosis: "Diagnosis", names: Iterable[str] | None, over: str | None = None) -> "Figure":
     """See :meth:`bekker.Diagnosis.plot_overlay`."""
     signals = _signals(diagnosis, names)
-    return _overlay_steady(diagnosis, signals) if diagnosis.kind == "single_wheel" else _overlay_time(diagnosis, signals)
+    curves = next((curves for curves in diagnosis.curves if over in (None, curves.axis)), None)
+    if over is not None and curves is None:
+        raise unknown("varied input", over, [curves.axis for curves in diagnosis.curves])
+    steady = diagnosis.kind == "single_wheel"
+    return _overlay_steady(diagnosis, signals, curves) if steady else _overlay_time(diagnosis, signals)
 
 
-def _overlay_steady(diagnosis: "Diagnosis", signals: list[str]) -> "Figure":
-    slip, load, speed = (_column(diagnosis, name) for name in ("slip", "load", "wheel_speed"))
-    loads, speeds = levels(load, most=5), levels(speed, most=_MOST_COLUMNS)
-    with _figure(len(signals), len(speeds), width=3.6, height=2.3) as (figure, axes):
-        colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.82, len(loads)))
-        for row, signal in enumerate(signals):
-            measured = diagnosis.steps[0].fit
-            noise = diagnosis.noise_floor[signal].value
-            for column, (low, high) in enumerate(speeds):
-                axis = axes[row, column]
-                for colour, (light, heavy) in zip(colours, loads, strict=True):
-                    inside = (speed >= low) & (speed <= high) & (load >= light) & (load <= heavy)
-                    y = _values(diagnosis, measured, signal, "measured")[inside]
-                    axis.errorbar(
-                        slip[inside], y, yerr=noise, fmt="o", ms=3.8, lw=0.8, color=colour, mec="white", mew=0.5, zorder=4
-                    )
-                    for step, dashes, width in _before_after(diagnosis):
-                        curve = _values(diagnosis, step.fit, signal, "modelled")[inside]
-                        axis.plot(*means(slip[inside], curve), color=colour, ls=dashes, lw=width, zorder=3)
-                _share_y(axes, row, column)
-                if row == 0 and len(speeds) > 1:
-                    axis.set_title(f"wheel speed {_range(low, high)} rad/s")
-            axes[row, 0].set_ylabel(_label(signal, _unit(diagnosis, signal)))
-        for axis in axes[-1]:
-            axis.set_xlabel("slip")
-        entries = [_line(colour, f"load {_range(*level)} N") for colour, level in zip(colours, loads, strict=True)]
-        entries.append(_line(_MEASURED, "measured, ± noise", marker="o", ls=""))
-        _finish(figure, diagnosis, entries + _step_entries(diagnosis, _MEASURED, _MEASURED))
+def _overlay_steady(diagnosis: "Diagnosis", signals: list[str], curves: "Curves | None") -> "Figure":
+    over, groups = (curves.axis, curves.groups) if curves else ("slip", [])
+    parts = _parts(diagnosis, groups)
+    grouped = len(groups) > 1
+    columns = min(len(signals), 2)
+    with _figure(-(-len(signals) // columns), columns, width=4.4, height=3.0) as (figure, axes):
+        for axis in axes.flat[len(signals) :]:
+            axis.set_visible(False)
+        for axis, signal in zip(axes.flat, signals, strict=False):
+            for group, colour in zip(groups, _group_colours(len(groups)), strict=True):
+                _draw_curves(axis, diagnosis, group, signal, colour if grouped else None)
+            for colour, _, rows in parts:
+                x, y = _at(_column_by_run(diagnosis, over), rows), _at(_column_by_run(diagnosis, signal), rows)
+                deviation = diagnosis.noise[signal].deviation if signal in diagnosis.noise else None
+                yerr = None if deviation is None else 2.0 * deviation
+                axis.errorbar(x, y, yerr=yerr, fmt="o", ms=3.8, lw=0.8, color=colour, mec="white", mew=0.5, zorder=4)
+            axis.set_ylabel(_label(signal, _unit(diagnosis, signal)))
+            axis.set_xlabel(_label(over, _unit(diagnosis, over)))
+        # More groups have no room in a legend; their colours follow their order.
+        named = parts if len(parts) <= 8 else []
+        entries = [_line(colour, name, marker="o", ls="") for colour, name, _ in named]
+        colours = (_MEASURED, _MEASURED) if grouped else (_BEFORE, _AFTER)
+        entries += _step_entries(diagnosis, *colours) if groups else []
+        _finish(figure, diagnosis, entries, "Measured, ± 2 noise, and modelled")
         return figure
+
+
+def _draw_curves(axis: "Axes", diagnosis: "Diagnosis", group: "CurveGroup", signal: str, colour: Any) -> None:
+    """The curves of a group with their bands, in its colour or, where that is None, in those of before and after."""
+    last = len(diagnosis.steps) - 1
+    steps = [0, last] if last else [0]
+    for step, (_, dashes, width), own in zip(steps, _before_after(diagnosis), (_BEFORE, _AFTER), strict=False):
+        curve = group.curve(step, signal)
+        if curve is not None:
+            own = own if colour is None else colour
+            axis.fill_between(group.at, curve.low, curve.high, color=own, alpha=0.15, lw=0, zorder=1)
+            axis.plot(group.at, curve.value, color=own, ls=dashes, lw=width, zorder=3)
+
+
+def _group_colours(count: int) -> list[Any]:
+    return list(mpl.colormaps["viridis"](np.linspace(0.0, 0.82, max(count, 1))))[:count]
+
+
+def _parts(diagnosis: "Diagnosis", groups: "list[CurveGroup]") -> list[tuple[Any, str, list[tuple[int, int]]]]:
+    """Colour, name and rows of what is told apart by colour: groups, or the runs of the only one where they are few."""
+    if len(groups) > 1:
+        return [(c, group.name, group.rows) for c, group in zip(_group_colours(len(groups)), groups, strict=True)]
+    every = [(k, row) for k, run in enumerate(diagnosis.runs) for row in range(_rows(run.columns))]
+    rows = groups[0].rows if groups else every
+    runs = sorted({run for run, _ in rows})
+    if not 1 < len(runs) <= len(_RUNS):
+        return [(_MEASURED, "measured", rows)]
+    return [(c, diagnosis.runs[run].name, [at for at in rows if at[0] == run]) for c, run in zip(_RUNS, runs, strict=False)]
+
+
+def _column_by_run(diagnosis: "Diagnosis", name: str) -> list[Floats]:
+    """A column of each run; NaN where a run does not have it."""
+    return [run.columns.get(name, np.full(_rows(run.columns), np.nan)) for run in diagnosis.runs]
+
+
+def _at(columns: list[Floats], rows: list[tuple[int, int]]) -> Floats:
+    return np.array([columns[run][row] for run, row in rows])
 
 
 def _overlay_time(diagnosis: "Diagnosis", signals: list[str]) -> "Figure":
@@ -109,7 +149,7 @@ def _overlay_time(diagnosis: "Diagnosis", signals: list[str]) -> "Figure":
         for row, signal in enumerate(signals):
             for column, (title, runs) in enumerate(sets):
                 axis = axes[row, column]
-                noise = diagnosis.noise_floor[signal].value or 0.0
+                noise = diagnosis.noise[signal].deviation if signal in diagnosis.noise else 0.0
                 for k, run in enumerate(runs):
                     time = diagnosis.runs[run].columns["time"]
                     measured = diagnosis.steps[0].fit.runs[run][1].get(signal)
@@ -138,7 +178,7 @@ def residuals(diagnosis: "Diagnosis", names: Iterable[str] | None) -> "Figure":
     signals, conditions = _signals(diagnosis, names), _conditions(diagnosis)
     with _figure(len(signals), len(conditions), width=3.0, height=2.0) as (figure, axes):
         for row, signal in enumerate(signals):
-            noise = diagnosis.noise_floor[signal].value
+            noise = diagnosis.noise[signal].deviation if signal in diagnosis.noise else None
             for column, condition in enumerate(conditions):
                 axis, x = axes[row, column], _column(diagnosis, condition)
                 if noise is not None:
@@ -148,16 +188,33 @@ def residuals(diagnosis: "Diagnosis", names: Iterable[str] | None) -> "Figure":
                     residual = _values(diagnosis, step.fit, signal, "residual")
                     size = 6.0 if x.size < 2000 else 1.5
                     axis.scatter(x, residual, s=size, color=colour, alpha=0.3, lw=0, rasterized=x.size > 2000)
-                    axis.plot(*means(x, residual, most=12), color=colour, lw=1.6, marker="o", ms=3.5)
+                    _average(axis, x, residual, colour)
                 _share_y(axes, row, column)
             axes[row, 0].set_ylabel(_label(signal, _unit(diagnosis, signal)))
         for axis, condition in zip(axes[-1], conditions, strict=True):
             axis.set_xlabel(_label(condition, _unit(diagnosis, condition)))
         entries = _step_entries(diagnosis, _BEFORE, _AFTER, dashes=False)
-        if any(floor.value is not None for floor in diagnosis.noise_floor.values()):
+        if diagnosis.noise:
             entries.append(_patch("± 2 noise"))
         _finish(figure, diagnosis, entries, "Measured minus modelled")
         return figure
+
+
+def _average(axis: "Axes", x: Floats, residual: Floats, colour: str) -> None:
+    """Means with two standard errors at set-points, or a smooth where x takes values all along."""
+    there = ~(np.isnan(x) | np.isnan(residual))
+    x, residual = x[there], residual[there]
+    if x.size == 0:
+        return
+    classes = set_points(x, 0.02 * float(x.max() - x.min()))
+    # Fewer than two samples at each on average are no set-points.
+    if len(classes) < 2 or x.size < 2 * len(classes):
+        axis.plot(*smooth(x, residual), color=colour, lw=1.6)
+        return
+    own = [residual[(x >= low) & (x <= high)] for low, high in classes]
+    error = [2.0 * part.std(ddof=1) / np.sqrt(part.size) if part.size > 1 else 0.0 for part in own]
+    places = [float(x[(x >= low) & (x <= high)].mean()) for low, high in classes]
+    axis.errorbar(places, [part.mean() for part in own], yerr=error, fmt="D", color=colour, ms=4.0, lw=1.4, zorder=4)
 
 
 def steps(diagnosis: "Diagnosis", names: Iterable[str] | None) -> "Figure":
@@ -435,7 +492,7 @@ def _column(diagnosis: "Diagnosis", name: str) -> Floats:
         known = list(dict.fromkeys(column for run in diagnosis.runs for column in run.columns))
         if name not in known:
             raise unknown("column", name, [*known, "run"])
-        parts = [run.columns.get(name, np.full(_rows(run.columns), np.nan)) for run in diagnosis.runs]
+        parts = _column_by_run(diagnosis, name)
     return np.concatenate(parts)
 
 
@@ -476,8 +533,3 @@ def _spoken(name: str) -> str:
 
 def _label(name: str, unit: str) -> str:
     return f"{_spoken(name)} ({unit})" if unit else _spoken(name)
-
-
-def _range(low: float, high: float) -> str:
-    middle = 0.5 * (low + high)
-    return f"{middle:.3g}" if high - low <= 0.05 * abs(middle) else f"{low:.3g} .. {high:.3g}"

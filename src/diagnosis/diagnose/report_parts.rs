@@ -12,6 +12,7 @@ use super::stage::Stage;
 use super::verdict::{Judgement, confused, left, misfit};
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::compare::CompareError;
+use crate::diagnosis::curves::curves_of_steps;
 use crate::diagnosis::failure::{Failure, failures};
 use crate::diagnosis::fit::Fit;
 use crate::diagnosis::linear_algebra::norm;
@@ -121,6 +122,7 @@ pub(crate) fn assemble(
         effects: judgement.effects,
         candidates,
         profiles,
+        curves: curves_of_steps(problem, &steps),
         steps,
         interrupted,
     })

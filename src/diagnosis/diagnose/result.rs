@@ -1,6 +1,7 @@
 //! What a diagnosis finds. All figures are in SI units; arrays are by run and signal as in [`Fit`].
 
 use crate::diagnosis::calibrate::CalibratedParameter;
+use crate::diagnosis::curves::Curves;
 use crate::diagnosis::fit::Fit;
 use crate::diagnosis::noise::{FloorSource, NoiseModel};
 use crate::diagnosis::separate::Suggestion;
@@ -164,6 +165,8 @@ pub struct Diagnosis {
     pub given: Option<Fit>,
     /// The baseline and each effect added.
     pub steps: Vec<Step>,
+    /// The model of each step as curves over the inputs that were varied; none for a traverse.
+    pub curves: Vec<Curves>,
     /// Single candidates, the most probable first.
     pub candidates: Vec<CandidateResult>,
     /// Pairs of candidates, the best first.

@@ -4,7 +4,7 @@ use super::{begin, view};
 use crate::diagnosis::Diagnosis;
 use crate::measurement::{Experiment, Kind, Run};
 use crate::report::page::{Page, table};
-use crate::report::plots::{controls, overlay};
+use crate::report::plots::{MOST_NAMED, View, controls, overlays};
 use crate::report::units::{of_column, short, spoken};
 
 /// The groups of runs and the ranges of what was set and measured.
@@ -76,25 +76,83 @@ fn groups(experiment: &Experiment) -> Vec<Vec<String>> {
     groups.into_iter().map(row).collect()
 }
 
+/// Plots as they were drawn, by axis: when they are shown, and what it takes to draw them again.
+pub(super) type Drawn = Vec<(String, Vec<(String, usize)>)>;
+
 /// Measurements with the baseline and the final model; returns what is needed to draw them again.
-pub(super) fn add_overlays(page: &mut Page, diagnosis: &Diagnosis) -> Vec<(String, usize)> {
+pub(super) fn add_overlays(page: &mut Page, diagnosis: &Diagnosis) -> Drawn {
+    let view = view(diagnosis);
     let models = if diagnosis.steps.len() > 1 {
         "Dashed lines are the calibrated baseline without any added effect, solid lines the model with what was added."
     } else {
         "Lines are the calibrated baseline; nothing was added."
     };
-    let band = if diagnosis.experiment.replicates().is_empty() {
-        "Nothing was repeated, so there is no band of repeats."
-    } else {
-        "The band is two standard deviations of one sample about the mean of repeats."
-    };
-    begin(page, "overlay", &format!("Points are measurements. {band} {models}"));
-    let view = view(diagnosis, true);
+    begin(page, "overlay", &format!("{} {models}", how_drawn(&view)));
+    add_panels(page, &view)
+}
+
+/// The overlays with their controls; returns what is needed to draw them again.
+pub(in crate::report) fn add_panels(page: &mut Page, view: &View) -> Drawn {
     page.html("<div class=\"filtered\">");
-    page.html(&controls(&view));
-    let signals = diagnosis.experiment.signals();
-    let plots: Vec<_> = signals.iter().map(|signal| (spoken(signal), overlay(&view, signal))).collect();
-    let drawn = page.plots(&plots);
+    page.html(&controls(view, "overlay"));
+    let mut drawn = Vec::new();
+    for panel in overlays(view) {
+        page.html(&opening(&panel.when));
+        drawn.push((panel.when.clone(), page.plots(&panel.plots)));
+        page.html("</div>");
+    }
     page.html("</div>");
     drawn
+}
+
+/// The same plots once more, with controls of their own.
+pub(super) fn overlay_again(page: &mut Page, view: &View, drawn: &Drawn) {
+    page.html("<div class=\"filtered\">");
+    page.html(&controls(view, "improved"));
+    for (when, plots) in drawn {
+        page.html(&opening(when));
+        page.again(plots);
+        page.html("</div>");
+    }
+    page.html("</div>");
+}
+
+fn opening(when: &str) -> String {
+    let when = if when.is_empty() { String::new() } else { format!(" data-when=\"{when}\"") };
+    format!("<div class=\"overlay\"{when}>")
+}
+
+/// What points, bars, lines and bands of the overlays are.
+pub(in crate::report) fn how_drawn(view: &View) -> String {
+    let known: Vec<String> = view
+        .noise
+        .iter()
+        .map(|(signal, deviation)| format!("{} {}", spoken(signal), of_column(signal).number(2.0 * deviation)))
+        .collect();
+    let steady = view.experiment.kind == Kind::SingleWheel;
+    let bars = if known.is_empty() {
+        "The noise of one sample is unknown, so there are no error bars.".to_owned()
+    } else if steady {
+        format!("Error bars are two standard deviations of the noise of one sample ({}).", known.join(", "))
+    } else {
+        "The band about the points is two standard deviations of the noise of one sample.".to_owned()
+    };
+    if !steady {
+        return format!("Points are measurements. {bars}");
+    }
+    let curves = if view.curves.is_empty() {
+        "No input was varied, so there is no curve."
+    } else {
+        "Each curve is the model at the typical inputs of its group of rows: their mean, or their own course where an input \
+         follows the axis, as the wheel's speed does where the carriage's is held. Its band, where it is wider than the line, \
+         is the model over the lowest and highest load and speed in the group: differences that count as accidental. Open \
+         diamonds are the model at a point's own inputs."
+    };
+    let many = view.curves.iter().any(|curves| curves.groups.len() > MOST_NAMED);
+    let order = if many {
+        " Where groups are too many for a legend their colours follow their order, from blue to red."
+    } else {
+        ""
+    };
+    format!("Points are measurements. {bars} {curves}{order}")
 }

@@ -1,7 +1,7 @@
 //! Where the baseline fails, and what the final model leaves.
 
-use super::begin;
 use super::words::{listed, percent};
+use super::{begin, noise};
 use crate::diagnosis::{Diagnosis, Failure, Fit, Verdict};
 use crate::measurement::Kind;
 use crate::report::page::{Page, escape};
@@ -17,8 +17,10 @@ const OPEN_PLOTS: usize = 6;
 const RUN_WEIGHT: f64 = 0.5;
 
 /// What the plots of residuals show.
-const RESIDUALS: &str = "Residuals (measured less model) against the conditions. The grey band is two standard deviations of the noise of one \
-                         sample; diamonds are means: away from zero they are structure, not noise.";
+const RESIDUALS: &str = "Residuals (measured less model) against the conditions, a colour a group of repeats where these are few. The grey \
+                         band is two standard deviations of the noise of one sample. Diamonds are means at set-points; where a condition takes values all along, the line is a smooth \
+                         (local lines over three quarters of the samples). Bars and band of the mean are two standard errors, as if samples were \
+                         independent: a mean that stays away from zero is structure, not noise.";
 
 /// Where the calibrated baseline fails.
 pub(super) fn add_failures(page: &mut Page, diagnosis: &Diagnosis) {
@@ -26,7 +28,7 @@ pub(super) fn add_failures(page: &mut Page, diagnosis: &Diagnosis) {
     page.html(&sentences(&diagnosis.failures));
     let samples = all_samples(diagnosis, &diagnosis.baseline().fit);
     let plots: Vec<_> =
-        samples.iter().map(|own| (title(own), residuals(own, floor(diagnosis, &own.signal), None))).collect();
+        samples.iter().map(|own| (title(own), residuals(own, deviation(diagnosis, &own.signal), None))).collect();
     let open = OPEN_PLOTS.min(plots.len());
     page.plots(&plots[..open]);
     let maps = maps(diagnosis, &diagnosis.baseline().fit);
@@ -49,7 +51,7 @@ pub(super) fn add_residuals_left(page: &mut Page, diagnosis: &Diagnosis) {
         .take(OPEN_PLOTS)
         .filter_map(|before| {
             let left = Samples::new(&diagnosis.experiment, &diagnosis.last().fit, &before.signal, &before.condition)?;
-            Some((title(&left), residuals(&left, floor(diagnosis, &left.signal), Some(before))))
+            Some((title(&left), residuals(&left, deviation(diagnosis, &left.signal), Some(before))))
         })
         .collect();
     page.html("<h3>Residuals left</h3>");
@@ -106,13 +108,10 @@ fn title(samples: &Samples) -> String {
     format!("{} against {}", spoken(&samples.signal), samples.condition.name())
 }
 
-/// Standard deviation of one sample; for a quantity of all wheels the largest.
-fn floor(diagnosis: &Diagnosis, signal: &str) -> Option<f64> {
-    let of = |(name, floor): (&String, &crate::diagnosis::NoiseFloor)| {
-        let own = name == signal || name.rsplit('.').next() == Some(signal);
-        own.then(|| floor.value()).flatten()
-    };
-    diagnosis.noise_floor.iter().filter_map(of).reduce(f64::max)
+/// Standard deviation of one sample, as the diagnosis weighs it; for a quantity of all wheels the largest.
+fn deviation(diagnosis: &Diagnosis, signal: &str) -> Option<f64> {
+    let own = |name: &str| name == signal || name.rsplit('.').next() == Some(signal);
+    noise(diagnosis).into_iter().filter(|(name, _)| own(name)).map(|(_, own)| own).reduce(f64::max)
 }
 
 /// Every signal against every condition, the largest mean residual against the noise first.
@@ -127,10 +126,10 @@ fn all_samples(diagnosis: &Diagnosis, fit: &Fit) -> Vec<Samples> {
     samples.into_iter().map(|(_, own)| own).collect()
 }
 
-/// The noise floor, or where it is unknown the baseline's error.
+/// The noise of one sample, or where it is unknown the baseline's error.
 fn scale(diagnosis: &Diagnosis, signal: &str) -> f64 {
     let rmse = || diagnosis.baseline().rmse.get(signal).copied();
-    floor(diagnosis, signal).or_else(rmse).filter(|scale| *scale > 0.0).unwrap_or(1.0)
+    deviation(diagnosis, signal).or_else(rmse).filter(|scale| *scale > 0.0).unwrap_or(1.0)
 }
 
 /// Mean residuals over slip and load, or over position and pitch (time where pitch was not recorded); of a traverse for
@@ -152,9 +151,9 @@ fn maps(diagnosis: &Diagnosis, fit: &Fit) -> Vec<(String, plotly::Plot)> {
                 Samples::new(experiment, fit, signal, &column(x))?,
                 Samples::new(experiment, fit, signal, &column(y))?,
             );
-            let known = floor(diagnosis, signal);
+            let known = deviation(diagnosis, signal);
             let (scale, unit) = match known {
-                Some(floor) => (floor, "\u{3c3}".to_owned()),
+                Some(noise) => (noise, "\u{3c3}".to_owned()),
                 None => (1.0 / of_column(signal).factor, of_column(signal).symbol.to_owned()),
             };
             let words = if known.is_some() { ", in standard deviations of the noise" } else { "" };

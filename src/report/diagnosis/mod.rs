@@ -9,12 +9,16 @@ mod misfit;
 mod parameters;
 mod words;
 
+pub(super) use measured::{add_panels, how_drawn};
+
 use super::page::{Page, escape};
-use super::plots::{Modelled, View};
+use super::plots::{Model, View};
 use super::units::spoken;
 use super::words::what_was_measured;
 use crate::diagnosis::{Diagnosis, Verdict};
+use measured::Drawn;
 use plotly::common::DashType;
+use std::collections::BTreeMap;
 use words::listed;
 
 /// Places of the page and the questions that they answer.
@@ -75,35 +79,25 @@ fn final_name(diagnosis: &Diagnosis) -> String {
 }
 
 /// The models that the overlays show: as given, calibrated, with effects.
-fn view(diagnosis: &Diagnosis, baseline: bool) -> View<'_> {
-    let mut models = Vec::new();
-    if diagnosis.steps.len() > 1 {
-        let (name, fit) = (final_name(diagnosis), &diagnosis.last().fit);
-        models.push(Modelled { key: "final", name, short: "final model", fit, dash: DashType::Solid, shown: true });
+fn view(diagnosis: &Diagnosis) -> View<'_> {
+    let alone = diagnosis.steps.len() == 1;
+    let dash = if alone { DashType::Solid } else { DashType::Dash };
+    let mut models: Vec<Model> = diagnosis.given.iter().map(Model::given).collect();
+    models.push(Model::calibrated("calibrated baseline", "baseline", &diagnosis.baseline().fit, dash));
+    let mut at_first = vec!["baseline"];
+    if !alone {
+        models.push(Model::last(final_name(diagnosis), diagnosis.steps.len() - 1, &diagnosis.last().fit));
+        at_first.push("final");
     }
-    let alone = models.is_empty();
-    models.push(Modelled {
-        key: "baseline",
-        name: "calibrated baseline".to_owned(),
-        short: "baseline",
-        fit: &diagnosis.baseline().fit,
-        dash: if alone { DashType::Solid } else { DashType::Dash },
-        shown: baseline || alone,
-    });
-    if let Some(fit) = &diagnosis.given {
-        models.push(Modelled {
-            key: "given",
-            name: "as given".to_owned(),
-            short: "as given",
-            fit,
-            dash: DashType::Dot,
-            shown: false,
-        });
-    }
-    View { experiment: &diagnosis.experiment, floors: &diagnosis.noise_floor, models }
+    View { experiment: &diagnosis.experiment, noise: noise(diagnosis), curves: &diagnosis.curves, models, at_first }
 }
 
-fn add_final_model(page: &mut Page, diagnosis: &Diagnosis, overlays: &[(String, usize)]) {
+/// Standard deviation of one sample by signal, as the diagnosis weighs it.
+fn noise(diagnosis: &Diagnosis) -> BTreeMap<String, f64> {
+    diagnosis.noise.iter().map(|(signal, noise)| (signal.clone(), noise.deviation)).collect()
+}
+
+fn add_final_model(page: &mut Page, diagnosis: &Diagnosis, overlays: &Drawn) {
     if diagnosis.steps.len() < 2 {
         begin(page, "improved", "No effect was added: the final model is the calibrated baseline shown above.");
         return;
@@ -114,10 +108,8 @@ fn add_final_model(page: &mut Page, diagnosis: &Diagnosis, overlays: &[(String, 
         final_name(diagnosis)
     );
     begin(page, "improved", &lead);
-    page.html("<div class=\"filtered\">");
-    page.html(&super::plots::controls(&view(diagnosis, false)));
-    page.again(overlays);
-    page.html("</div>");
+    let shown = View { at_first: vec!["final"], ..view(diagnosis) };
+    measured::overlay_again(page, &shown, overlays);
     misfit::add_residuals_left(page, diagnosis);
 }
 

@@ -1,5 +1,6 @@
 //! Residuals and the conditions against which they are drawn.
 
+use super::overlay::groups;
 use crate::diagnosis::{Fit, Level, levels_of};
 use crate::measurement::{Experiment, Kind, Run};
 use crate::report::units::{Shown, of_column, spoken, wheel_and_field};
@@ -66,6 +67,9 @@ pub(in crate::report) struct Samples {
     pub signal: String,
     pub condition: Condition,
     pub values: Vec<(f64, f64)>,
+    /// The group of repeats of each sample, and the names of the groups.
+    pub groups: Vec<usize>,
+    pub group_names: Vec<String>,
     pub levels: Vec<Level>,
 }
 
@@ -73,8 +77,11 @@ impl Samples {
     /// `None` where the condition was not recorded or did not vary. For [`Condition::Wheel`] `signal` is the wheels'
     /// quantity, `torque` for `wheel[1].torque` and so on.
     pub fn new(experiment: &Experiment, fit: &Fit, signal: &str, condition: &Condition) -> Option<Self> {
-        let mut values = Vec::new();
+        let (mut values, mut of_samples) = (Vec::new(), Vec::new());
+        let sets = groups(experiment);
+        let group_of = |run: usize| sets.iter().position(|(_, runs)| runs.contains(&run)).unwrap_or(0);
         for (number, (run, fit)) in experiment.runs.iter().zip(&fit.runs).enumerate() {
+            let group = group_of(number);
             for own in &fit.signals {
                 let wheel = wheel_and_field(&own.signal).filter(|(_, field)| *field == signal);
                 if own.signal != signal && (*condition != Condition::Wheel || wheel.is_none()) {
@@ -85,12 +92,23 @@ impl Samples {
                         (Condition::Wheel, Some((wheel, _))) => Some(wheel as f64),
                         _ => condition.value(number, run, row),
                     };
-                    values.extend(at.map(|at| (at, *residual)));
+                    if let Some(at) = at {
+                        values.push((at, *residual));
+                        of_samples.push(group);
+                    }
                 }
             }
         }
+        let group_names = sets.into_iter().map(|(name, _)| name).collect();
         let levels = levels_of(values.clone());
-        let samples = Self { signal: signal.to_owned(), condition: condition.clone(), values, levels };
+        let samples = Self {
+            signal: signal.to_owned(),
+            condition: condition.clone(),
+            values,
+            groups: of_samples,
+            group_names,
+            levels,
+        };
         (!samples.levels.is_empty()).then_some(samples)
     }
 

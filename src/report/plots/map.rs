@@ -9,6 +9,8 @@ use std::collections::BTreeMap;
 
 /// Cells along a condition without levels of its own.
 const CELLS: usize = 8;
+/// A condition has levels of its own where that many samples lie at each on average.
+const FEWEST: usize = 2;
 /// Cells along a condition at most.
 const MOST_CELLS: usize = 14;
 
@@ -50,12 +52,15 @@ pub(in crate::report) fn map(x: &Samples, y: &Samples, scale: f64, unit: &str) -
 /// Ranges of the cells, in rising order: the condition's own levels where it has few.
 fn edges(samples: &Samples) -> Vec<(f64, f64)> {
     let apart = samples.levels.windows(2).all(|pair| pair[0].high < pair[1].low);
-    if apart && samples.levels.len() <= MOST_CELLS {
+    let repeated = samples.values.len() >= FEWEST * samples.levels.len();
+    if apart && repeated && samples.levels.len() <= MOST_CELLS {
         return samples.levels.iter().map(|level| (level.low, level.high)).collect();
     }
     let (first, last) = (samples.levels[0].low, samples.levels[samples.levels.len() - 1].high);
-    let width = (last - first) / CELLS as f64;
-    (0..CELLS).map(|k| (first + width * k as f64, first + width * (k + 1) as f64)).collect()
+    // Few samples would leave most cells empty.
+    let cells = ((samples.values.len() as f64).sqrt() as usize).clamp(2, CELLS);
+    let width = (last - first) / cells as f64;
+    (0..cells).map(|k| (first + width * k as f64, first + width * (k + 1) as f64)).collect()
 }
 
 fn place(edges: &[(f64, f64)], value: f64) -> usize {

@@ -15,13 +15,12 @@ pub(super) use candidates::{probabilities, visible_shares};
 pub(super) use conditions::{Condition, Samples, conditions};
 pub(super) use lines::lines;
 pub(super) use map::map;
-pub(super) use overlay::{controls, overlay};
+pub(super) use overlay::{MOST_NAMED, controls, overlays};
 pub(super) use profile::profile;
 pub(super) use residuals::residuals;
 pub(super) use steps::steps;
 
-use super::units::digits;
-use crate::diagnosis::{Fit, NoiseFloor};
+use crate::diagnosis::{Curves, Fit};
 use crate::measurement::Experiment;
 use plotly::Layout;
 use plotly::common::{Anchor, DashType, Orientation, Title};
@@ -33,31 +32,49 @@ const COLOURS: [&str; 6] = ["#3b82f6", "#e8871e", "#12a87b", "#e5484d", "#9b6bdf
 const GREY: &str = "#8b949e";
 
 /// A model beside the measurements.
-pub(super) struct Modelled<'a> {
-    /// Word for the page's boxes.
+pub(super) struct Model<'a> {
+    /// Word for the page's buttons.
     pub key: &'static str,
     /// Name for people.
     pub name: String,
-    /// Name for legends, where there is little room.
+    /// Name where there is little room.
     pub short: &'static str,
+    /// The step of its curves; `None` is the model as given.
+    pub step: Option<usize>,
     pub fit: &'a Fit,
     pub dash: DashType,
-    /// Whether it is shown at first.
-    pub shown: bool,
+    /// Its colour where colours do not tell groups or wheels apart.
+    pub colour: &'static str,
+}
+
+impl<'a> Model<'a> {
+    /// The model with the parameters as given.
+    pub fn given(fit: &'a Fit) -> Self {
+        let name = "as given".to_owned();
+        Self { key: "given", name, short: "as given", step: None, fit, dash: DashType::Dot, colour: GREY }
+    }
+
+    /// The calibrated model without added effects; dashed where another model is the result.
+    pub fn calibrated(name: &str, short: &'static str, fit: &'a Fit, dash: DashType) -> Self {
+        Self { key: "baseline", name: name.to_owned(), short, step: Some(0), fit, dash, colour: COLOURS[1] }
+    }
+
+    /// The model of the last step.
+    pub fn last(name: String, step: usize, fit: &'a Fit) -> Self {
+        let (short, dash) = ("final model", DashType::Solid);
+        Self { key: "final", name, short, step: Some(step), fit, dash, colour: COLOURS[2] }
+    }
 }
 
 /// An experiment and the models drawn beside it.
 pub(super) struct View<'a> {
     pub experiment: &'a Experiment,
-    pub floors: &'a BTreeMap<String, NoiseFloor>,
-    pub models: Vec<Modelled<'a>>,
-}
-
-impl View<'_> {
-    /// Standard deviation of one sample, in the signal's unit.
-    fn floor(&self, signal: &str) -> Option<f64> {
-        self.floors.get(signal).and_then(NoiseFloor::value)
-    }
+    /// Standard deviation of one sample by signal, as it is in force; a signal of unknown noise is missing.
+    pub noise: BTreeMap<String, f64>,
+    pub curves: &'a [Curves],
+    pub models: Vec<Model<'a>>,
+    /// Keys of the models shown at first.
+    pub at_first: Vec<&'static str>,
 }
 
 /// A number of a plot: five digits are more than a screen shows, and keep the file small.
@@ -75,13 +92,17 @@ fn faded(colour: &str, opacity: f64) -> String {
     format!("rgba({}, {}, {}, {opacity})", part(1), part(3), part(5))
 }
 
-/// A level of a set-point in words, for legends.
-fn level_name(low: f64, high: f64, unit: &str) -> String {
-    if digits(low) == digits(high) {
-        format!("{} {unit}", super::units::short(low))
-    } else {
-        format!("{} to {} {unit}", super::units::short(low), super::units::short(high))
-    }
+/// The colour at a share of the way along a list of colours.
+fn between(colours: &[&str], share: f64) -> String {
+    let place = share.clamp(0.0, 1.0) * (colours.len() - 1) as f64;
+    let from = (place as usize).min(colours.len().saturating_sub(2));
+    let rest = place - from as f64;
+    let part = |k: usize, at: usize| {
+        let hex = colours.get(k).and_then(|colour| colour.get(at..at + 2));
+        hex.and_then(|hex| u8::from_str_radix(hex, 16).ok()).map_or(128.0, f64::from)
+    };
+    let mixed = [1, 3, 5].map(|at| (1.0 - rest) * part(from, at) + rest * part(from + 1, at));
+    format!("#{:02x}{:02x}{:02x}", mixed[0] as u8, mixed[1] as u8, mixed[2] as u8)
 }
 
 /// A horizontal band about zero.
