@@ -44,6 +44,9 @@ impl Diagnosis {
             "suggestions": self.suggestions.iter().map(|suggestion| json!({
                 "text": suggestion.text, "effects": suggestion.effects,
             })).collect::<Vec<_>>(),
+            "unanswered": self.unanswered.iter().map(|rows| json!({
+                "run": rows.run, "first_row": rows.rows.0, "last_row": rows.rows.1, "reason": rows.reason,
+            })).collect::<Vec<_>>(),
             "cautions": self.cautions,
             "interrupted": self.interrupted,
         })

@@ -28,6 +28,7 @@ mod sensitivity;
 mod separate;
 mod single_wheel;
 mod traverse;
+mod unanswered;
 mod weighted;
 
 pub use calibrate::{CalibratedParameter, Calibration};
@@ -49,3 +50,4 @@ pub use separate::{
     SingleWheelPlan, SmallestStrength, Suggestion, TraversePlan, separate,
 };
 pub use single_wheel::{Rig, SteadyError, SteadyPoint, steady_point};
+pub use unanswered::UnansweredRows;

@@ -181,7 +181,7 @@ impl<'a> Problem<'a> {
         let mut experiment = (*self.experiment).clone();
         experiment.runs = runs.iter().map(|run| self.experiment.runs[*run].clone()).collect();
         Problem {
-            layout: Layout::new(&experiment),
+            layout: self.layout.of_runs(&experiment, runs),
             experiment: Cow::Owned(experiment),
             known: self.known.clone(),
             guided: self.guided,
@@ -201,6 +201,7 @@ impl<'a> Problem<'a> {
             scouting: None,
             guided: false,
             left_out: Vec::new(),
+            unanswered: self.layout.left_out().to_vec(),
             prior_factor: 1.0,
         }
     }
