@@ -72,6 +72,13 @@ impl Layout {
         &self.left_out
     }
 
+    /// Whether rows of a run are left out and none of it counts.
+    pub fn is_left_out(&self, run: usize) -> bool {
+        let counts = |at: std::ops::Range<usize>| self.measured[at].iter().any(|value| !value.is_nan());
+        self.left_out.iter().any(|(other, _)| *other == run)
+            && !self.of_run(run).any(|block| counts(block.range.clone()))
+    }
+
     /// Whether a row has measured values that count.
     pub fn counts(&self, run: usize, row: usize) -> bool {
         self.of_run(run).any(|block| !self.measured[block.range.start + row].is_nan())

@@ -32,8 +32,8 @@ pub(crate) struct TraversePrediction<'a> {
     experiment: &'a Experiment,
     /// Different runs, on their ground, commanded as they were.
     runs: Vec<Recorded>,
-    /// For each run of the experiment, which of these it is.
-    places: Vec<usize>,
+    /// For each run of the experiment, which of these it is; a run that is left out is none.
+    places: Vec<Option<usize>>,
     free: &'a [Free],
 }
 
@@ -65,13 +65,17 @@ impl<'a> TraversePrediction<'a> {
         let mut runs: Vec<Recorded> = Vec::new();
         let mut places = Vec::new();
         for (k, (model, run)) in models.into_iter().zip(&experiment.runs).enumerate() {
+            if layout.is_left_out(k) {
+                places.push(None);
+                continue;
+            }
             let own = |free: &Free| run.parameters.contains_key(&free.variable.name);
             let felt = (0..free.len()).filter(|at| !own(&free[*at])).collect();
             let mut model = place(model, run)?;
             let guide = if guided { Guide::of(run, &mut model) } else { None };
             let recorded = Recorded::new(model, run, layout.of_run(k), felt, guide)?;
             let first = runs.iter().position(|other| other.repeats(&recorded));
-            places.push(first.unwrap_or(runs.len()));
+            places.push(Some(first.unwrap_or(runs.len())));
             match first {
                 Some(first) => runs[first].take(recorded),
                 None => runs.push(recorded),
@@ -187,7 +191,7 @@ impl<'a> TraversePrediction<'a> {
     fn beyond(&self, ended: &[(usize, (usize, PredictionError))]) -> Vec<Unanswered> {
         let mut unanswered = Vec::new();
         for (run, place) in self.places.iter().enumerate() {
-            if let Some((_, (row, error))) = ended.iter().find(|(ended, _)| ended == place) {
+            if let Some((_, (row, error))) = ended.iter().find(|(ended, _)| Some(*ended) == *place) {
                 let measured = &self.experiment.runs[run];
                 let error = error.clone().in_run(&measured.name);
                 unanswered.push(Unanswered { run, rows: *row..measured.data.rows(), error });

@@ -4,9 +4,10 @@
 //! [`compare`]: crate::diagnosis::compare()
 
 use super::discrepancy;
-use super::fits::{Noise, run, run_open};
+use super::fits::{Noise, Task, run, run_open};
+use super::search::SAME_FIT;
 use super::signature::prune;
-use crate::diagnosis::calibrate::{Calibration, better};
+use crate::diagnosis::calibrate::{CalibratedParameter, Calibration, better};
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::linear_algebra::Basis;
 use crate::diagnosis::noise::{
@@ -15,6 +16,7 @@ use crate::diagnosis::noise::{
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::unanswered::{Answers, LEAST_SHARE, Unanswered, UnansweredRows, listed};
+use crate::measurement::Kind;
 use crate::simulation::Event;
 use std::collections::BTreeMap;
 
@@ -71,7 +73,7 @@ pub(crate) fn calibrated_baseline(problem: &mut Problem) -> Result<Prepared, Com
     let mut unanswered = Vec::new();
     let mut noise = Noise { models: first_guess(problem, &repeats), robust: None };
     let first = fitted(problem, &noise, &[], &mut unanswered)?;
-    let predicted = modelled(problem, &first)?.values;
+    let predicted = modelled(problem, &first.values())?.values;
     let residual = minus(&problem.layout.measured, &predicted);
     let flexible = discrepancy::columns(&problem.experiment, &problem.layout, &predicted);
     let modulations = discrepancy::modulations(&problem.experiment, &problem.layout, &predicted);
@@ -87,7 +89,9 @@ pub(crate) fn calibrated_baseline(problem: &mut Problem) -> Result<Prepared, Com
     noise.models.clone_from(&decided.models);
     noise.robust = Some(threshold(problem, &noise, &residual));
     let again = fitted(problem, &noise, &[first.values()], &mut unanswered)?;
-    let mut baseline = Calibration { searches: first.searches, agreeing: first.agreeing, ..again };
+    // A search that starts where the first one ended may find no step to make.
+    let converged = again.converged || (first.converged && is_at(&again, &first));
+    let mut baseline = Calibration { searches: first.searches, agreeing: first.agreeing, converged, ..again };
     // Under a first guess of the noise a fit may have looked near that is far.
     if baseline.is_far() && !first.is_far() {
         let counted = problem.layout.present();
@@ -97,7 +101,8 @@ pub(crate) fn calibrated_baseline(problem: &mut Problem) -> Result<Prepared, Com
         }
         baseline = better(Some(baseline), Some(anew)).ok_or(CompareError::NoFit)?;
     }
-    let modelled = modelled(problem, &baseline)?.values;
+    baseline = escaped(problem, &noise, baseline);
+    let modelled = modelled(problem, &baseline.values())?.values;
     let mut floors = noise_floors(&problem.experiment, &problem.layout, &modelled);
     floors.iter_mut().for_each(|(signal, floor)| floor.contradicted = decided.contradicted.contains(signal));
     let unanswered = listed(unanswered);
@@ -174,9 +179,12 @@ fn fitted(
 ) -> Result<Calibration, CompareError> {
     loop {
         let task = problem.task(&[], starts.to_vec());
-        let fit = run_open(problem, noise, &task).ok_or_else(|| no_start(problem))?;
-        let missing = modelled(problem, &fit)?.missing(&problem.layout);
-        let Some(first) = missing.first() else { return Ok(fit) };
+        let fit = run_open(problem, noise, &task);
+        let missing = match &fit {
+            Some(fit) => modelled(problem, &fit.values())?.missing(&problem.layout),
+            None => without_a_start(problem)?,
+        };
+        let Some(first) = missing.first() else { return fit.ok_or_else(|| no_start(problem)) };
         if missing.iter().any(|rows| has_gone_astray(&rows.error))
             && let Some(whole) = run(problem, noise, &task)
         {
@@ -190,6 +198,37 @@ fn fitted(
         }
         unanswered.extend(missing);
     }
+}
+
+/// On a traverse far from the measurements, the baseline once more from where it ends with the rover led along at the measured
+/// velocity, which keeps it from getting stuck on the way; the better of the two.
+fn escaped(problem: &Problem, noise: &Noise, baseline: Calibration) -> Calibration {
+    if problem.experiment.kind != Kind::Traverse || !baseline.is_far() {
+        return baseline;
+    }
+    let led = Task { guided: true, ..problem.task(&[], Vec::new()) };
+    let on = |led: Calibration| run(problem, noise, &problem.task(&[], vec![led.values()]));
+    let again = run(problem, noise, &led).and_then(on);
+    match again.filter(|again| again.chi_square < baseline.chi_square * (1.0 - SAME_FIT)) {
+        Some(again) => Calibration { searches: baseline.searches + 1, ..again },
+        None => baseline,
+    }
+}
+
+/// Whether two fits have the same parameters, to a search's accuracy.
+fn is_at(fit: &Calibration, other: &Calibration) -> bool {
+    let near = |(a, b): (&CalibratedParameter, &CalibratedParameter)| {
+        (a.value - b.value).abs() <= SAME_FIT * (a.variable.max - a.variable.min)
+    };
+    fit.parameters.iter().zip(&other.parameters).all(near)
+}
+
+/// Where no search has a start: the rows of the runs in which the rover cannot be put on the ground with the given parameters.
+fn without_a_start(problem: &Problem) -> Result<Vec<Unanswered>, CompareError> {
+    let given: Vec<f64> = problem.base.iter().map(|free| free.start).collect();
+    let mut missing = modelled(problem, &given)?.missing(&problem.layout);
+    missing.retain(|rows| rows.error.is_of_the_motion());
+    Ok(missing)
 }
 
 /// Whether a search that ends here has gone astray more often than not, so that a fit that answers every row comes first: on
@@ -212,9 +251,9 @@ fn no_start(problem: &Problem) -> CompareError {
     }
 }
 
-/// What the calibrated baseline gives row by row.
-fn modelled(problem: &Problem, fit: &Calibration) -> Result<Answers, CompareError> {
-    Ok(problem.predict(&problem.base, |predict| predict.answers(&fit.values()))??)
+/// What the baseline gives row by row.
+fn modelled(problem: &Problem, values: &[f64]) -> Result<Answers, CompareError> {
+    Ok(problem.predict(&problem.base, |predict| predict.answers(values))??)
 }
 
 /// Measured minus modelled.

@@ -125,8 +125,9 @@ impl Evidence<'_> {
             return None;
         }
         let basis = self.curve(signal, most as usize);
-        let mut rest = basis.outside(&self.blank(signal, self.residual));
-        rest.iter_mut().zip(self.residual).filter(|(_, e)| e.is_nan()).for_each(|(r, _)| *r = f64::NAN);
+        let outside = basis.outside(&self.blank(signal, self.residual));
+        let mut rest = vec![f64::NAN; outside.len()];
+        self.places(signal).for_each(|at| rest[at] = outside[at]);
         let lost = basis.rank() as f64 + self.calibrated_share();
         let noise = estimate_alone(self.layout, signal, &rest, lost)?;
         Some(NoiseModel { deviation: noise.deviation.max(RESOLUTION * self.layout.scatter(signal)), ..noise })
@@ -165,21 +166,23 @@ impl Evidence<'_> {
         basis
     }
 
-    /// The values of one signal where it has a residual; 0 elsewhere.
+    /// The values of one signal where it has a residual that counts; 0 elsewhere.
     fn blank(&self, signal: &str, values: &[f64]) -> Vec<f64> {
         let mut all = vec![0.0; values.len()];
-        for block in self.layout.blocks.iter().filter(|block| block.signal == signal) {
-            for at in block.range.clone().filter(|at| !self.residual[*at].is_nan()) {
-                all[at] = values[at];
-            }
-        }
+        self.places(signal).for_each(|at| all[at] = values[at]);
         all
     }
 
     /// Number of values of a signal.
     fn values(&self, signal: &str) -> usize {
-        let blocks = self.layout.blocks.iter().filter(|block| block.signal == signal);
-        blocks.flat_map(|block| &self.residual[block.range.clone()]).filter(|e| !e.is_nan()).count()
+        self.places(signal).count()
+    }
+
+    /// Where a signal has a residual that counts: not at the start of a run, which no fit counts.
+    fn places(&self, signal: &str) -> impl Iterator<Item = usize> {
+        let blocks = self.layout.blocks.iter().filter(move |block| block.signal == signal);
+        let rows = blocks.flat_map(|block| block.range.clone().skip(self.layout.starts[block.run]));
+        rows.filter(|at| !self.residual[*at].is_nan())
     }
 
     /// Degrees of freedom of one signal that the calibration took.

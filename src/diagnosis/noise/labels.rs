@@ -33,21 +33,22 @@ impl LabelContrasts {
         let place = |run: usize| runs.binary_search(&run).unwrap_or(0);
         let (mut within, mut along) = (DMatrix::zeros(runs.len(), runs.len()), DVector::zeros(runs.len()));
         let mut contrasts = Self::default();
-        for samples in labels {
+        for samples in &labels {
             let size = samples.len() as f64;
             let mean = samples.iter().map(|(_, value)| value).sum::<f64>() / size;
-            for (run, value) in samples {
+            for (run, value) in *samples {
                 let own = place(*run);
                 contrasts.squares += (value - mean).powi(2);
                 along[own] += value - mean;
                 within[(own, own)] += 1.0;
-                for (other, _) in samples {
+                for (other, _) in *samples {
                     within[(own, place(*other))] -= size.recip();
                 }
             }
             contrasts.count += samples.len() - 1;
         }
-        if !runs.is_empty() {
+        // With one sample a run all contrasts see the same share of the runs.
+        if runs.len() < labels.iter().map(|samples| samples.len()).sum::<usize>() {
             contrasts.between = between(within, &along);
         }
         contrasts
