@@ -27,6 +27,7 @@ mod replay;
 mod sensitivity;
 mod separate;
 mod single_wheel;
+mod steady_points;
 mod traverse;
 mod unanswered;
 mod weighted;

@@ -7,7 +7,8 @@
 //!   by [`MISSED_BY`] times the scatter of its signal over the experiment, and by up to twice as much, in proportion to
 //!   the share of the load that the soil does not carry. That is finite, so that a single bad row cannot force the fit, and
 //!   worse than predicting the signal's mean everywhere, so that giving up a row does not pay. On a traverse the rover
-//!   stays as it was at the last row that it reached, while the measured one drives on.
+//!   stays as it was at the last row that it reached, while the measured one drives on. Predictions of what was left out
+//!   of a fit count alike.
 //! - **Rows without an answer at the best fit** of the baseline are left out, and the fit is repeated without them, until
 //!   every row that counts has an answer. They are left out of all that follows (noise, errors, effects), are listed, and
 //!   are a caution. From then on a fit that does not answer all rows that count is no fit.
