@@ -3,7 +3,7 @@
 use crate::model::ModelArguments;
 use crate::output::{check_writable, say};
 use anyhow::{Context, Result};
-use bekker::diagnosis::{Calibration, CompareOptions, Comparison, compare};
+use bekker::diagnosis::{Calibration, CompareOptions, Comparison, UnansweredRows, compare};
 use bekker::measurement::Experiment;
 use bekker::report::comparison_page;
 use std::path::{Path, PathBuf};
@@ -49,10 +49,20 @@ pub fn write_page(comparison: &Comparison, path: &Path) -> Result<()> {
     std::fs::write(path, comparison_page(comparison)).with_context(|| format!("cannot write `{}`", path.display()))
 }
 
+/// Most stretches of rows without an answer that are printed.
+const MOST_UNANSWERED: usize = 8;
+
 /// Prints errors, free parameters, and where the model fails most; every line starts with `indent`.
 pub fn print(comparison: &Comparison, indent: &str) -> Result<()> {
     say!("{indent}{}: {} runs", comparison.experiment.name, comparison.experiment.runs.len());
     print_errors(comparison, indent)?;
+    print_unanswered(comparison, "as given", &comparison.given_unanswered, indent)?;
+    if comparison.calibrated.is_some() {
+        print_unanswered(comparison, "calibrated", &comparison.unanswered, indent)?;
+    }
+    for caution in &comparison.cautions {
+        say!("{indent}caution: {caution}");
+    }
     if let Some((calibration, _)) = &comparison.calibrated {
         print_parameters(calibration, indent)?;
     }
@@ -82,7 +92,24 @@ pub fn print_errors(comparison: &Comparison, indent: &str) -> Result<()> {
         say!("{indent}{signal:16} {:>12} {:>12} {:>12}", cell(given), cell(calibrated), cell(floor));
     }
     if let Err(error) = &comparison.given {
-        say!("{indent}the given parameters cannot compute this experiment: {error}");
+        say!("{indent}with the given parameters the model has no answer anywhere: {error}");
+    }
+    Ok(())
+}
+
+/// Prints the rows that the model cannot answer.
+fn print_unanswered(comparison: &Comparison, which: &str, unanswered: &[UnansweredRows], indent: &str) -> Result<()> {
+    if unanswered.is_empty() {
+        return Ok(());
+    }
+    let count: usize = unanswered.iter().map(UnansweredRows::count).sum();
+    let all: usize = comparison.experiment.runs.iter().map(|run| run.data.rows()).sum();
+    say!("{indent}{which}, the model has no answer in {count} of {all} rows, which its errors leave out:");
+    for rows in unanswered.iter().take(MOST_UNANSWERED) {
+        say!("{indent}  {rows}");
+    }
+    if unanswered.len() > MOST_UNANSWERED {
+        say!("{indent}  and {} more", unanswered.len() - MOST_UNANSWERED);
     }
     Ok(())
 }

@@ -5,7 +5,7 @@ use crate::experiment::Source;
 use crate::model::Model;
 use bekker::diagnosis::{
     CalibratedParameter, Calibration, CompareError, CompareOptions, Comparison, Failure, Fit, NoiseFloor, RunFit,
-    compare as core_compare,
+    UnansweredRows, compare as core_compare,
 };
 use bekker::modeldescription::{Lookup, ParameterError};
 use numpy::PyArray1;
@@ -49,9 +49,10 @@ fn best(model: &Model, comparison: &Comparison) -> PyResult<Model> {
 pub fn failed(refused: &CompareError) -> PyErr {
     let message = refused.to_string();
     match refused {
-        CompareError::Prediction(_) | CompareError::NoStart(_) | CompareError::NoFit => {
-            SimulationError::new_err(message)
-        }
+        CompareError::Prediction(_)
+        | CompareError::TooFewAnswers { .. }
+        | CompareError::NoStart(_)
+        | CompareError::NoFit => SimulationError::new_err(message),
         CompareError::Parameter { source: ParameterError::Unknown { .. }, .. } | CompareError::UnknownEffect { .. } => {
             UnknownNameError::new_err(message)
         }
@@ -72,7 +73,23 @@ fn described<'py>(py: Python<'py>, comparison: &Comparison) -> PyResult<Bound<'p
         serde_json::to_string(&comparison.curves).map_err(|refused| ModelError::new_err(refused.to_string()))?;
     all.set_item("curves", curves)?;
     all.set_item("failures", failures_of(py, &comparison.failures)?)?;
+    all.set_item("unanswered", unanswered_of(py, &comparison.unanswered)?)?;
+    all.set_item("given_unanswered", unanswered_of(py, &comparison.given_unanswered)?)?;
+    all.set_item("cautions", &comparison.cautions)?;
     Ok(all)
+}
+
+/// Rows without an answer.
+pub fn unanswered_of<'py>(py: Python<'py>, unanswered: &[UnansweredRows]) -> PyResult<Vec<Bound<'py, PyDict>>> {
+    let one = |rows: &UnansweredRows| {
+        let described = PyDict::new(py);
+        described.set_item("run", &rows.run)?;
+        described.set_item("first_row", rows.rows.0)?;
+        described.set_item("last_row", rows.rows.1)?;
+        described.set_item("reason", &rows.reason)?;
+        Ok(described)
+    };
+    unanswered.iter().map(one).collect()
 }
 
 /// A fit, its values as arrays.

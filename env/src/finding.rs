@@ -1,6 +1,6 @@
 //! A diagnosis on its way to Python: plain dictionaries and arrays, from which Python builds its classes.
 
-use crate::compare::{failures_of, fit_of, noise_floors, parameter};
+use crate::compare::{failures_of, fit_of, noise_floors, parameter, unanswered_of};
 use crate::error;
 use crate::model::Model;
 use bekker::diagnosis::{
@@ -78,6 +78,7 @@ impl Finding {
         all.set_item("suggestions", suggestions)?;
         all.set_item("next_experiment", core.next_experiment())?;
         all.set_item("improved_is", core.improved_is())?;
+        all.set_item("unanswered", unanswered_of(py, &core.unanswered)?)?;
         all.set_item("cautions", &core.cautions)?;
         all.set_item("interrupted", core.interrupted)?;
         Ok(all)

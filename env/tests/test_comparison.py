@@ -66,3 +66,22 @@ def test_property_bad_folders_are_named(tmp_path: Path) -> None:
         bekker.compare(SAND, parameters={"soil.k_fi": 1.0})
     with pytest.raises(bekker.SimulationError, match="run .*load20.*, row "):
         bekker.compare(SAND, parameters={"soil.k_phi": 1e3, "soil.k_c": 0.0})
+
+
+def test_regress_a_row_without_an_answer_is_left_out_and_listed() -> None:
+    rows = {"load": [40.0, 4e6, 40.0], "slip": [0.1, 0.2, 0.3], "wheel_speed": [0.5] * 3, "sinkage": [0.02] * 3}
+    comparison = bekker.compare(bekker.Experiment("single_wheel", [rows]))
+    (left,) = comparison.unanswered
+    assert (left.first_row, left.last_row) == (2, 2) and "sinks to its axle" in left.reason
+    assert comparison.given_unanswered == comparison.unanswered
+    fit = comparison.fit.signal("sinkage")
+    assert np.isnan(fit.modelled).tolist() == np.isnan(fit.residual).tolist() == [False, True, False]
+    assert fit.measured.tolist() == [0.02, 0.02, 0.02]
+    assert f"left out: {left}" in str(comparison)
+
+
+def test_agreement_a_calibration_is_the_baseline_of_the_diagnosis() -> None:
+    comparison = bekker.calibrate(SAND)
+    diagnosis = bekker.diagnose(SAND, candidates=["slip_sinkage"], draws=19)
+    assert comparison.fit.rmse == diagnosis.steps[0].rmse
+    assert diagnosis.unanswered == comparison.unanswered == []

@@ -1,15 +1,14 @@
 //! The comparison of a model with an experiment.
 
-use super::calibrate::{Calibration, calibrate};
+use super::calibrate::Calibration;
 use super::curves::{Curves, curves_of_calibration};
-use super::effort::Effort;
+use super::diagnose::calibrated_baseline;
 use super::failure::{Failure, failures};
 use super::fit::Fit;
-use super::layout::Layout;
-use super::noise::{NoiseFloor, NoiseModel, Whitening, noise_floors};
-use super::prediction::{Predict, PredictionError};
+use super::noise::{NoiseFloor, noise_floors};
+use super::prediction::PredictionError;
 use super::problem::Problem;
-use super::weighted::Weighted;
+use super::unanswered::{Answers, UnansweredRows, listed};
 use crate::effects::DefinitionError;
 use crate::measurement::Experiment;
 use crate::model::Model;
@@ -53,6 +52,20 @@ pub enum CompareError {
         /// Free parameters.
         free: usize,
     },
+    /// Under the best parameters too few measured rows have an answer.
+    #[error(
+        "too few rows have an answer: {answered} of {rows} with the best parameters found, expected at least half of them and more measured values than the {free} free parameters; the first without one: {first}"
+    )]
+    TooFewAnswers {
+        /// Measured rows with an answer.
+        answered: usize,
+        /// Measured rows.
+        rows: usize,
+        /// Free parameters.
+        free: usize,
+        /// Why the first of the others has none.
+        first: PredictionError,
+    },
     /// No parameters were found with which the model can compute every measured row.
     #[error("no parameters within their bounds let the model compute every row; with the given ones: {0}")]
     NoStart(PredictionError),
@@ -80,8 +93,10 @@ pub enum CompareError {
 pub struct Comparison {
     /// The experiment.
     pub experiment: Experiment,
-    /// The model with the given parameters, or why it cannot compute the experiment (then a calibration was needed).
+    /// The model with the given parameters, or why it has no answer anywhere (then a calibration was needed).
     pub given: Result<Fit, PredictionError>,
+    /// Rows that the given parameters leave without an answer; their errors do not count in `given`.
+    pub given_unanswered: Vec<UnansweredRows>,
     /// The model after calibration, if that was asked for.
     pub calibrated: Option<(Calibration, Fit)>,
     /// Noise by signal.
@@ -90,6 +105,11 @@ pub struct Comparison {
     pub failures: Vec<Failure>,
     /// The model as curves over the inputs that were varied, as given and, as step 0, after calibration; none for a traverse.
     pub curves: Vec<Curves>,
+    /// Rows that the [best fit](Comparison::fit) leaves without an answer: left out of its errors, of the noise and of the
+    /// calibration. In the search for that fit they counted as missed by three times the scatter of their signals or more.
+    pub unanswered: Vec<UnansweredRows>,
+    /// What the reader of a calibration should beware of, in words.
+    pub cautions: Vec<String>,
     best: Fit,
 }
 
@@ -105,77 +125,70 @@ impl Comparison {
 ///
 /// With `options.calibrate` the free parameters are calibrated first: those with
 /// [`Role::Calibrated`](bekker_modeldescription::Role) unless the experiment states their value, all that have a prior, and
-/// those of the effects named in `options.added`.
+/// those of the effects named in `options.added`. Noise, bad samples and the steps of the simulation are those of
+/// [`diagnose`](super::diagnose()), so that this calibration is the baseline of a diagnosis to the bit.
+///
+/// Rows that the model cannot answer are left out and listed, see [`Comparison::unanswered`].
 ///
 /// # Errors
-/// [`CompareError`].
+/// [`CompareError`]: where the experiment does not fit the model, or too few rows have an answer.
 pub fn compare(model: &Model, experiment: &Experiment, options: &CompareOptions) -> Result<Comparison, CompareError> {
     let problem = Problem::new(model, experiment, &options.added)?;
     if problem.layout.present() == 0 {
         return Err(CompareError::NothingMeasured);
     }
-    problem.predict(&problem.base, |predict| evaluate(predict, &problem, options))?
+    let given = given(&problem)?;
+    if options.calibrate { calibrated(problem, given) } else { as_given(&problem, given?) }
 }
 
-/// The model with the given parameters and, on request, calibrated.
-fn evaluate(predict: &dyn Predict, problem: &Problem, options: &CompareOptions) -> Result<Comparison, CompareError> {
-    let (experiment, layout, free) = (&*problem.experiment, &problem.layout, &problem.base);
-    let start: Vec<f64> = free.iter().map(|free| free.start).collect();
-    let given = predict.values(&start);
-    let mut modelled = match (&given, options.calibrate) {
-        (Err(error), false) => return Err(error.clone().into()),
-        // Without an answer the repeats are compared without the model's share in them; refined below.
-        (Err(_), true) => vec![0.0; layout.len()],
-        (Ok(values), _) => values.clone(),
-    };
-    let mut floors = noise_floors(experiment, layout, &modelled);
-    let mut calibrated = None;
-    if options.calibrate {
-        if layout.present() <= free.len() {
-            return Err(CompareError::TooFewMeasurements { values: layout.present(), free: free.len() });
-        }
-        // Twice: the second time with the noise floor of the calibrated model.
-        for _ in 0..2 {
-            let Some(calibration) = calibrated_with(predict, problem, &weights(layout, &floors)) else {
-                return Err(given.err().map_or(CompareError::NoFit, CompareError::NoStart));
-            };
-            modelled = predict.values(&calibration.values())?;
-            floors = noise_floors(experiment, layout, &modelled);
-            calibrated = Some((calibration, Fit::new(experiment, layout, &modelled)));
-        }
-    }
-    let given = given.map(|values| Fit::new(experiment, layout, &values));
-    let best = Fit::new(experiment, layout, &modelled);
-    let failures = failures(experiment, &best, &floors);
-    let curves = curves_of_calibration(problem, calibrated.as_ref().map(|(calibration, _)| calibration));
-    Ok(Comparison { experiment: experiment.clone(), given, calibrated, noise_floor: floors, failures, curves, best })
+/// What the given parameters give, or why they give nothing where something was measured.
+fn given(problem: &Problem) -> Result<Result<Answers, PredictionError>, CompareError> {
+    let start: Vec<f64> = problem.base.iter().map(|free| free.start).collect();
+    let answers = problem.predict(&problem.base, |predict| predict.answers(&start))?;
+    Ok(answers.and_then(|answers| match answers.unanswered.first() {
+        Some(rows) if !answers.any(&problem.layout) => Err(rows.error.clone()),
+        _ => Ok(answers),
+    }))
 }
 
-/// A calibration with independent samples of the given standard deviations.
-fn calibrated_with(predict: &dyn Predict, problem: &Problem, weights: &BTreeMap<String, f64>) -> Option<Calibration> {
-    let noise = weights.iter().map(|(signal, deviation)| (signal.clone(), NoiseModel::white(*deviation))).collect();
-    let whitening = Whitening::new(&problem.layout, &noise, &|_, _| true)?;
-    let (layout, free) = (&problem.layout, &problem.base);
-    let weighted = Weighted { predict, layout, free, whitening: &whitening, robust: f64::INFINITY, whole: true };
-    calibrate(&weighted, weights, Effort::of(problem.experiment.kind))
+/// The comparison without a calibration.
+fn as_given(problem: &Problem, given: Answers) -> Result<Comparison, CompareError> {
+    let (experiment, layout) = (&*problem.experiment, &problem.layout);
+    let noise_floor = noise_floors(experiment, layout, &given.values);
+    let best = Fit::new(experiment, layout, &given.values);
+    let unanswered = listed(given.missing(layout));
+    Ok(Comparison {
+        experiment: experiment.clone(),
+        given: Ok(best.clone()),
+        given_unanswered: unanswered.clone(),
+        calibrated: None,
+        failures: failures(experiment, &best, &noise_floor),
+        noise_floor,
+        curves: curves_of_calibration(problem, None),
+        unanswered,
+        cautions: Vec::new(),
+        best,
+    })
 }
 
-/// Standard deviation by signal: the noise floor, or where it is unknown the signal's own scatter, which weighs the
-/// signals evenly.
-fn weights(layout: &Layout, floors: &BTreeMap<String, NoiseFloor>) -> BTreeMap<String, f64> {
-    let weight = |signal: &String, floor: &NoiseFloor| {
-        floor.value().filter(|v| *v > 0.0).unwrap_or_else(|| own_scatter(layout, signal))
-    };
-    floors.iter().map(|(signal, floor)| (signal.clone(), weight(signal, floor))).collect()
-}
-
-/// Standard deviation of a signal over the whole experiment.
-pub(crate) fn own_scatter(layout: &Layout, signal: &str) -> f64 {
-    let blocks = layout.blocks.iter().filter(|block| block.signal == signal);
-    let values: Vec<f64> =
-        blocks.flat_map(|block| layout.measured[block.range.clone()].to_vec()).filter(|v| !v.is_nan()).collect();
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64;
-    // A signal that never changes still needs a scale.
-    [variance.sqrt(), mean.abs(), 1.0].into_iter().find(|scale| *scale > 0.0).unwrap_or(1.0)
+/// The comparison after a calibration.
+fn calibrated(problem: Problem, given: Result<Answers, PredictionError>) -> Result<Comparison, CompareError> {
+    let mut posed = problem.clone();
+    posed.coarsen();
+    let prepared = calibrated_baseline(&mut posed)?;
+    let experiment = &*problem.experiment;
+    let best = Fit::new(experiment, &posed.layout, &prepared.modelled);
+    let unanswered = given.as_ref().map_or_else(|_| Vec::new(), |given| listed(given.missing(&problem.layout)));
+    Ok(Comparison {
+        experiment: experiment.clone(),
+        given: given.map(|given| Fit::new(experiment, &problem.layout, &given.values)),
+        given_unanswered: unanswered,
+        calibrated: Some((prepared.baseline.clone(), best.clone())),
+        failures: failures(experiment, &best, &prepared.floors),
+        noise_floor: prepared.floors,
+        curves: curves_of_calibration(&problem, Some(&prepared.baseline)),
+        unanswered: prepared.unanswered,
+        cautions: prepared.cautions,
+        best,
+    })
 }

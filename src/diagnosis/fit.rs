@@ -11,9 +11,9 @@ pub struct SignalFit {
     pub signal: String,
     /// Measured values.
     pub measured: Vec<f64>,
-    /// Modelled values; also where nothing was measured.
+    /// Modelled values, also where nothing was measured; NaN where the model has no answer.
     pub modelled: Vec<f64>,
-    /// Measured minus modelled.
+    /// Measured minus modelled; NaN also in rows that are left out of the comparison.
     pub residual: Vec<f64>,
 }
 
@@ -39,7 +39,8 @@ impl RunFit {
 pub struct Fit {
     /// One entry a run of the experiment, in its order.
     pub runs: Vec<RunFit>,
-    /// Root mean square of the residual by signal, in the signal's unit.
+    /// Root mean square of the residual by signal, in the signal's unit, over the rows that are compared; without the
+    /// signals of which no row is.
     pub rmse: BTreeMap<String, f64>,
 }
 
@@ -49,8 +50,8 @@ impl Fit {
             experiment.runs.iter().map(|run| RunFit { run: run.name.clone(), signals: Vec::new() }).collect();
         let mut squares: BTreeMap<String, (f64, usize)> = BTreeMap::new();
         for block in &layout.blocks {
-            let (measured, modelled) = (&layout.measured[block.range.clone()], &modelled[block.range.clone()]);
-            let residual: Vec<f64> = measured.iter().zip(modelled).map(|(y, m)| y - m).collect();
+            let (counted, modelled) = (&layout.measured[block.range.clone()], &modelled[block.range.clone()]);
+            let residual: Vec<f64> = counted.iter().zip(modelled).map(|(y, m)| y - m).collect();
             let (sum, count) = squares.entry(block.signal.clone()).or_default();
             for e in residual.iter().filter(|e| !e.is_nan()) {
                 *sum += e * e;
@@ -58,11 +59,12 @@ impl Fit {
             }
             runs[block.run].signals.push(SignalFit {
                 signal: block.signal.clone(),
-                measured: measured.to_vec(),
+                measured: layout.recorded[block.range.clone()].to_vec(),
                 modelled: modelled.to_vec(),
                 residual,
             });
         }
+        squares.retain(|_, (_, count)| *count > 0);
         let rmse = squares.into_iter().map(|(name, (sum, count))| (name, (sum / count as f64).sqrt())).collect();
         Self { runs, rmse }
     }

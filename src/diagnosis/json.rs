@@ -47,6 +47,9 @@ impl Diagnosis {
                 "text": suggestion.text, "effects": suggestion.effects,
             })).collect::<Vec<_>>(),
             "improved_is": self.improved_is(),
+            "unanswered": self.unanswered.iter().map(|rows| json!({
+                "run": rows.run, "first_row": rows.rows.0, "last_row": rows.rows.1, "reason": rows.reason,
+            })).collect::<Vec<_>>(),
             "cautions": self.cautions,
             "interrupted": self.interrupted,
         })

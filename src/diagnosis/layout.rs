@@ -21,15 +21,21 @@ pub(crate) struct Block {
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {
     pub blocks: Vec<Block>,
+    /// The values that count: those of rows that are left out are missing here.
     pub measured: Vec<f64>,
+    /// All values as they were measured.
+    pub recorded: Vec<f64>,
     /// For each run, how many of its first rows no fit counts.
     pub starts: Vec<usize>,
+    /// Rows (run, row) that are left out since the model has no answer there, in rising order.
+    left_out: Vec<(usize, usize)>,
 }
 
 impl Layout {
     pub fn new(experiment: &Experiment) -> Self {
         let starts = experiment.runs.iter().map(|run| breaking_loose(experiment.kind, run)).collect();
-        let mut layout = Self { blocks: Vec::new(), measured: Vec::new(), starts };
+        let mut layout =
+            Self { blocks: Vec::new(), measured: Vec::new(), recorded: Vec::new(), starts, left_out: vec![] };
         for (run, data) in experiment.runs.iter().enumerate() {
             for signal in &data.measured {
                 let start = layout.measured.len();
@@ -37,7 +43,58 @@ impl Layout {
                 layout.blocks.push(Block { run, signal: signal.clone(), range: start..layout.measured.len() });
             }
         }
+        layout.recorded.clone_from(&layout.measured);
         layout
+    }
+
+    /// The layout of some of the runs, which `experiment` holds in this order.
+    pub fn of_runs(&self, experiment: &Experiment, runs: &[usize]) -> Self {
+        let mut part = Self::new(experiment);
+        let place = |(run, row): &(usize, usize)| Some((runs.iter().position(|kept| kept == run)?, *row));
+        part.leave_out(&self.left_out.iter().filter_map(place).collect::<Vec<_>>());
+        part
+    }
+
+    /// Leaves rows (run, row) out of everything that follows.
+    pub fn leave_out(&mut self, rows: &[(usize, usize)]) {
+        self.left_out.extend_from_slice(rows);
+        self.left_out.sort_unstable();
+        self.left_out.dedup();
+        for block in &self.blocks {
+            for (_, row) in rows.iter().filter(|(run, _)| *run == block.run) {
+                self.measured[block.range.start + row] = f64::NAN;
+            }
+        }
+    }
+
+    /// Rows (run, row) that are left out, in rising order.
+    pub fn left_out(&self) -> &[(usize, usize)] {
+        &self.left_out
+    }
+
+    /// Whether rows of a run are left out and none of it counts.
+    pub fn is_left_out(&self, run: usize) -> bool {
+        let counts = |at: std::ops::Range<usize>| self.measured[at].iter().any(|value| !value.is_nan());
+        self.left_out.iter().any(|(other, _)| *other == run)
+            && !self.of_run(run).any(|block| counts(block.range.clone()))
+    }
+
+    /// Whether a row has measured values that count.
+    pub fn counts(&self, run: usize, row: usize) -> bool {
+        self.of_run(run).any(|block| !self.measured[block.range.start + row].is_nan())
+    }
+
+    /// Number of rows that were measured, and how many of them count.
+    pub fn rows(&self) -> (usize, usize) {
+        let mut all = (0, 0);
+        for run in 0..self.starts.len() {
+            for row in 0..self.of_run(run).next().map_or(0, |block| block.range.len()) {
+                let measured = self.of_run(run).any(|block| !self.recorded[block.range.start + row].is_nan());
+                all.0 += usize::from(measured);
+                all.1 += usize::from(measured && self.counts(run, row));
+            }
+        }
+        all
     }
 
     /// Length of the vector.
@@ -50,7 +107,17 @@ impl Layout {
         self.blocks.iter().filter(move |block| block.run == run)
     }
 
-    /// Number of values that are there.
+    /// Standard deviation of a signal over the whole experiment; some scale where it never changes.
+    pub fn scatter(&self, signal: &str) -> f64 {
+        let blocks = self.blocks.iter().filter(|block| block.signal == signal);
+        let values: Vec<f64> =
+            blocks.flat_map(|block| self.measured[block.range.clone()].to_vec()).filter(|v| !v.is_nan()).collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64;
+        [variance.sqrt(), mean.abs(), 1.0].into_iter().find(|scale| *scale > 0.0).unwrap_or(1.0)
+    }
+
+    /// Number of values that count.
     pub fn present(&self) -> usize {
         self.measured.iter().filter(|v| !v.is_nan()).count()
     }

@@ -29,7 +29,9 @@ mod replay;
 mod sensitivity;
 mod separate;
 mod single_wheel;
+mod steady_points;
 mod traverse;
+mod unanswered;
 mod weighted;
 
 pub use calibrate::{CalibratedParameter, Calibration};
@@ -56,3 +58,4 @@ pub use separate::{
     SingleWheelPlan, SmallestStrength, Suggestion, TraversePlan, separate,
 };
 pub use single_wheel::{Rig, SteadyError, SteadyPoint, steady_point};
+pub use unanswered::UnansweredRows;

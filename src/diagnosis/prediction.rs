@@ -1,14 +1,11 @@
 //! What the model says where something was measured, and how that depends on parameters.
 
 use super::layout::Layout;
-use super::single_wheel::{Rig, SteadyError, SteadyPoint, partial, steady_point};
-use crate::measurement::Experiment;
+use super::single_wheel::SteadyError;
+use super::unanswered::Answers;
 use crate::model::RunError;
-use crate::scalar::{Dual, Scalar};
 use crate::simulation::Event;
 use crate::terrain::SamplesError;
-use bekker_modeldescription::Parameters;
-use std::collections::HashMap;
 
 /// Why the model could not compute a measured row.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -69,6 +66,54 @@ pub enum PredictionError {
     },
 }
 
+impl PredictionError {
+    /// Name of the run.
+    #[must_use]
+    pub fn run(&self) -> &str {
+        match self {
+            Self::Steady { run, .. }
+            | Self::Simulation { run, .. }
+            | Self::Ended { run, .. }
+            | Self::Wheels { run, .. }
+            | Self::Signal { run, .. }
+            | Self::Terrain { run, .. } => run,
+        }
+    }
+
+    /// The same in a run that repeats the one it was found in.
+    pub(crate) fn in_run(mut self, name: &str) -> Self {
+        match &mut self {
+            Self::Steady { run, .. }
+            | Self::Simulation { run, .. }
+            | Self::Ended { run, .. }
+            | Self::Wheels { run, .. }
+            | Self::Signal { run, .. }
+            | Self::Terrain { run, .. } => name.clone_into(run),
+        }
+        self
+    }
+
+    /// Whether the rover cannot be put on the ground or its equations of motion have no solution: physics of this run rather
+    /// than something that is set wrongly.
+    pub(crate) fn is_of_the_motion(&self) -> bool {
+        use crate::simulation::StepError;
+        let Self::Simulation { source, .. } = self else { return false };
+        matches!(**source, RunError::Step(StepError::Settle(_) | StepError::Dynamics { .. }))
+    }
+
+    /// What is wrong, without the place where it stands.
+    #[must_use]
+    pub fn reason(&self) -> String {
+        match self {
+            Self::Steady { source, .. } => source.to_string(),
+            Self::Simulation { source, .. } => source.to_string(),
+            Self::Ended { time, event, .. } => format!("at {time} s the rover is {event}"),
+            Self::Terrain { source, .. } => format!("terrain: {source}"),
+            Self::Wheels { .. } | Self::Signal { .. } => self.to_string(),
+        }
+    }
+}
+
 /// How derivatives in parameters were obtained.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Derivatives {
@@ -78,24 +123,31 @@ pub enum Derivatives {
     Differences,
 }
 
-/// Modelled values in the order of a [`Layout`], as a function of the free parameters.
+/// Modelled values in the order of a [`Layout`], as a function of the free parameters. Rows that the model cannot answer
+/// follow the rules of [`unanswered`](super::unanswered).
 pub(crate) trait Predict: Sync {
-    /// The modelled values.
-    fn values(&self, free: &[f64]) -> Result<Vec<f64>, PredictionError>;
+    /// Where the values stand.
+    fn layout(&self) -> &Layout;
 
-    /// The modelled values and, for each free parameter, their derivatives in it.
+    /// The modelled values row by row, and the rows without an answer.
+    ///
+    /// # Errors
+    /// [`PredictionError`] where the model has no answer for another reason than what a row asks of it.
+    fn answers(&self, free: &[f64]) -> Result<Answers, PredictionError>;
+
+    /// The modelled values, where all rows that count have an answer; NaN in others without one.
+    fn values(&self, free: &[f64]) -> Result<Vec<f64>, PredictionError> {
+        self.answers(free)?.complete(self.layout())
+    }
+
+    /// [`values`](Predict::values) and, for each free parameter, their derivatives in it; 0 in rows without an answer.
     fn slopes(&self, free: &[f64]) -> Result<(Vec<f64>, Vec<Vec<f64>>), PredictionError>;
 
-    /// As [`values`](Predict::values), but a run that ends early, a rover that is stuck say, stays as it was at the last row
-    /// that it reached: what a search may cross on its way, whose end has to have values.
-    fn values_onward(&self, free: &[f64]) -> Result<Vec<f64>, PredictionError> {
-        self.values(free)
-    }
+    /// The modelled values with what a search counts in the place of an answer that is missing.
+    fn values_onward(&self, free: &[f64]) -> Result<Vec<f64>, PredictionError>;
 
     /// [`slopes`](Predict::slopes) of what [`values_onward`](Predict::values_onward) gives.
-    fn slopes_onward(&self, free: &[f64]) -> Result<(Vec<f64>, Vec<Vec<f64>>), PredictionError> {
-        self.slopes(free)
-    }
+    fn slopes_onward(&self, free: &[f64]) -> Result<(Vec<f64>, Vec<Vec<f64>>), PredictionError>;
 
     /// Share of the cost below which a further fall of it means nothing to a fit.
     fn tolerance(&self) -> f64 {
@@ -105,137 +157,5 @@ pub(crate) trait Predict: Sync {
     /// How [`slopes`](Predict::slopes) obtains the derivatives.
     fn derivatives(&self) -> Derivatives {
         Derivatives::Exact
-    }
-}
-
-/// Steady points of a wheel on a carriage.
-pub(crate) struct SingleWheelPrediction<'a> {
-    experiment: &'a Experiment,
-    layout: &'a Layout,
-    /// One a run, with what is known of that run.
-    rigs: Vec<Rig>,
-    names: &'a [String],
-    /// Steady points to be computed; rows that repeat one follow it.
-    points: Vec<Point>,
-}
-
-/// A set-point and the rows, by run and index, that were measured at it.
-struct Point {
-    /// Load (N), slip and wheel speed (rad/s).
-    inputs: [f64; 3],
-    rows: Vec<(usize, usize)>,
-}
-
-impl<'a> SingleWheelPrediction<'a> {
-    /// `rigs` has one rig a run; `names` are the free parameters. A parameter that a run sets itself stays as it is.
-    pub fn new(experiment: &'a Experiment, layout: &'a Layout, rigs: Vec<Rig>, names: &'a [String]) -> Self {
-        let points = points(experiment, &rigs, names);
-        Self { experiment, layout, rigs, names, points }
-    }
-
-    /// Sets the free parameters of a run's rig; `place` gets the index of the parameter and where it goes.
-    fn set_free<S: Scalar>(&self, run: usize, rig: &mut Rig<S>, place: &dyn Fn(usize, &mut S)) {
-        let own = &self.experiment.runs[run].parameters;
-        rig.visit("", &mut |variable, value| {
-            if let Some(k) = self.names.iter().position(|name| *name == variable.name)
-                && !own.contains_key(&variable.name)
-            {
-                place(k, value);
-            }
-        });
-    }
-
-    /// Calls `store` with the place of every measured value and what the model says there.
-    fn each_value<S: Scalar>(
-        &self,
-        rig_of: &dyn Fn(usize) -> Rig<S>,
-        store: &mut dyn FnMut(usize, S),
-    ) -> Result<(), PredictionError> {
-        let rigs: Vec<Rig<S>> = (0..self.rigs.len()).map(rig_of).collect();
-        for Point { inputs: [load, slip, wheel_speed], rows } in &self.points {
-            let (first, row) = rows[0];
-            let steady = steady_point(&rigs[first], *load, *slip, *wheel_speed).map_err(|source| {
-                PredictionError::Steady { run: self.experiment.runs[first].name.clone(), row: row + 1, source }
-            })?;
-            for (run, row) in rows {
-                for block in self.layout.of_run(*run) {
-                    store(block.range.start + row, signal(&steady, &block.signal));
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn slopes_by<const N: usize>(&self, free: &[f64]) -> Result<(Vec<f64>, Vec<Vec<f64>>), PredictionError> {
-        let mut values = vec![f64::NAN; self.layout.len()];
-        let mut slopes = vec![vec![0.0; self.layout.len()]; free.len()];
-        for first in (0..free.len().max(1)).step_by(N) {
-            let rig_of = |run: usize| {
-                let mut rig = self.rigs[run].map(&|value| Dual::<N>::from(value));
-                self.set_free(run, &mut rig, &|k, place| {
-                    let value = Dual::from(free[k]);
-                    *place = if (first..first + N).contains(&k) { value.derivative(k - first) } else { value };
-                });
-                rig
-            };
-            self.each_value(&rig_of, &mut |at, value| {
-                values[at] = value.re;
-                for (k, slope) in slopes[first..].iter_mut().take(N).enumerate() {
-                    slope[at] = partial(&value, k);
-                }
-            })?;
-        }
-        Ok((values, slopes))
-    }
-}
-
-/// Set-points of an experiment. Runs share them where their rigs and what they leave free are the same.
-fn points(experiment: &Experiment, rigs: &[Rig], names: &[String]) -> Vec<Point> {
-    let own = |run: usize| names.iter().map(move |name| experiment.runs[run].parameters.contains_key(name));
-    let alike = |a: usize, b: usize| rigs[a] == rigs[b] && own(a).eq(own(b));
-    let first_alike: Vec<usize> = (0..rigs.len()).map(|k| (0..k).find(|j| alike(*j, k)).unwrap_or(k)).collect();
-    let mut points: Vec<Point> = Vec::new();
-    let mut known: HashMap<(usize, [u64; 3]), usize> = HashMap::new();
-    for (k, run) in experiment.runs.iter().enumerate() {
-        for row in 0..run.data.rows() {
-            let inputs = ["load", "slip", "wheel_speed"].map(|name| run.data.value(name, row).unwrap_or(f64::NAN));
-            let at = *known.entry((first_alike[k], inputs.map(f64::to_bits))).or_insert(points.len());
-            match points.get_mut(at) {
-                Some(point) => point.rows.push((k, row)),
-                None => points.push(Point { inputs, rows: vec![(k, row)] }),
-            }
-        }
-    }
-    points
-}
-
-/// The signals that `measurement` knows for a single wheel.
-pub(super) fn signal<S: Copy>(point: &SteadyPoint<S>, name: &str) -> S {
-    match name {
-        "drawbar_pull" => point.drawbar_pull,
-        "torque" => point.torque,
-        _ => point.sinkage,
-    }
-}
-
-impl Predict for SingleWheelPrediction<'_> {
-    fn values(&self, free: &[f64]) -> Result<Vec<f64>, PredictionError> {
-        let mut values = vec![f64::NAN; self.layout.len()];
-        let rig_of = |run: usize| {
-            let mut rig = self.rigs[run].clone();
-            self.set_free(run, &mut rig, &|k, place| *place = free[k]);
-            rig
-        };
-        self.each_value(&rig_of, &mut |at, value| values[at] = value)?;
-        Ok(values)
-    }
-
-    fn slopes(&self, free: &[f64]) -> Result<(Vec<f64>, Vec<Vec<f64>>), PredictionError> {
-        // Derivatives that travel together. A baseline calibration has five free parameters, each effect one or two.
-        match free.len() {
-            0..=6 => self.slopes_by::<6>(free),
-            7..=8 => self.slopes_by::<8>(free),
-            _ => self.slopes_by::<10>(free),
-        }
     }
 }

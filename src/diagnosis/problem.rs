@@ -6,8 +6,9 @@ use super::compare::CompareError;
 use super::diagnose::Task;
 use super::free::Free;
 use super::layout::Layout;
-use super::prediction::{Predict, PredictionError, SingleWheelPrediction};
+use super::prediction::{Predict, PredictionError};
 use super::single_wheel::Rig;
+use super::steady_points::SingleWheelPrediction;
 use super::traverse::TraversePrediction;
 use crate::measurement::{Experiment, Kind, Run};
 use crate::model::{ControlKind, Model};
@@ -194,7 +195,7 @@ impl<'a> Problem<'a> {
         let mut experiment = (*self.experiment).clone();
         experiment.runs = runs.iter().map(|run| self.experiment.runs[*run].clone()).collect();
         Problem {
-            layout: Layout::new(&experiment),
+            layout: self.layout.of_runs(&experiment, runs),
             experiment: Cow::Owned(experiment),
             known: self.known.clone(),
             guided: self.guided,
@@ -214,6 +215,7 @@ impl<'a> Problem<'a> {
             scouting: None,
             guided: false,
             left_out: Vec::new(),
+            unanswered: self.layout.left_out().to_vec(),
             prior_factor: 1.0,
         }
     }

@@ -26,8 +26,8 @@ pub(super) enum Drives {
 pub(super) struct Traced<S> {
     /// The recorded signals, row by row; as at the last row reached, where the run ended.
     pub values: Vec<S>,
-    /// How the run ended before its last row.
-    pub ended: Option<PredictionError>,
+    /// The row, counted from 0, that the run did not reach, and how it ended.
+    pub ended: Option<(usize, PredictionError)>,
 }
 
 /// A recorded run, and those that repeat it.
@@ -149,7 +149,7 @@ impl Recorded {
             values[at] = values[at - self.traced];
         }
         let error = PredictionError::Ended { run: self.name.clone(), time: self.time[row], event };
-        Traced { values, ended: Some(error) }
+        Traced { values, ended: Some((row, error)) }
     }
 
     fn read<S: Scalar>(&self, signals: &Signals<S>, row: usize, trace: &mut [S]) {

@@ -55,7 +55,7 @@ pub enum SteadyError {
     Effect(#[from] ExpressionFailure),
     /// The wheel sinks to its axle.
     #[error(
-        "the soil does not carry {load} N at slip {slip}: the wheel sinks to its axle, where it carries {carried} N"
+        "the soil does not carry {load:.2} N at slip {slip:.3}: the wheel sinks to its axle, where it carries {carried:.2} N"
     )]
     SunkToAxle {
         /// The load, N.
@@ -73,6 +73,13 @@ pub enum SteadyError {
         /// The slip.
         slip: f64,
     },
+}
+
+impl SteadyError {
+    /// Whether it is the row that asks for what the rig cannot do, rather than an effect that is defined wrongly.
+    pub(super) fn is_of_the_row(&self) -> bool {
+        !matches!(self, Self::Effect(_))
+    }
 }
 
 impl Rig {
@@ -185,6 +192,18 @@ pub fn steady_point<S: Scalar>(
         torque: here.torque + step * by_sinkage.forces.torque,
         sinkage: sunk + step * by_sinkage.sunk,
     })
+}
+
+/// Share of the load, 0 to 1, that the soil does not carry at a sinkage of one radius; 0 where there is no steady point for
+/// another reason.
+pub(super) fn share_not_carried<S: Scalar>(rig: &Rig<S>, load: f64, slip: f64, wheel_speed: f64) -> S {
+    let spin = S::from(wheel_speed);
+    let Ok(speed) = carriage_speed_over_radius(slip, wheel_speed) else { return S::from(0.0) };
+    let velocity = rig.wheel.radius * speed;
+    let (load, slip) = (rig.true_load(load), rig.true_slip(velocity, spin, slip));
+    let Ok((forces, _)) = rig.forces(rig.true_wheel().radius, velocity, spin, slip) else { return S::from(0.0) };
+    let share = (load - forces.normal) / load;
+    if (0.0..=1.0).contains(&share.value()) { share } else { S::from(share.value().max(0.0).min(1.0)) }
 }
 
 /// V/r from the slip i = 1 - V/(r omega) driving, i = r omega/V - 1 in skid.

@@ -13,6 +13,7 @@ use super::guide::Guide;
 use super::layout::Layout;
 use super::prediction::{Derivatives, Predict, PredictionError};
 use super::recorded::{Drives, Recorded, Traced};
+use super::unanswered::{Answers, Unanswered, all_answered};
 use crate::measurement::{Experiment, Run as Measured};
 use crate::model::{ControlKind, Model};
 use crate::parallel::map_in_order;
@@ -28,8 +29,11 @@ const DIFFERENCE: f64 = 1e-4;
 /// Replays of all runs.
 pub(crate) struct TraversePrediction<'a> {
     layout: &'a Layout,
+    experiment: &'a Experiment,
     /// Different runs, on their ground, commanded as they were.
     runs: Vec<Recorded>,
+    /// For each run of the experiment, which of these it is; a run that is left out is none.
+    places: Vec<Option<usize>>,
     free: &'a [Free],
 }
 
@@ -44,8 +48,8 @@ struct Task<'a> {
 struct Traces {
     values: Vec<f64>,
     slopes: Vec<Vec<f64>>,
-    /// How the run ended before its last row.
-    ended: Option<PredictionError>,
+    /// The row that the run did not reach, and how it ended.
+    ended: Option<(usize, PredictionError)>,
 }
 
 impl<'a> TraversePrediction<'a> {
@@ -59,18 +63,25 @@ impl<'a> TraversePrediction<'a> {
         guided: bool,
     ) -> Result<Self, PredictionError> {
         let mut runs: Vec<Recorded> = Vec::new();
+        let mut places = Vec::new();
         for (k, (model, run)) in models.into_iter().zip(&experiment.runs).enumerate() {
+            if layout.is_left_out(k) {
+                places.push(None);
+                continue;
+            }
             let own = |free: &Free| run.parameters.contains_key(&free.variable.name);
             let felt = (0..free.len()).filter(|at| !own(&free[*at])).collect();
             let mut model = place(model, run)?;
             let guide = if guided { Guide::of(run, &mut model) } else { None };
             let recorded = Recorded::new(model, run, layout.of_run(k), felt, guide)?;
-            match runs.iter_mut().find(|other| other.repeats(&recorded)) {
-                Some(first) => first.take(recorded),
+            let first = runs.iter().position(|other| other.repeats(&recorded));
+            places.push(Some(first.unwrap_or(runs.len())));
+            match first {
+                Some(first) => runs[first].take(recorded),
                 None => runs.push(recorded),
             }
         }
-        Ok(Self { layout, runs, free })
+        Ok(Self { layout, experiment, runs, places, free })
     }
 
     /// The run's model with the free parameters at these values.
@@ -149,21 +160,22 @@ impl<'a> TraversePrediction<'a> {
         tasks
     }
 
-    /// Values and derivatives, also where a run ends early, with how the first such one ended.
+    /// Values and derivatives, where a run ended early as at the last row that it reached; and the rows beyond.
     fn slopes_by<const N: usize>(&self, free: &[f64]) -> Result<Slopes, PredictionError> {
         let tasks = self.tasks(N);
         let mut values = vec![f64::NAN; self.layout.len()];
         let mut slopes = vec![vec![0.0; self.layout.len()]; free.len()];
-        let mut ended = None;
+        let mut ended = Vec::new();
         for (task, traces) in tasks.iter().zip(map_in_order(&tasks, |task| self.traces::<N>(task, free))) {
             let traces = traces?;
-            ended = ended.or(traces.ended);
+            let run = self.runs.iter().position(|run| std::ptr::eq(run, task.run));
+            ended.extend(run.zip(traces.ended));
             task.run.store(&traces.values, &mut values);
             for (k, slope) in task.covered.iter().zip(&traces.slopes) {
                 task.run.store(slope, &mut slopes[*k]);
             }
         }
-        Ok(((values, slopes), ended))
+        Ok(((values, slopes), self.beyond(&ended)))
     }
 
     fn all_slopes(&self, free: &[f64]) -> Result<Slopes, PredictionError> {
@@ -175,26 +187,31 @@ impl<'a> TraversePrediction<'a> {
         }
     }
 
-    /// Values, also where a run ends early, with how the first such one ended.
-    fn all_values(&self, free: &[f64]) -> Result<(Vec<f64>, Option<PredictionError>), PredictionError> {
-        let mut values = vec![f64::NAN; self.layout.len()];
-        let mut ended = None;
-        for (run, traced) in self.runs.iter().zip(map_in_order(&self.runs, |run| self.trace(run, free))) {
-            let traced = traced?;
-            run.store(&traced.values, &mut values);
-            ended = ended.or(traced.ended);
+    /// The rows of the experiment's runs beyond the row that a run did not reach.
+    fn beyond(&self, ended: &[(usize, (usize, PredictionError))]) -> Vec<Unanswered> {
+        let mut unanswered = Vec::new();
+        for (run, place) in self.places.iter().enumerate() {
+            if let Some((_, (row, error))) = ended.iter().find(|(ended, _)| Some(*ended) == *place) {
+                let measured = &self.experiment.runs[run];
+                let error = error.clone().in_run(&measured.name);
+                unanswered.push(Unanswered { run, rows: *row..measured.data.rows(), error });
+            }
         }
-        Ok((values, ended))
+        unanswered
+    }
+
+    /// Takes what the model does not say out of values or derivatives.
+    fn blank(&self, values: &mut [f64], unanswered: &[Unanswered], blank: f64) {
+        for Unanswered { run, rows, .. } in unanswered {
+            for block in self.layout.of_run(*run) {
+                values[block.range.clone()][rows.clone()].fill(blank);
+            }
+        }
     }
 }
 
-/// Values, their derivatives, and how a run ended before its last row.
-type Slopes = ((Vec<f64>, Vec<Vec<f64>>), Option<PredictionError>);
-
-/// Values of runs that all reached their last rows.
-fn whole<T>((values, ended): (T, Option<PredictionError>)) -> Result<T, PredictionError> {
-    ended.map_or(Ok(values), Err)
-}
+/// Values and their derivatives, and the rows that were not reached.
+type Slopes = ((Vec<f64>, Vec<Vec<f64>>), Vec<Unanswered>);
 
 /// The model on a run's ground, commanded as the run was.
 fn place(mut model: Model, run: &Measured) -> Result<Model, PredictionError> {
@@ -230,16 +247,44 @@ impl Predict for TraversePrediction<'_> {
         1e-6
     }
 
-    fn values(&self, free: &[f64]) -> Result<Vec<f64>, PredictionError> {
-        whole(self.all_values(free)?)
+    fn layout(&self) -> &Layout {
+        self.layout
+    }
+
+    fn answers(&self, free: &[f64]) -> Result<Answers, PredictionError> {
+        let mut values = vec![f64::NAN; self.layout.len()];
+        let mut ended = Vec::new();
+        let traced = map_in_order(&self.runs, |run| self.trace(run, free));
+        for (k, (run, traced)) in self.runs.iter().zip(traced).enumerate() {
+            match traced {
+                Ok(traced) => {
+                    run.store(&traced.values, &mut values);
+                    ended.extend(traced.ended.map(|ended| (k, ended)));
+                }
+                // Where the rover cannot stand or move at all, no row of the run has an answer.
+                Err(error) if error.is_of_the_motion() => ended.push((k, (0, error))),
+                Err(error) => return Err(error),
+            }
+        }
+        let unanswered = self.beyond(&ended);
+        self.blank(&mut values, &unanswered, f64::NAN);
+        Ok(Answers { values, unanswered })
     }
 
     fn slopes(&self, free: &[f64]) -> Result<(Vec<f64>, Vec<Vec<f64>>), PredictionError> {
-        whole(self.all_slopes(free)?)
+        let ((mut values, mut slopes), unanswered) = self.all_slopes(free)?;
+        all_answered(&unanswered, self.layout)?;
+        self.blank(&mut values, &unanswered, f64::NAN);
+        slopes.iter_mut().for_each(|slope| self.blank(slope, &unanswered, 0.0));
+        Ok((values, slopes))
     }
 
     fn values_onward(&self, free: &[f64]) -> Result<Vec<f64>, PredictionError> {
-        Ok(self.all_values(free)?.0)
+        let mut values = vec![f64::NAN; self.layout.len()];
+        for (run, traced) in self.runs.iter().zip(map_in_order(&self.runs, |run| self.trace(run, free))) {
+            run.store(&traced?.values, &mut values);
+        }
+        Ok(values)
     }
 
     fn slopes_onward(&self, free: &[f64]) -> Result<(Vec<f64>, Vec<Vec<f64>>), PredictionError> {

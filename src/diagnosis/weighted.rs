@@ -18,7 +18,7 @@ pub(crate) struct Weighted<'a> {
     pub whitening: &'a Whitening,
     /// Size of a whitened residual beyond which its weight falls (Huber 1964); infinite for plain least squares.
     pub robust: f64,
-    /// Whether an answer must reach the last row of every run; not where runs are left out, which may be predicted badly.
+    /// Whether every row that counts must have an answer; not where rows are left out of the fit, which may be predicted badly.
     pub whole: bool,
 }
 
@@ -51,12 +51,13 @@ impl Weighted<'_> {
         all
     }
 
-    /// Whether search coordinates are an answer: every run reaches its last row, where it must.
+    /// Whether search coordinates are an answer: every row that counts has one, where it must.
     pub fn is_valid(&self, u: &[f64]) -> bool {
         !self.whole || self.predict.values(&self.values(u)).is_ok()
     }
 
-    /// Residuals whose squares are Huber's loss; infinite where the model has no answer, which rejects a step.
+    /// Residuals whose squares are Huber's loss; rows without an answer count as [`unanswered`](super::unanswered) says.
+    /// Infinite where the model gives nothing at all, which rejects a step.
     pub fn residual(&self, u: &[f64]) -> Vec<f64> {
         let values = self.values(u);
         match self.predict.values_onward(&values) {

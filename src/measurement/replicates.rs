@@ -19,16 +19,17 @@ pub struct Sample {
 
 impl Experiment {
     /// Sets of two or more samples that repeat the same set-point: rows of one index in the runs of a group, or rows
-    /// with the same `condition`.
+    /// with the same `condition`. Runs whose parameters differ, another wheel or another load cell, do not repeat each other.
     #[must_use]
     pub fn replicates(&self) -> Vec<Vec<Sample>> {
         // Ordered by first appearance, so that reports do not depend on the labels.
-        let mut sets: BTreeMap<(String, usize), Vec<Sample>> = BTreeMap::new();
+        let mut sets: BTreeMap<(usize, String, usize), Vec<Sample>> = BTreeMap::new();
+        let rigs = self.rigs();
         for (k, run) in self.runs.iter().enumerate() {
             for row in 0..run.data.rows() {
                 let key = match (run.conditions.get(row), &run.group) {
-                    (Some(Some(label)), _) => (format!("condition {label}"), 0),
-                    (None, Some(group)) => (format!("group {group}"), row),
+                    (Some(Some(label)), _) => (rigs[k], format!("condition {label}"), 0),
+                    (None, Some(group)) => (rigs[k], format!("group {group}"), row),
                     _ => continue,
                 };
                 sets.entry(key).or_default().push(Sample { run: k, row });
@@ -37,6 +38,17 @@ impl Experiment {
         let mut sets: Vec<_> = sets.into_values().filter(|set| set.len() > 1).collect();
         sets.sort();
         sets
+    }
+
+    /// For each run the first one that was made with the same parameters.
+    pub(crate) fn rigs(&self) -> Vec<usize> {
+        let effective = |run: &Run| {
+            let mut all = self.parameters.clone();
+            all.extend(run.parameters.clone());
+            all
+        };
+        let all: Vec<BTreeMap<String, f64>> = self.runs.iter().map(effective).collect();
+        all.iter().enumerate().map(|(k, own)| all.iter().position(|other| other == own).unwrap_or(k)).collect()
     }
 
     /// Fails where runs of one group have unequal counts of rows, or where a set of repeats has unlike inputs.

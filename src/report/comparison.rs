@@ -6,7 +6,7 @@ use super::page::{Page, escape, table};
 use super::plots::{Condition, Model, Samples, View, residuals};
 use super::units::{digits, of_column, of_unit, short, spoken};
 use super::words::{sentence, source, summary, what_was_measured};
-use crate::diagnosis::{Calibration, Comparison, Failure};
+use crate::diagnosis::{Calibration, Comparison, Failure, UnansweredRows};
 use crate::measurement::Kind;
 use plotly::common::DashType;
 
@@ -23,6 +23,12 @@ pub fn comparison_page(comparison: &Comparison) -> String {
     let sentences: String = summary(comparison).iter().map(|s| format!("<p>{}</p>", escape(s))).collect();
     page.html(&format!("<div class=\"verdict\">{sentences}</div>"));
     page.html(&errors(comparison));
+    page.html(&unanswered("As given", &comparison.given_unanswered));
+    if comparison.calibrated.is_some() {
+        page.html(&unanswered("Calibrated", &comparison.unanswered));
+    }
+    let cautions: String = comparison.cautions.iter().map(|c| format!("<p>{}</p>", escape(c))).collect();
+    page.html(&cautions);
     add_overlays(&mut page, comparison);
     add_failures(&mut page, comparison);
     if let Some((calibration, _)) = &comparison.calibrated {
@@ -56,6 +62,17 @@ fn errors(comparison: &Comparison) -> String {
     header.extend(comparison.calibrated.is_some().then_some("calibrated"));
     header.extend(["noise floor", "error / noise", "floor from"]);
     table(&header, &rows)
+}
+
+/// The rows without an answer, which the errors leave out; nothing where there are none.
+fn unanswered(which: &str, unanswered: &[UnansweredRows]) -> String {
+    if unanswered.is_empty() {
+        return String::new();
+    }
+    let count: usize = unanswered.iter().map(UnansweredRows::count).sum();
+    let item = |rows: &UnansweredRows| format!("<li>{}</li>", escape(&rows.to_string()));
+    let items: String = unanswered.iter().map(item).collect();
+    format!("<p>{which}, the model has no answer in {count} rows, which its errors leave out:</p><ul>{items}</ul>")
 }
 
 fn add_overlays(page: &mut Page, comparison: &Comparison) {

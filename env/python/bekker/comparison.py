@@ -25,6 +25,7 @@ __all__ = [
     "Fit",
     "NoiseFloor",
     "SignalFit",
+    "UnansweredRows",
     "calibrate",
     "compare",
 ]
@@ -36,8 +37,9 @@ class SignalFit:
 
     measured: NDArray[np.float64]
     modelled: NDArray[np.float64]
+    """NaN where the model has no answer."""
     residual: NDArray[np.float64]
-    """Measured minus modelled."""
+    """Measured minus modelled; NaN also in rows that are left out."""
 
 
 @dataclass(frozen=True)
@@ -120,12 +122,29 @@ class Failure:
 
 
 @dataclass(frozen=True)
+class UnansweredRows:
+    """Neighbouring rows of a run that the model cannot answer: the soil does not carry the load, the rover is stuck."""
+
+    run: str
+    first_row: int
+    """Counted from 1."""
+    last_row: int
+    """The last of them, included."""
+    reason: str
+
+    def __str__(self) -> str:
+        one = self.first_row == self.last_row
+        rows = f"row {self.first_row}" if one else f"rows {self.first_row} to {self.last_row}"
+        return f"run {self.run}, {rows}: {self.reason}"
+
+
+@dataclass(frozen=True)
 class Comparison:
     """A model beside an experiment."""
 
     experiment: str
     given: Fit | None
-    """With the given parameters; None where they cannot compute the experiment, see ``given_error``."""
+    """With the given parameters; None where they have no answer anywhere, see ``given_error``."""
     given_error: str | None
     calibration: Calibration | None
     calibrated: Fit | None
@@ -134,6 +153,12 @@ class Comparison:
     """Where the model fails, the worst first."""
     curves: list[Curves]
     """The model over each input that was varied, as given and after the calibration; empty for a traverse."""
+    unanswered: list[UnansweredRows]
+    """Rows that ``fit`` leaves without an answer: left out of its errors, of the noise and of the calibration."""
+    given_unanswered: list[UnansweredRows]
+    """Rows that the given parameters leave without an answer: left out of the errors of ``given``."""
+    cautions: list[str]
+    """What the reader of a calibration should beware of."""
     model: Model
     """The model of ``fit``: with what is known of the rig and, after a calibration, with what that found. What the
     experiment says of single runs is not part of it."""
@@ -166,6 +191,8 @@ class Comparison:
         for worst in self.failures[:1]:
             place = f"{worst.condition} {worst.low:.3g} .. {worst.high:.3g}"
             lines.append(f"  fails most in {worst.signal} at {place}: mean residual {worst.mean:.3g}")
+        lines += [f"  left out: {rows}" for rows in self.unanswered]
+        lines += [f"  caution: {caution}" for caution in self.cautions]
         return "\n".join(lines)
 
 
@@ -179,6 +206,9 @@ def compare(
 ) -> Comparison:
     """Runs a model on the inputs of an experiment and compares it with what was measured.
 
+    With ``calibrate`` the fit is the baseline of :func:`bekker.diagnose`, to the bit. Rows that the model cannot answer, for
+    example where the wheel sinks to its axle, are left out and listed in ``unanswered``.
+
     Args:
         experiment: the folder with ``experiment.toml``, or a :class:`bekker.Experiment`; a wheel on a carriage takes
             wheel, soil and effects of the model, a traverse the whole rover.
@@ -191,7 +221,8 @@ def compare(
         UnknownNameError, ModelError: as :func:`bekker.models.as_model`; a ModelError too where the folder is refused
             (the message gives file, line and column) or does not suit the model.
         InputError: an effect is added without a calibration, which would leave it neutral.
-        SimulationError: the model cannot compute a measured row, for example where the wheel sinks to its axle.
+        SimulationError: the model has no answer for any measured row or, in a calibration, for at least half of them and for
+            more values than there are free parameters.
     """
     effects = names_of("added", added or ())
     if effects and not calibrate:
@@ -206,6 +237,9 @@ def compare(
         noise_floor=floors_from(found["noise_floor"]),
         failures=failures_from(found["failures"]),
         curves=curves_from(json.loads(found["curves"])),
+        unanswered=unanswered_from(found["unanswered"]),
+        given_unanswered=unanswered_from(found["given_unanswered"]),
+        cautions=found["cautions"],
         model=found["model"],
     )
 
@@ -234,6 +268,11 @@ def floors_from(found: Mapping[str, Any]) -> dict[str, NoiseFloor]:
 def failures_from(found: Iterable[Mapping[str, Any]]) -> list[Failure]:
     """Failures as the native side describes them."""
     return [Failure(**failure) for failure in found]
+
+
+def unanswered_from(found: Iterable[Mapping[str, Any]]) -> list[UnansweredRows]:
+    """Rows without an answer as the native side describes them."""
+    return [UnansweredRows(**rows) for rows in found]
 
 
 def fit_from(found: dict[str, Any] | None) -> Fit | None:

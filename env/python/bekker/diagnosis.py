@@ -13,7 +13,16 @@ import numpy as np
 
 from . import _bekker
 from ._bekker import Model
-from .comparison import Failure, Fit, NoiseFloor, failures_from, fit_from, floors_from
+from .comparison import (
+    Failure,
+    Fit,
+    NoiseFloor,
+    UnansweredRows,
+    failures_from,
+    fit_from,
+    floors_from,
+    unanswered_from,
+)
 from .curves import Curves, curves_from
 from .errors import BekkerError, DiagnosisInterrupted, InputError
 from .experiment import ExperimentLike, source
@@ -121,6 +130,8 @@ class Diagnosis:
     """The first of them in one line; empty where there is none."""
     improved_is: str
     """Which model :attr:`improved` is, in words."""
+    unanswered: list[UnansweredRows]
+    """Rows that are left out of everything, since the calibrated baseline has no answer there."""
     cautions: list[str]
     """What the reader should beware of."""
     interrupted: bool
@@ -366,6 +377,7 @@ def _diagnosis(finding: "_bekker.Finding") -> Diagnosis:
         "profiles": [Profile(**profile) for profile in found["profiles"]],
         "failures": failures_from(found["failures"]),
         "failures_left": failures_from(found["failures_left"]),
+        "unanswered": unanswered_from(found["unanswered"]),
         "suggestions": [Suggestion(**suggestion) for suggestion in found["suggestions"]],
     }
     return Diagnosis(**found | made, improved=finding.improved(), _json=text, _finding=finding)

@@ -294,7 +294,7 @@ fn evaluated(rig: &Rig, grid: &[Vec<[f64; 3]>], signals: &[String]) -> BTreeMap<
             .collect();
         for (signal, curve) in &mut curves {
             let value =
-                |k: usize| answers[k].as_ref().map_or(f64::NAN, |point| super::prediction::signal(point, signal));
+                |k: usize| answers[k].as_ref().map_or(f64::NAN, |point| super::steady_points::signal(point, signal));
             let middle = value(0);
             // Where the typical inputs have no answer the curve has a gap, and so has its band.
             let all = (0..answers.len()).map(value).filter(|v| !v.is_nan() && !middle.is_nan());

@@ -20,10 +20,12 @@ struct Condition {
 }
 
 impl Condition {
-    /// `None` where the condition is not recorded everywhere or does not vary.
-    fn new(experiment: &Experiment, value: &dyn Fn(usize, &Run) -> Option<Vec<f64>>) -> Option<Self> {
-        let values: Vec<Vec<f64>> =
+    /// `None` where the condition is not recorded everywhere or does not vary. A row that is left out is missing here too: a load
+    /// that no soil carries would set the range for all others.
+    fn new(experiment: &Experiment, layout: &Layout, value: &dyn Fn(usize, &Run) -> Option<Vec<f64>>) -> Option<Self> {
+        let mut values: Vec<Vec<f64>> =
             experiment.runs.iter().enumerate().map(|(k, run)| value(k, run)).collect::<Option<_>>()?;
+        layout.left_out().iter().for_each(|(run, row)| values[*run][*row] = f64::NAN);
         let finite = || values.iter().flatten().filter(|v| !v.is_nan());
         let low = finite().copied().fold(f64::INFINITY, f64::min);
         let high = finite().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -70,7 +72,7 @@ impl Condition {
 /// ones share the noise of what is to be explained.
 pub(crate) fn columns(experiment: &Experiment, layout: &Layout, modelled: &[f64]) -> Vec<Vec<f64>> {
     let shapes = match experiment.kind {
-        Kind::SingleWheel => steady_shapes(experiment),
+        Kind::SingleWheel => steady_shapes(experiment, layout),
         Kind::Traverse => traverse_shapes(experiment, layout, modelled),
     };
     let mut columns = Vec::new();
@@ -99,8 +101,8 @@ pub(crate) fn modulations(experiment: &Experiment, layout: &Layout, modelled: &[
     for name in columns {
         let condition = match *name {
             "pitch" => along_model(experiment, layout, modelled, name),
-            "command" => commanded(experiment),
-            _ => recorded(experiment, name),
+            "command" => commanded(experiment, layout),
+            _ => recorded(experiment, layout, name),
         };
         let Some(condition) = condition else { continue };
         shapes.push(product(experiment, &|run, row| condition.scaled(run, row)));
@@ -126,13 +128,13 @@ fn hats(experiment: &Experiment, condition: &Condition, shapes: &mut Vec<Shape>)
     }
 }
 
-fn recorded(experiment: &Experiment, name: &str) -> Option<Condition> {
-    Condition::new(experiment, &|_, run| run.data.column(name).map(<[f64]>::to_vec))
+fn recorded(experiment: &Experiment, layout: &Layout, name: &str) -> Option<Condition> {
+    Condition::new(experiment, layout, &|_, run| run.data.column(name).map(<[f64]>::to_vec))
 }
 
 /// The command that acted until a row, the mean over the wheels: friction and rate depend on speed in many forms.
-fn commanded(experiment: &Experiment) -> Option<Condition> {
-    Condition::new(experiment, &|_, run| {
+fn commanded(experiment: &Experiment, layout: &Layout) -> Option<Condition> {
+    Condition::new(experiment, layout, &|_, run| {
         let commands: Vec<&[f64]> = run.inputs.iter().map(|name| run.data.column(name)).collect::<Option<_>>()?;
         let mean = |row: usize| commands.iter().map(|values| values[row]).sum::<f64>() / commands.len() as f64;
         Some((0..run.data.rows()).map(|row| mean(row.saturating_sub(1))).collect())
@@ -141,22 +143,22 @@ fn commanded(experiment: &Experiment) -> Option<Condition> {
 
 /// A signal as the model gives it, where it was measured.
 fn along_model(experiment: &Experiment, layout: &Layout, modelled: &[f64], name: &str) -> Option<Condition> {
-    Condition::new(experiment, &|k, _| {
+    Condition::new(experiment, layout, &|k, _| {
         let block = layout.of_run(k).find(|block| block.signal == name)?;
         Some(modelled[block.range.clone()].to_vec())
     })
 }
 
 /// Slip in hats, and its first powers times load and speed.
-fn steady_shapes(experiment: &Experiment) -> Vec<Shape> {
-    let slip = recorded(experiment, "slip");
+fn steady_shapes(experiment: &Experiment, layout: &Layout) -> Vec<Shape> {
+    let slip = recorded(experiment, layout, "slip");
     let mut shapes = Vec::new();
     match &slip {
         Some(slip) => hats(experiment, slip, &mut shapes),
         None => shapes.push(product(experiment, &|_, _| 1.0)),
     }
     for name in ["load", "wheel_speed"] {
-        let Some(condition) = recorded(experiment, name) else { continue };
+        let Some(condition) = recorded(experiment, layout, name) else { continue };
         shapes.push(product(experiment, &|run, row| condition.scaled(run, row)));
         shapes.push(product(experiment, &|run, row| condition.scaled(run, row).powi(2)));
         if let Some(slip) = &slip {
@@ -166,13 +168,13 @@ fn steady_shapes(experiment: &Experiment) -> Vec<Shape> {
             }
         }
     }
-    run_order(experiment, &mut shapes);
+    run_order(experiment, layout, &mut shapes);
     shapes
 }
 
 /// A drift over the list of runs.
-fn run_order(experiment: &Experiment, shapes: &mut Vec<Shape>) {
-    if let Some(order) = Condition::new(experiment, &|k, run| Some(vec![k as f64; run.data.rows()])) {
+fn run_order(experiment: &Experiment, layout: &Layout, shapes: &mut Vec<Shape>) {
+    if let Some(order) = Condition::new(experiment, layout, &|k, run| Some(vec![k as f64; run.data.rows()])) {
         shapes.push(product(experiment, &|run, row| order.scaled(run, row)));
         shapes.push(product(experiment, &|run, row| order.scaled(run, row).powi(2)));
     }
@@ -187,15 +189,15 @@ fn traverse_shapes(experiment: &Experiment, layout: &Layout, modelled: &[f64]) -
     };
     let command = |run: &Run| run.data.column(run.inputs.first()?).map(<[f64]>::to_vec);
     let conditions = [
-        Condition::new(experiment, &|_, run| elapsed(run)),
+        Condition::new(experiment, layout, &|_, run| elapsed(run)),
         along_model(experiment, layout, modelled, "x"),
         along_model(experiment, layout, modelled, "pitch"),
-        Condition::new(experiment, &|_, run| command(run)),
+        Condition::new(experiment, layout, &|_, run| command(run)),
     ];
     for condition in conditions.iter().flatten() {
         hats(experiment, condition, &mut shapes);
     }
-    run_order(experiment, &mut shapes);
+    run_order(experiment, layout, &mut shapes);
     let angles: Option<Vec<Vec<f64>>> = experiment.runs.iter().map(wheel_angle).collect();
     if let Some(angles) = angles {
         shapes.push(product(experiment, &|run, row| angles[run][row].sin()));

@@ -49,6 +49,9 @@ pub struct Task {
     pub guided: bool,
     /// Runs and rows that are left out.
     pub left_out: Vec<(usize, usize)>,
+    /// Runs and rows that no fit of the diagnosis counts, since its calibrated baseline has no answer there.
+    #[serde(default)]
+    pub unanswered: Vec<(usize, usize)>,
     /// Factor on the standard deviations of all priors: 1, or large to see what the data say by themselves.
     pub prior_factor: f64,
 }
@@ -62,10 +65,20 @@ pub struct Outcome {
     pub chi_square: f64,
 }
 
-/// Runs a task; `None` where no start has an answer.
+/// Runs a task; `None` where no start leads to a fit that answers every row that counts. Where rows are left out of the fit,
+/// it need not answer them.
 pub(crate) fn run(problem: &Problem, noise: &Noise, task: &Task) -> Option<Calibration> {
+    run_for(problem, noise, task, task.left_out.is_empty())
+}
+
+/// The same where the fit need not answer every row; those without an answer count as missed.
+pub(crate) fn run_open(problem: &Problem, noise: &Noise, task: &Task) -> Option<Calibration> {
+    run_for(problem, noise, task, false)
+}
+
+fn run_for(problem: &Problem, noise: &Noise, task: &Task, whole: bool) -> Option<Calibration> {
     let effort = Effort::of(problem.experiment.kind);
-    with_problem(problem, noise, task, |weighted, weights| {
+    with_problem(problem, noise, task, whole, |weighted, weights| {
         if task.starts.is_empty() {
             calibrate(weighted, weights, effort)
         } else {
@@ -81,6 +94,7 @@ fn with_problem(
     problem: &Problem,
     noise: &Noise,
     task: &Task,
+    whole: bool,
     f: impl FnOnce(&Weighted, &BTreeMap<String, f64>) -> Option<Calibration>,
 ) -> Option<Calibration> {
     let mut free = problem.free(&task.effects);
@@ -93,7 +107,6 @@ fn with_problem(
     left_out.sort_unstable();
     let whitening = noise.whitening(problem, &|run, row| left_out.binary_search(&(run, row)).is_err())?;
     let robust = noise.robust.unwrap_or(f64::INFINITY);
-    let whole = left_out.is_empty();
     let mut posed = Cow::Borrowed(problem);
     if task.guided {
         posed.to_mut().guided = true;
@@ -119,7 +132,9 @@ pub fn fit_task(
     noise: &Noise,
     task: &Task,
 ) -> Result<Option<Outcome>, CompareError> {
-    Ok(outcome(&options.problem(model, experiment)?, noise, task))
+    let mut problem = options.problem(model, experiment)?;
+    problem.layout.leave_out(&task.unanswered);
+    Ok(outcome(&problem, noise, task))
 }
 
 /// Runs a task for its values and cost alone.
@@ -130,5 +145,7 @@ pub(crate) fn outcome(problem: &Problem, noise: &Noise, task: &Task) -> Option<O
 
 /// What is known at given values without a search: cost, standard errors, which parameters sit on bounds.
 pub(crate) fn settle(problem: &Problem, noise: &Noise, task: &Task) -> Option<Calibration> {
-    with_problem(problem, noise, task, |weighted, weights| settled(weighted, weights, task.starts.first()?))
+    with_problem(problem, noise, task, task.left_out.is_empty(), |weighted, weights| {
+        settled(weighted, weights, task.starts.first()?)
+    })
 }

@@ -3,7 +3,8 @@
 //! A wheel on a carriage is refitted without each fold. A traverse, where refits are dear, takes one Gauss-Newton step
 //! from the full fit to the optimum without the fold, within the bounds; where the full fit is far from the measurements,
 //! so that such a step means little, it is refitted for a few steps. The left-out runs are then simulated with those
-//! values, so that the prediction itself is not linearised. A rover that gets stuck in them predicts that it stays there.
+//! values, so that the prediction itself is not linearised. A rover that gets stuck in them predicts that it stays there, and
+//! a row of a carriage without an answer counts as missed, see [`unanswered`](crate::diagnosis::unanswered).
 //! What the kept conditions do not determine widens the prediction: else a fit that extrapolates into a left-out end of the
 //! slips is judged by chance.
 

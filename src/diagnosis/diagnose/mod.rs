@@ -42,7 +42,7 @@ pub(crate) use bootstrap::Projected;
 pub use control::{Control, Progress, Spread, Threads};
 pub use engine::{DiagnoseOptions, diagnose};
 pub use fits::{Noise, Outcome, Task, fit_task};
-pub(crate) use prepare::prepare;
+pub(crate) use prepare::{calibrated_baseline, prepare};
 pub(crate) use report_parts::DETECTABLE;
 pub use result::{
     CandidateResult, Diagnosis, FinalParameter, LackOfFit, PairResult, ParameterResult, Share, Step, Verdict,

@@ -1,13 +1,23 @@
-//! Before the search: the noise model, the calibrated baseline, and which effects can be seen at all.
+//! Before the search: the noise model, the calibrated baseline, and which effects can be seen at all. [`compare`] takes noise
+//! and baseline from here too.
+//!
+//! [`compare`]: crate::diagnosis::compare()
 
 use super::discrepancy;
-use super::fits::{Noise, run};
+use super::fits::{Noise, Task, run, run_open};
+use super::search::SAME_FIT;
 use super::signature::prune;
-use crate::diagnosis::calibrate::{Calibration, better};
-use crate::diagnosis::compare::{CompareError, own_scatter};
+use crate::diagnosis::calibrate::{CalibratedParameter, Calibration, better};
+use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::linear_algebra::Basis;
-use crate::diagnosis::noise::{FloorSource, NoiseFloor, NoiseModel, Repeats, estimate, estimate_alone, noise_floors};
+use crate::diagnosis::noise::{
+    Decided, Evidence, FloorSource, NoiseFloor, NoiseModel, Repeats, decide, estimate, noise_floors,
+};
+use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::Problem;
+use crate::diagnosis::unanswered::{Answers, LEAST_SHARE, Unanswered, UnansweredRows, listed};
+use crate::measurement::Kind;
+use crate::simulation::Event;
 use std::collections::BTreeMap;
 
 /// A whitened residual beyond this many robust standard deviations is a bad sample: Huber's loss starts there.
@@ -15,10 +25,6 @@ const BAD: f64 = 4.5;
 
 /// Median of |x| of a normal variable with unit variance.
 const MEDIAN: f64 = 0.674_489_750_196_081_7;
-
-/// Degrees of freedom from which repeats may contradict a stated noise, and by which ratio they must differ.
-const ENOUGH_REPEATS: usize = 10;
-const CONTRADICTION: f64 = 1.3;
 
 /// Degrees of freedom beyond calibration and flexible curve that tell an unknown noise to about a tenth.
 const ENOUGH_SCATTER: usize = 50;
@@ -30,6 +36,8 @@ pub(crate) struct Prepared {
     pub floors: BTreeMap<String, NoiseFloor>,
     pub source: FloorSource,
     pub baseline: Calibration,
+    /// What the baseline gives, in the layout's order; NaN in rows that are left out and without an answer.
+    pub modelled: Vec<f64>,
     pub flexible: Vec<Vec<f64>>,
     /// Smooth functions of the conditions by which the strength of an effect may vary, by run and row.
     pub modulations: Vec<Vec<Vec<f64>>>,
@@ -37,10 +45,23 @@ pub(crate) struct Prepared {
     pub cautions: Vec<String>,
     /// Whether the noise is known well enough for a verdict.
     pub noise_is_known: bool,
+    /// Rows that are left out, since the baseline has no answer there.
+    pub unanswered: Vec<UnansweredRows>,
 }
 
-/// Finds noise and baseline; takes out of the problem's library what cannot be seen.
+/// Finds noise and baseline; takes out of the problem's library what cannot be seen, and out of its rows those that the
+/// baseline cannot answer.
 pub(crate) fn prepare(problem: &mut Problem) -> Result<Prepared, CompareError> {
+    let mut prepared = calibrated_baseline(problem)?;
+    prepared.invisible = prune(problem, &prepared.baseline.values())?;
+    Ok(prepared)
+}
+
+/// Finds noise and baseline, and takes out of the problem's rows those that the baseline cannot answer.
+///
+/// # Errors
+/// [`CompareError`] where there is too little to compare, or the model has too few answers.
+pub(crate) fn calibrated_baseline(problem: &mut Problem) -> Result<Prepared, CompareError> {
     let values = problem.layout.present();
     if values == 0 {
         return Err(CompareError::NothingMeasured);
@@ -49,55 +70,177 @@ pub(crate) fn prepare(problem: &mut Problem) -> Result<Prepared, CompareError> {
         return Err(CompareError::TooFewMeasurements { values, free: problem.base.len() });
     }
     let repeats = Repeats::new(&problem.experiment);
-    let mut cautions = Vec::new();
-    let measured = problem.layout.measured.clone();
-    let mut noise = Noise { models: first_guess(problem, &repeats, &measured), robust: None };
-    let first = run(problem, &noise, &problem.task(&[], Vec::new())).ok_or_else(|| no_start(problem))?;
-    let predicted = modelled(problem, &first)?;
-    let residual = minus(&measured, &predicted);
+    let mut unanswered = Vec::new();
+    let mut noise = Noise { models: first_guess(problem, &repeats), robust: None };
+    let first = fitted(problem, &noise, &[], &mut unanswered)?;
+    let predicted = modelled(problem, &first.values())?.values;
+    let residual = minus(&problem.layout.measured, &predicted);
     let flexible = discrepancy::columns(&problem.experiment, &problem.layout, &predicted);
     let modulations = discrepancy::modulations(&problem.experiment, &problem.layout, &predicted);
-    noise.models = from_repeats(problem, &repeats, &residual, &flexible, &mut cautions);
+    let decided = decide(&Evidence {
+        experiment: &problem.experiment,
+        layout: &problem.layout,
+        repeats: &repeats,
+        residual: &residual,
+        smooth: &modulations,
+        flexible: &flexible,
+        calibrated: problem.base.len(),
+    });
+    noise.models.clone_from(&decided.models);
     noise.robust = Some(threshold(problem, &noise, &residual));
-    let again = problem.task(&[], vec![first.values()]);
-    let again = run(problem, &noise, &again).ok_or_else(|| no_start(problem))?;
-    let mut baseline = Calibration { searches: first.searches, agreeing: first.agreeing, ..again };
+    let again = fitted(problem, &noise, &[first.values()], &mut unanswered)?;
+    // A search that starts where the first one ended may find no step to make.
+    let converged = again.converged || (first.converged && is_at(&again, &first));
+    let mut baseline = Calibration { searches: first.searches, agreeing: first.agreeing, converged, ..again };
     // Under a first guess of the noise a fit may have looked near that is far.
     if baseline.is_far() && !first.is_far() {
-        let anew = run(problem, &noise, &problem.task(&[], Vec::new()));
-        baseline = better(Some(baseline), anew).ok_or_else(|| no_start(problem))?;
+        let counted = problem.layout.present();
+        let anew = fitted(problem, &noise, &[], &mut unanswered)?;
+        if problem.layout.present() < counted {
+            baseline = settled(problem, &noise, baseline);
+        }
+        baseline = better(Some(baseline), Some(anew)).ok_or(CompareError::NoFit)?;
     }
-    let floors = noise_floors(&problem.experiment, &problem.layout, &modelled(problem, &baseline)?);
-    let invisible = prune(problem, &baseline.values())?;
-    let source =
-        floors.values().map(NoiseFloor::source).max_by_key(|source| *source as u8).unwrap_or(FloorSource::Unknown);
-    if source == FloorSource::Unknown {
-        cautions.push(
+    baseline = escaped(problem, &noise, baseline);
+    let modelled = modelled(problem, &baseline.values())?.values;
+    let mut floors = noise_floors(&problem.experiment, &problem.layout, &modelled);
+    floors.iter_mut().for_each(|(signal, floor)| floor.contradicted = decided.contradicted.contains(signal));
+    let unanswered = listed(unanswered);
+    let mut prepared = Prepared {
+        source: source(&floors),
+        repeats: None,
+        noise_is_known: true,
+        cautions: decided.cautions.clone(),
+        invisible: Vec::new(),
+        noise,
+        floors,
+        baseline,
+        modelled,
+        flexible,
+        modulations,
+        unanswered,
+    };
+    prepared.repeats = (prepared.source == FloorSource::Replicates).then_some(repeats);
+    judge_noise(problem, &mut prepared, &decided);
+    prepared.cautions.extend(of_unanswered(problem, &prepared.unanswered));
+    Ok(prepared)
+}
+
+/// The weakest source among the signals.
+fn source(floors: &BTreeMap<String, NoiseFloor>) -> FloorSource {
+    floors.values().map(NoiseFloor::source).max_by_key(|source| *source as u8).unwrap_or(FloorSource::Unknown)
+}
+
+/// Says where the noise is not known, and whether it can be judged by the scatter of the measurements.
+fn judge_noise(problem: &Problem, prepared: &mut Prepared, decided: &Decided) {
+    if prepared.source != FloorSource::Unknown {
+        return;
+    }
+    if decided.unknown.is_empty() {
+        prepared.cautions.push(
             "noise floor unknown: some signals have neither repeats nor a stated noise; the scatter about a flexible curve stands in for it"
                 .to_owned(),
         );
+    } else {
+        prepared.cautions.push(format!(
+            "noise floor unknown: {} is neither repeated nor stated, and the rows are too few for a curve that does not pass through them; what the model misses stands in for the noise, which hides what the model lacks",
+            decided.unknown.join(", ")
+        ));
     }
-    let rank = Basis::of(&flexible).rank();
-    let noise_is_known = source != FloorSource::Unknown || values >= problem.base.len() + rank + ENOUGH_SCATTER;
-    if !noise_is_known {
-        cautions.push(
+    let spent = problem.base.len() + Basis::of(&prepared.flexible).rank();
+    prepared.noise_is_known = decided.unknown.is_empty() && problem.layout.present() >= spent + ENOUGH_SCATTER;
+    if !prepared.noise_is_known {
+        prepared.cautions.push(
             "the noise is unknown and there are too few measurements to judge it by their scatter: nothing is decided; repeat some conditions or state the noise"
                 .to_owned(),
         );
     }
-    let from_repeats = source == FloorSource::Replicates;
-    Ok(Prepared {
-        noise,
-        repeats: from_repeats.then_some(repeats),
-        floors,
-        source,
-        baseline,
-        flexible,
-        modulations,
-        invisible,
-        cautions,
-        noise_is_known,
-    })
+}
+
+/// Says how many rows are left out.
+fn of_unanswered(problem: &Problem, unanswered: &[UnansweredRows]) -> Option<String> {
+    let first = unanswered.first()?;
+    let (all, answered) = problem.layout.rows();
+    Some(format!(
+        "{} of {all} rows left out, since the calibrated model has no answer there (the first: run {}, row {}): no error, noise or effect is judged by them",
+        all - answered,
+        first.run,
+        first.rows.0
+    ))
+}
+
+/// Fits the baseline and leaves out the rows that have no answer at the best fit, until all that count have one. `starts` as
+/// those of a [`Task`](super::Task).
+fn fitted(
+    problem: &mut Problem,
+    noise: &Noise,
+    starts: &[Vec<f64>],
+    unanswered: &mut Vec<Unanswered>,
+) -> Result<Calibration, CompareError> {
+    loop {
+        let task = problem.task(&[], starts.to_vec());
+        let fit = run_open(problem, noise, &task);
+        let missing = match &fit {
+            Some(fit) => modelled(problem, &fit.values())?.missing(&problem.layout),
+            None => without_a_start(problem)?,
+        };
+        let Some(first) = missing.first() else { return fit.ok_or_else(|| no_start(problem)) };
+        if missing.iter().any(|rows| has_gone_astray(&rows.error))
+            && let Some(whole) = run(problem, noise, &task)
+        {
+            return Ok(whole);
+        }
+        let rows: Vec<(usize, usize)> = missing.iter().map(|rows| (rows.run, rows.rows.start)).collect();
+        problem.layout.leave_out(&rows);
+        let ((all, answered), free) = (problem.layout.rows(), problem.base.len());
+        if problem.layout.present() <= free || (answered as f64) < LEAST_SHARE * all as f64 {
+            return Err(CompareError::TooFewAnswers { answered, rows: all, free, first: first.error.clone() });
+        }
+        unanswered.extend(missing);
+    }
+}
+
+/// On a traverse far from the measurements, the baseline once more from where it ends with the rover led along at the measured
+/// velocity, which keeps it from getting stuck on the way; the better of the two.
+fn escaped(problem: &Problem, noise: &Noise, baseline: Calibration) -> Calibration {
+    if problem.experiment.kind != Kind::Traverse || !baseline.is_far() {
+        return baseline;
+    }
+    let led = Task { guided: true, ..problem.task(&[], Vec::new()) };
+    let on = |led: Calibration| run(problem, noise, &problem.task(&[], vec![led.values()]));
+    let again = run(problem, noise, &led).and_then(on);
+    match again.filter(|again| again.chi_square < baseline.chi_square * (1.0 - SAME_FIT)) {
+        Some(again) => Calibration { searches: baseline.searches + 1, ..again },
+        None => baseline,
+    }
+}
+
+/// Whether two fits have the same parameters, to a search's accuracy.
+fn is_at(fit: &Calibration, other: &Calibration) -> bool {
+    let near = |(a, b): (&CalibratedParameter, &CalibratedParameter)| {
+        (a.value - b.value).abs() <= SAME_FIT * (a.variable.max - a.variable.min)
+    };
+    fit.parameters.iter().zip(&other.parameters).all(near)
+}
+
+/// Where no search has a start: the rows of the runs in which the rover cannot be put on the ground with the given parameters.
+fn without_a_start(problem: &Problem) -> Result<Vec<Unanswered>, CompareError> {
+    let given: Vec<f64> = problem.base.iter().map(|free| free.start).collect();
+    let mut missing = modelled(problem, &given)?.missing(&problem.layout);
+    missing.retain(|rows| rows.error.is_of_the_motion());
+    Ok(missing)
+}
+
+/// Whether a search that ends here has gone astray more often than not, so that a fit that answers every row comes first: on
+/// a traverse, unless the rover only ran beyond the known ground, which a slower one would not.
+fn has_gone_astray(error: &PredictionError) -> bool {
+    matches!(error, PredictionError::Ended { event, .. } if *event != Event::LeftTerrain)
+}
+
+/// A fit seen over the rows that count now; as it is where it does not answer them.
+fn settled(problem: &Problem, noise: &Noise, fit: Calibration) -> Calibration {
+    let again = super::fits::settle(problem, noise, &problem.task(&[], vec![fit.values()]));
+    again.map_or(fit.clone(), |again| Calibration { searches: fit.searches, agreeing: fit.agreeing, ..again })
 }
 
 fn no_start(problem: &Problem) -> CompareError {
@@ -108,9 +251,9 @@ fn no_start(problem: &Problem) -> CompareError {
     }
 }
 
-/// What the calibrated baseline gives, in the layout's order.
-fn modelled(problem: &Problem, fit: &Calibration) -> Result<Vec<f64>, CompareError> {
-    Ok(problem.predict(&problem.base, |predict| predict.values(&fit.values()))??)
+/// What the baseline gives row by row.
+fn modelled(problem: &Problem, values: &[f64]) -> Result<Answers, CompareError> {
+    Ok(problem.predict(&problem.base, |predict| predict.answers(values))??)
 }
 
 /// Measured minus modelled.
@@ -119,90 +262,13 @@ fn minus(measured: &[f64], modelled: &[f64]) -> Vec<f64> {
 }
 
 /// Noise before any fit: repeats, else what is stated, else the signal's own scatter.
-fn first_guess(problem: &Problem, repeats: &Repeats, measured: &[f64]) -> BTreeMap<String, NoiseModel> {
+fn first_guess(problem: &Problem, repeats: &Repeats) -> BTreeMap<String, NoiseModel> {
     let guess = |signal: &String| {
-        estimate(repeats, &problem.layout, signal, measured)
+        estimate(repeats, &problem.layout, signal, &problem.layout.measured)
             .or_else(|| problem.experiment.noise.get(signal).copied().map(NoiseModel::white))
-            .unwrap_or_else(|| NoiseModel::white(own_scatter(&problem.layout, signal)))
+            .unwrap_or_else(|| NoiseModel::white(problem.layout.scatter(signal)))
     };
     problem.experiment.signals().into_iter().map(|signal| (signal.clone(), guess(&signal))).collect()
-}
-
-/// The noise models that the diagnosis rests on.
-fn from_repeats(
-    problem: &Problem,
-    repeats: &Repeats,
-    residual: &[f64],
-    flexible: &[Vec<f64>],
-    cautions: &mut Vec<String>,
-) -> BTreeMap<String, NoiseModel> {
-    let layout = &problem.layout;
-    let mut models = BTreeMap::new();
-    for signal in problem.experiment.signals() {
-        let plain = estimate(repeats, layout, &signal, &layout.measured);
-        let corrected = estimate(repeats, layout, &signal, residual);
-        // Where the inputs of repeats differ the residual has the model's share of that taken off; where only their
-        // recording differs it adds scatter. What remains is an upper bound either way.
-        let seen = match (plain, corrected) {
-            (Some(plain), Some(corrected)) if corrected.deviation < plain.deviation => Some(corrected),
-            (plain, _) => plain,
-        };
-        let alone = || {
-            let rest = beyond(residual, flexible);
-            estimate_alone(layout, &signal, &rest.0, rest.1 / problem.experiment.signals().len() as f64)
-        };
-        let stated = problem.experiment.noise.get(&signal).copied().filter(|deviation| *deviation > 0.0);
-        let model = match (stated, seen) {
-            (Some(stated), Some(seen)) => {
-                let ratio = seen.deviation / stated;
-                let freedom = repeats.degrees_of_freedom(layout, &signal);
-                if freedom >= ENOUGH_REPEATS && !(1.0 / CONTRADICTION..=CONTRADICTION).contains(&ratio) {
-                    cautions.push(format!(
-                        "the stated noise of {signal}, {stated:.3e}, is contradicted by the repeats, which scatter by {:.3e}; the repeats are taken",
-                        seen.deviation
-                    ));
-                    seen
-                } else {
-                    NoiseModel { deviation: stated, ..seen }
-                }
-            }
-            (None, Some(seen)) => seen,
-            (Some(stated), None) => match alone() {
-                Some(own) if own.deviation > CONTRADICTION * stated => {
-                    cautions.push(format!(
-                        "the stated noise of {signal}, {stated:.3e}, is too small: measurements scatter by {:.3e} about a flexible curve, which is taken",
-                        own.deviation
-                    ));
-                    own
-                }
-                Some(own) => {
-                    if own.deviation * CONTRADICTION < stated {
-                        cautions.push(format!(
-                            "the stated noise of {signal}, {stated:.3e}, looks too large: measurements scatter by {:.3e} about a flexible curve; weak effects stay hidden",
-                            own.deviation
-                        ));
-                    }
-                    NoiseModel { deviation: stated, ..own }
-                }
-                None => NoiseModel::white(stated),
-            },
-            (None, None) => alone().unwrap_or_else(|| NoiseModel::white(own_scatter(layout, &signal))),
-        };
-        models.insert(signal, model);
-    }
-    models
-}
-
-/// What a flexible curve along the conditions leaves of a residual, and how many directions it took.
-fn beyond(residual: &[f64], flexible: &[Vec<f64>]) -> (Vec<f64>, f64) {
-    let blank = |values: &[f64]| -> Vec<f64> {
-        values.iter().zip(residual).map(|(v, e)| if e.is_nan() { 0.0 } else { *v }).collect()
-    };
-    let columns: Vec<Vec<f64>> = flexible.iter().map(|column| blank(column)).collect();
-    let basis = Basis::of(&columns);
-    let mut rest = basis.outside(&blank(residual));
-    rest.iter_mut().zip(residual).filter(|(_, e)| e.is_nan()).for_each(|(r, _)| *r = f64::NAN);
-    (rest, basis.rank() as f64)
 }
 
 /// Where a whitened residual of the baseline starts to count as a bad sample.

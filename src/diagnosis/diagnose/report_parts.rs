@@ -83,8 +83,9 @@ pub(crate) fn assemble(
     let fitted = search.fits.get(chosen).unwrap_or(&prepared.baseline);
     let floors = &prepared.floors;
     let given = problem.predict(&problem.base, |predict| {
-        predict.values(&problem.base.iter().map(|free| free.start).collect::<Vec<_>>())
+        predict.answers(&problem.base.iter().map(|free| free.start).collect::<Vec<_>>())
     })?;
+    let given = given.ok().filter(|given| given.any(&problem.layout));
     let interrupted = (search.control.stop)();
     let profiles = if interrupted { Vec::new() } else { profiles(search, chosen) };
     let mut cautions = prepared.cautions.clone();
@@ -99,7 +100,8 @@ pub(crate) fn assemble(
         noise_floor: floors.clone(),
         noise_floor_source: prepared.source,
         noise: prepared.noise.models.clone(),
-        given: given.ok().map(|values| Fit::new(&problem.experiment, &problem.layout, &values)),
+        given: given.map(|given| Fit::new(&problem.experiment, &problem.layout, &given.values)),
+        unanswered: prepared.unanswered.clone(),
         pairs: pairs(inputs),
         invisible: prepared.invisible.clone(),
         share,

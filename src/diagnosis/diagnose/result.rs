@@ -5,7 +5,7 @@ use crate::diagnosis::curves::Curves;
 use crate::diagnosis::fit::Fit;
 use crate::diagnosis::noise::{FloorSource, NoiseModel};
 use crate::diagnosis::separate::Suggestion;
-use crate::diagnosis::{Failure, NoiseFloor};
+use crate::diagnosis::{Failure, NoiseFloor, UnansweredRows};
 use crate::measurement::Experiment;
 use crate::model::Model;
 use serde::{Deserialize, Serialize};
@@ -191,6 +191,8 @@ pub struct Diagnosis {
     pub failures_left: Vec<Failure>,
     /// What to measure next, the most useful first.
     pub suggestions: Vec<Suggestion>,
+    /// Rows that are left out of everything, since the calibrated baseline has no answer there.
+    pub unanswered: Vec<UnansweredRows>,
     /// What the reader should beware of, in words.
     pub cautions: Vec<String>,
     /// The final model: calibrated, effects switched on; what the experiment says of single runs is not part of it.

@@ -24,6 +24,10 @@ const WORTH_A_REFIT: f64 = 0.3;
 /// A promise that noise alone reaches with this probability is not worth a refit beside a better one.
 const COMMON: f64 = 0.5;
 
+/// Share by which another fit of the same set must have less chi-square to take its place: less is the rounding of a search,
+/// and the baseline stays the one that `compare` gives.
+pub(super) const SAME_FIT: f64 = 1e-6;
+
 /// Chi-square by which a further parameter must pay for itself (Akaike).
 pub(crate) const PRICE: f64 = 2.0;
 
@@ -96,7 +100,8 @@ impl Search<'_> {
             // A fit made elsewhere comes back as its values; standard errors and bounds are found again here.
             let again = self.problem.task(&task.effects, vec![outcome.values]);
             let Some(fit) = super::fits::settle(self.problem, self.noise, &again) else { continue };
-            if self.fits.get(&task.effects).is_none_or(|known| fit.chi_square < known.chi_square) {
+            let improves = |known: &Calibration| fit.chi_square < known.chi_square * (1.0 - SAME_FIT);
+            if self.fits.get(&task.effects).is_none_or(improves) {
                 self.fits.insert(&task.effects, fit);
             }
         }

@@ -1,9 +1,11 @@
 //! The noise model from repeats, by maximum likelihood.
 //!
 //! Runs of one group share the model's error, so contrasts between them hold noise alone: with m runs, m - 1 orthonormal
-//! (Helmert) contrasts of their rows are independent draws with the covariance of a single run.
+//! (Helmert) contrasts of their rows are independent draws with the covariance of a single run. Samples of one label count
+//! as [`labels`](super::labels) says. Runs whose parameters differ do not repeat each other.
 
 use super::NoiseModel;
+use super::labels::LabelContrasts;
 use crate::diagnosis::layout::Layout;
 use crate::measurement::{Experiment, Sample};
 use std::collections::BTreeMap;
@@ -32,10 +34,10 @@ pub(crate) struct Repeats {
 
 impl Repeats {
     pub fn new(experiment: &Experiment) -> Self {
-        let mut groups: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
-        for (k, run) in experiment.runs.iter().enumerate() {
+        let mut groups: BTreeMap<(&str, usize), Vec<usize>> = BTreeMap::new();
+        for (k, (run, rig)) in experiment.runs.iter().zip(experiment.rigs()).enumerate() {
             if let Some(group) = &run.group {
-                groups.entry(group).or_default().push(k);
+                groups.entry((group, rig)).or_default().push(k);
             }
         }
         let mut groups: Vec<_> = groups.into_values().filter(|runs| runs.len() > 1).collect();
@@ -45,7 +47,7 @@ impl Repeats {
         Self { groups, sets }
     }
 
-    /// Contrasts of one signal; `residual` is measured minus modelled (or measured alone) in the layout's order.
+    /// Contrasts of one signal over groups of runs; `residual` is measured minus modelled (or measured alone) in the layout's order.
     fn contrasts(&self, layout: &Layout, signal: &str, residual: &[f64]) -> Vec<Strand> {
         let block = |run: usize| layout.of_run(run).find(|block| block.signal == signal).map(|b| b.range.clone());
         let mut strands = Vec::new();
@@ -58,22 +60,25 @@ impl Repeats {
                 strands.push(Strand { values: rows.iter().map(|row| value(*row)).collect(), rows });
             }
         }
-        for set in &self.sets {
-            let values: Vec<f64> = set
-                .iter()
-                .filter_map(|sample| Some(residual[block(sample.run)?.start + sample.row]))
-                .filter(|value| !value.is_nan())
-                .collect();
-            strands
-                .extend((1..values.len()).map(|k| Strand { rows: vec![0], values: vec![helmert(k, &|j| values[j])] }));
-        }
         strands.retain(|strand| !strand.rows.is_empty());
         strands
     }
 
+    /// The same over labels.
+    fn labels(&self, layout: &Layout, signal: &str, residual: &[f64]) -> LabelContrasts {
+        let value = |sample: &Sample| {
+            let block = layout.of_run(sample.run).find(|block| block.signal == signal)?;
+            Some((sample.run, residual[block.range.start + sample.row])).filter(|(_, value)| !value.is_nan())
+        };
+        let sets: Vec<Vec<(usize, f64)>> = self.sets.iter().map(|set| set.iter().filter_map(value).collect()).collect();
+        LabelContrasts::new(&sets)
+    }
+
     /// Independent values behind the estimate of a signal's noise.
     pub fn degrees_of_freedom(&self, layout: &Layout, signal: &str) -> usize {
-        self.contrasts(layout, signal, &layout.measured).iter().map(|strand| strand.rows.len()).sum()
+        let groups = self.contrasts(layout, signal, &layout.measured);
+        groups.iter().map(|strand| strand.rows.len()).sum::<usize>()
+            + self.labels(layout, signal, &layout.measured).count()
     }
 }
 
@@ -85,7 +90,7 @@ fn helmert(k: usize, value: &dyn Fn(usize) -> f64) -> f64 {
 
 /// Noise of one signal from its repeats; `None` where there are none.
 pub(crate) fn estimate(repeats: &Repeats, layout: &Layout, signal: &str, residual: &[f64]) -> Option<NoiseModel> {
-    Search::WIDE.run(&repeats.contrasts(layout, signal, residual))
+    Search::WIDE.run(&repeats.contrasts(layout, signal, residual), &repeats.labels(layout, signal, residual))
 }
 
 /// Noise of one signal from residuals themselves, for want of repeats: all of them count as noise, `lost` degrees of
@@ -103,7 +108,7 @@ pub(crate) fn estimate_alone(layout: &Layout, signal: &str, residual: &[f64], lo
         .collect();
     let count: usize = strands.iter().map(|strand| strand.rows.len()).sum();
     let scale = (count as f64 / (count as f64 - lost).max(1.0)).sqrt();
-    let noise = Search { with_share: false, ..Search::WIDE }.run(&strands)?;
+    let noise = Search { with_share: false, ..Search::WIDE }.run(&strands, &LabelContrasts::default())?;
     Some(NoiseModel { deviation: noise.deviation * scale, ..noise })
 }
 
@@ -117,7 +122,7 @@ pub(crate) fn estimate_near(
 ) -> Option<NoiseModel> {
     let search =
         Search { centre: [near.run_share, near.correlation], half: 0.3, points: 4, rounds: 3, with_share: true };
-    search.run(&repeats.contrasts(layout, signal, residual))
+    search.run(&repeats.contrasts(layout, signal, residual), &repeats.labels(layout, signal, residual))
 }
 
 /// Maximum likelihood over share and correlation, the variance being profiled out, on grids that shrink.
@@ -135,13 +140,17 @@ impl Search {
     const WIDE: Self =
         Self { centre: [LARGEST / 2.0; 2], half: LARGEST / 2.0, points: 11, rounds: 4, with_share: true };
 
-    fn run(&self, strands: &[Strand]) -> Option<NoiseModel> {
-        let count: usize = strands.iter().map(|strand| strand.rows.len()).sum();
-        let squares: f64 = strands.iter().flat_map(|strand| &strand.values).map(|value| value * value).sum();
+    fn run(&self, strands: &[Strand], labels: &LabelContrasts) -> Option<NoiseModel> {
+        let count = strands.iter().map(|strand| strand.rows.len()).sum::<usize>() + labels.count();
+        let own: f64 = strands.iter().flat_map(|strand| &strand.values).map(|value| value * value).sum();
+        let squares = own + labels.squares();
         if count == 0 || squares <= 0.0 {
             return None;
         }
-        if strands.iter().all(|strand| strand.rows.len() < LEAST_ROWS) {
+        // What is not determined stays zero.
+        let long = strands.iter().any(|strand| strand.rows.len() >= LEAST_ROWS);
+        let with_share = self.with_share && (long || labels.tell_the_share());
+        if !long && !with_share {
             return Some(NoiseModel::white((squares / count as f64).sqrt()));
         }
         let (mut centre, mut half) = (self.centre, self.half);
@@ -150,11 +159,12 @@ impl Search {
             let at = |axis: usize, k: usize| {
                 (centre[axis] + half * (2.0 * k as f64 / (self.points - 1) as f64 - 1.0)).clamp(0.0, LARGEST)
             };
-            for i in 0..if self.with_share { self.points } else { 1 } {
-                for k in 0..self.points {
-                    let run_share = if self.with_share { at(0, i) } else { 0.0 };
-                    let trial = NoiseModel { deviation: 1.0, run_share, correlation: at(1, k) };
-                    let (deviance, deviation) = deviance(&trial, strands, count);
+            for i in 0..if with_share { self.points } else { 1 } {
+                for k in 0..if long { self.points } else { 1 } {
+                    let run_share = if with_share { at(0, i) } else { 0.0 };
+                    let correlation = if long { at(1, k) } else { 0.0 };
+                    let trial = NoiseModel { deviation: 1.0, run_share, correlation };
+                    let (deviance, deviation) = deviance(&trial, strands, labels, count);
                     if deviance < best.0 {
                         best = (deviance, NoiseModel { deviation, ..trial });
                     }
@@ -168,8 +178,8 @@ impl Search {
 }
 
 /// -2 ln likelihood up to a constant, and the most likely standard deviation.
-fn deviance(trial: &NoiseModel, strands: &[Strand], count: usize) -> (f64, f64) {
-    let (mut squares, mut determinant) = (0.0, 0.0);
+fn deviance(trial: &NoiseModel, strands: &[Strand], labels: &LabelContrasts, count: usize) -> (f64, f64) {
+    let (mut squares, mut determinant) = labels.length_and_determinant(trial);
     for strand in strands {
         let (length, own) = trial.length_and_determinant(&strand.rows, &strand.values);
         squares += length;

@@ -28,6 +28,8 @@ pub struct NoiseFloor {
     pub stated: Option<f64>,
     /// As the repeats show it.
     pub replicates: Option<Pooled>,
+    /// Whether the repeats contradict what is stated, and are taken.
+    pub contradicted: bool,
 }
 
 /// Where a noise floor comes from.
@@ -54,16 +56,21 @@ impl FloorSource {
 }
 
 impl NoiseFloor {
-    /// Standard deviation of one sample: stated, else from repeats, else unknown.
+    /// Standard deviation of one sample: stated unless the repeats contradict it, else from repeats, else unknown.
     #[must_use]
     pub fn value(&self) -> Option<f64> {
-        self.stated.or(self.replicates.map(|pooled| pooled.deviation))
+        let repeated = self.replicates.map(|pooled| pooled.deviation);
+        match self.source() {
+            FloorSource::Stated => self.stated,
+            FloorSource::Replicates => repeated,
+            FloorSource::Unknown => None,
+        }
     }
 
     /// Where [`value`](NoiseFloor::value) comes from.
     #[must_use]
     pub fn source(&self) -> FloorSource {
-        match (self.stated, self.replicates) {
+        match (self.stated.filter(|_| !self.contradicted), self.replicates) {
             (Some(_), _) => FloorSource::Stated,
             (None, Some(_)) => FloorSource::Replicates,
             (None, None) => FloorSource::Unknown,
@@ -77,6 +84,7 @@ pub(crate) fn noise_floors(experiment: &Experiment, layout: &Layout, modelled: &
     let floor = |signal: &String| NoiseFloor {
         stated: experiment.noise.get(signal).copied(),
         replicates: pooled(&sets, layout, modelled, signal),
+        contradicted: false,
     };
     experiment.signals().into_iter().map(|signal| (signal.clone(), floor(&signal))).collect()
 }
@@ -88,9 +96,11 @@ fn pooled(sets: &[Vec<Sample>], layout: &Layout, modelled: &[f64], signal: &str)
         Some(block.range.start + sample.row)
     };
     let plain = scatter(sets, false, &|s| place(s).map(|at| layout.measured[at]))?;
-    let corrected = scatter(sets, true, &|s| place(s).map(|at| layout.measured[at] - modelled[at]))?;
-    // Equal inputs leave a difference of rounding.
-    Some(if corrected.deviation < plain.deviation * (1.0 - 1e-9) { corrected } else { plain })
+    let corrected = scatter(sets, true, &|s| place(s).map(|at| layout.measured[at] - modelled[at]));
+    // The model may have no answer in some of them. Equal inputs leave a difference of rounding.
+    let comparable = |corrected: &Pooled| corrected.degrees_of_freedom == plain.degrees_of_freedom;
+    let smaller = |corrected: &Pooled| corrected.deviation < plain.deviation * (1.0 - 1e-9);
+    Some(corrected.filter(|corrected| comparable(corrected) && smaller(corrected)).unwrap_or(plain))
 }
 
 /// Standard deviation of `value` about the mean of each set, pooled over the sets.

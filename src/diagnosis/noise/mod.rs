@@ -1,11 +1,14 @@
 //! The noise: how well any model could do ([`NoiseFloor`]), how noise hangs together along a run ([`NoiseModel`]), and
 //! the transform that makes it white ([`Whitening`]).
 
+mod decide;
 mod estimate;
 mod floor;
+mod labels;
 mod model;
 mod whitening;
 
+pub(crate) use decide::{Decided, Evidence, decide};
 pub(crate) use estimate::{Repeats, estimate, estimate_alone, estimate_near};
 pub(crate) use floor::noise_floors;
 pub use floor::{FloorSource, NoiseFloor, Pooled};

@@ -195,9 +195,9 @@ fn as_given(problem: &mut Problem) -> Result<Ground, CompareError> {
 /// Takes every row of a column without any value as one that will be measured.
 pub(crate) fn expect_all(problem: &mut Problem) {
     for block in &problem.layout.blocks {
-        let measured = &mut problem.layout.measured[block.range.clone()];
-        if measured.iter().all(|value| value.is_nan()) {
-            measured.fill(0.0);
+        // A column of which only rows without an answer were measured has values.
+        if problem.layout.recorded[block.range.clone()].iter().all(|value| value.is_nan()) {
+            problem.layout.measured[block.range.clone()].fill(0.0);
         }
     }
 }

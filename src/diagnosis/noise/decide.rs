@@ -1,0 +1,192 @@
+//! Which noise a diagnosis rests on, signal by signal.
+//!
+//! Repeats come first; a stated noise gives its size unless they contradict it. Without repeats a stated noise is taken as it
+//! is. A smooth curve along the conditions that scatters more than was stated is a caution and no more, since it may be too
+//! stiff to follow the model's error. Where nothing is repeated or stated, the scatter about that curve stands in for the
+//! noise, if the curve leaves rows enough; else the noise of the signal is unknown.
+
+use super::{NoiseModel, Repeats, estimate, estimate_alone};
+use crate::diagnosis::layout::Layout;
+use crate::diagnosis::linear_algebra::Basis;
+use crate::measurement::Experiment;
+use std::collections::BTreeMap;
+
+/// Degrees of freedom from which repeats may contradict a stated noise, and by which ratio they must differ.
+const ENOUGH_REPEATS: usize = 10;
+const CONTRADICTION: f64 = 1.3;
+
+/// What a curve and the calibration must leave of a signal's values for the scatter about it to say something: so many, which
+/// tell a standard deviation to a quarter, and this share, so that the curve never passes through the measurements.
+const LEAST_LEFT: f64 = 10.0;
+const LEAST_SHARE_LEFT: f64 = 0.5;
+
+/// Smallest share of a signal's scatter over the experiment that stands in for an unknown noise: no instrument resolves a
+/// millionth of its range, and a model that meets the rows to rounding tells nothing of the noise.
+const RESOLUTION: f64 = 1e-6;
+
+/// A calibrated model against the measurements, and functions along the conditions.
+pub(crate) struct Evidence<'a> {
+    pub experiment: &'a Experiment,
+    pub layout: &'a Layout,
+    pub repeats: &'a Repeats,
+    /// Measured minus modelled, in the layout's order.
+    pub residual: &'a [f64],
+    /// Smooth functions of the conditions, by run and row, the smoothest first.
+    pub smooth: &'a [Vec<Vec<f64>>],
+    /// Columns of a flexible curve in the layout's order, the least smooth first, each nonzero in one signal.
+    pub flexible: &'a [Vec<f64>],
+    /// Number of calibrated parameters.
+    pub calibrated: usize,
+}
+
+/// The noise of all signals.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Decided {
+    pub models: BTreeMap<String, NoiseModel>,
+    /// Signals whose repeats contradict what is stated and are taken.
+    pub contradicted: Vec<String>,
+    /// Signals of whose noise nothing is known: not repeated, not stated, and too few rows to judge by their scatter.
+    pub unknown: Vec<String>,
+    pub cautions: Vec<String>,
+}
+
+/// Decides on the noise of every signal.
+pub(crate) fn decide(evidence: &Evidence) -> Decided {
+    let mut decided = Decided::default();
+    for signal in evidence.experiment.signals() {
+        let stated = evidence.experiment.noise.get(&signal).copied().filter(|deviation| *deviation > 0.0);
+        let model = match (stated, evidence.from_repeats(&signal)) {
+            (Some(stated), Some(seen)) => evidence.stated_and_repeated(&signal, stated, seen, &mut decided),
+            (None, Some(seen)) => seen,
+            (Some(stated), None) => evidence.stated(&signal, stated, &mut decided.cautions),
+            (None, None) => evidence.about_a_curve(&signal).unwrap_or_else(|| {
+                decided.unknown.push(signal.clone());
+                evidence.about_the_model(&signal)
+            }),
+        };
+        decided.models.insert(signal, model);
+    }
+    decided
+}
+
+impl Evidence<'_> {
+    /// Noise from repeats. Where the inputs of repeats differ the residual has the model's share of that taken off; where only
+    /// their recording differs it adds scatter. What remains is an upper bound either way, so the smaller is taken.
+    fn from_repeats(&self, signal: &str) -> Option<NoiseModel> {
+        let plain = estimate(self.repeats, self.layout, signal, &self.layout.measured);
+        let corrected = estimate(self.repeats, self.layout, signal, self.residual);
+        match (plain, corrected) {
+            (Some(plain), Some(corrected)) if corrected.deviation < plain.deviation => Some(corrected),
+            (plain, _) => plain,
+        }
+    }
+
+    fn stated_and_repeated(&self, signal: &str, stated: f64, seen: NoiseModel, decided: &mut Decided) -> NoiseModel {
+        let ratio = seen.deviation / stated;
+        let freedom = self.repeats.degrees_of_freedom(self.layout, signal);
+        if freedom < ENOUGH_REPEATS || (1.0 / CONTRADICTION..=CONTRADICTION).contains(&ratio) {
+            return NoiseModel { deviation: stated, ..seen };
+        }
+        decided.contradicted.push(signal.to_owned());
+        decided.cautions.push(format!(
+            "the stated noise of {signal}, {stated:.3e}, is contradicted by the repeats, which scatter by {:.3e}; the repeats are taken",
+            seen.deviation
+        ));
+        seen
+    }
+
+    /// A stated noise without repeats. How neighbouring rows hang together is not stated: it is taken from the scatter about the
+    /// curve where that agrees; a larger scatter holds the model's error too, which hangs together by itself.
+    fn stated(&self, signal: &str, stated: f64, cautions: &mut Vec<String>) -> NoiseModel {
+        let Some(own) = self.about_a_curve(signal) else { return NoiseModel::white(stated) };
+        let scatter =
+            format!("measurements scatter by {:.3e} about a smooth curve along the conditions", own.deviation);
+        if own.deviation > CONTRADICTION * stated {
+            cautions.push(format!(
+                "the stated noise of {signal}, {stated:.3e}, may be too small: {scatter}; it is taken as stated, since that curve may be too stiff to follow what the model lacks; repeats would tell"
+            ));
+            return NoiseModel::white(stated);
+        }
+        if own.deviation * CONTRADICTION < stated {
+            cautions.push(format!(
+                "the stated noise of {signal}, {stated:.3e}, looks too large: {scatter}; weak effects stay hidden"
+            ));
+        }
+        NoiseModel { deviation: stated, ..own }
+    }
+
+    /// Scatter about a curve along the conditions that leaves enough of the values; `None` where there are too few.
+    fn about_a_curve(&self, signal: &str) -> Option<NoiseModel> {
+        let values = self.values(signal);
+        let left = LEAST_LEFT.max(LEAST_SHARE_LEFT * values as f64);
+        let most = values as f64 - self.calibrated_share() - left;
+        // A level and the smooth functions are the least that can be called a curve.
+        if most < 1.0 + self.smooth.len() as f64 {
+            return None;
+        }
+        let basis = self.curve(signal, most as usize);
+        let outside = basis.outside(&self.blank(signal, self.residual));
+        let mut rest = vec![f64::NAN; outside.len()];
+        self.places(signal).for_each(|at| rest[at] = outside[at]);
+        let lost = basis.rank() as f64 + self.calibrated_share();
+        let noise = estimate_alone(self.layout, signal, &rest, lost)?;
+        Some(NoiseModel { deviation: noise.deviation.max(RESOLUTION * self.layout.scatter(signal)), ..noise })
+    }
+
+    /// What the calibrated model misses a signal by, which weighs the signals where nothing is known of their noise.
+    fn about_the_model(&self, signal: &str) -> NoiseModel {
+        let scatter = self.layout.scatter(signal);
+        let squares: f64 = self.blank(signal, self.residual).iter().map(|e| e * e).sum();
+        let left = self.values(signal) as f64 - self.calibrated_share();
+        let missed = if left >= 1.0 { (squares / left).sqrt() } else { scatter };
+        NoiseModel::white(missed.max(RESOLUTION * scatter))
+    }
+
+    /// At most so many directions along the conditions: a level, the smooth functions, then of the flexible curve the smoothest
+    /// first.
+    fn curve(&self, signal: &str, most: usize) -> Basis {
+        let shape = |value: &dyn Fn(usize, usize) -> f64| {
+            let mut column = vec![0.0; self.layout.len()];
+            for block in &self.layout.blocks {
+                for row in 0..block.range.len() {
+                    column[block.range.start + row] = value(block.run, row);
+                }
+            }
+            column
+        };
+        let smooth = self.smooth.iter().map(|function| shape(&|run, row| function[run][row]));
+        let columns = std::iter::once(shape(&|_, _| 1.0)).chain(smooth).chain(self.flexible.iter().rev().cloned());
+        let mut basis = Basis::default();
+        for column in columns {
+            if basis.rank() == most {
+                break;
+            }
+            basis.add(&self.blank(signal, &column));
+        }
+        basis
+    }
+
+    /// The values of one signal where it has a residual that counts; 0 elsewhere.
+    fn blank(&self, signal: &str, values: &[f64]) -> Vec<f64> {
+        let mut all = vec![0.0; values.len()];
+        self.places(signal).for_each(|at| all[at] = values[at]);
+        all
+    }
+
+    /// Number of values of a signal.
+    fn values(&self, signal: &str) -> usize {
+        self.places(signal).count()
+    }
+
+    /// Where a signal has a residual that counts: not at the start of a run, which no fit counts.
+    fn places(&self, signal: &str) -> impl Iterator<Item = usize> {
+        let blocks = self.layout.blocks.iter().filter(move |block| block.signal == signal);
+        let rows = blocks.flat_map(|block| block.range.clone().skip(self.layout.starts[block.run]));
+        rows.filter(|at| !self.residual[*at].is_nan())
+    }
+
+    /// Degrees of freedom of one signal that the calibration took.
+    fn calibrated_share(&self) -> f64 {
+        self.calibrated as f64 / self.experiment.signals().len().max(1) as f64
+    }
+}
