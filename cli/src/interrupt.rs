@@ -19,6 +19,13 @@ pub fn listen() -> Result<()> {
     .context("cannot listen to Ctrl-C")
 }
 
+/// Ends the program where Ctrl-C came before there was anything to tell; `files` are those that were asked for.
+pub fn with_nothing(why: &dyn std::fmt::Display, files: &[String]) -> ! {
+    let files = if files.is_empty() { String::new() } else { format!(", so {} is not written", files.join(", ")) };
+    eprintln!("bekker: {why}{files}");
+    std::process::exit(INTERRUPTED);
+}
+
 /// Whether Ctrl-C was pressed.
 pub fn stopped() -> bool {
     STOP.load(Ordering::SeqCst)

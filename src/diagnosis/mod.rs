@@ -14,6 +14,7 @@ mod failure;
 mod fit;
 mod free;
 mod guide;
+mod halt;
 #[cfg(feature = "report")]
 mod json;
 mod layout;
@@ -30,7 +31,7 @@ mod single_wheel;
 mod traverse;
 mod weighted;
 
-pub use calibrate::{CalibratedParameter, Calibration};
+pub use calibrate::{CalibratedParameter, Calibration, PLUS_MINUS};
 pub use compare::{CompareError, CompareOptions, Comparison, compare};
 pub use diagnose::{
     CandidateResult, Control, DiagnoseOptions, Diagnosis, FinalParameter, LackOfFit, Noise, Outcome, PairResult,

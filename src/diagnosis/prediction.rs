@@ -1,5 +1,6 @@
 //! What the model says where something was measured, and how that depends on parameters.
 
+use super::halt::Halt;
 use super::layout::Layout;
 use super::single_wheel::{Rig, SteadyError, SteadyPoint, partial, steady_point};
 use crate::measurement::Experiment;
@@ -59,6 +60,9 @@ pub enum PredictionError {
         /// Name of the signal.
         signal: String,
     },
+    /// The caller asked to end.
+    #[error("interrupted")]
+    Interrupted,
     /// The run's profile cannot be used.
     #[error("run {run}: terrain: {source}")]
     Terrain {
@@ -115,6 +119,7 @@ pub(crate) struct SingleWheelPrediction<'a> {
     /// One a run, with what is known of that run.
     rigs: Vec<Rig>,
     names: &'a [String],
+    halt: Halt<'a>,
     /// Steady points to be computed; rows that repeat one follow it.
     points: Vec<Point>,
 }
@@ -128,9 +133,16 @@ struct Point {
 
 impl<'a> SingleWheelPrediction<'a> {
     /// `rigs` has one rig a run; `names` are the free parameters. A parameter that a run sets itself stays as it is.
-    pub fn new(experiment: &'a Experiment, layout: &'a Layout, rigs: Vec<Rig>, names: &'a [String]) -> Self {
+    /// The points end early where `halt` asks for it.
+    pub fn new(
+        experiment: &'a Experiment,
+        layout: &'a Layout,
+        rigs: Vec<Rig>,
+        names: &'a [String],
+        halt: Halt<'a>,
+    ) -> Self {
         let points = points(experiment, &rigs, names);
-        Self { experiment, layout, rigs, names, points }
+        Self { experiment, layout, rigs, names, halt, points }
     }
 
     /// Sets the free parameters of a run's rig; `place` gets the index of the parameter and where it goes.
@@ -153,6 +165,9 @@ impl<'a> SingleWheelPrediction<'a> {
     ) -> Result<(), PredictionError> {
         let rigs: Vec<Rig<S>> = (0..self.rigs.len()).map(rig_of).collect();
         for Point { inputs: [load, slip, wheel_speed], rows } in &self.points {
+            if self.halt.asked() {
+                return Err(PredictionError::Interrupted);
+            }
             let (first, row) = rows[0];
             let steady = steady_point(&rigs[first], *load, *slip, *wheel_speed).map_err(|source| {
                 PredictionError::Steady { run: self.experiment.runs[first].name.clone(), row: row + 1, source }

@@ -10,6 +10,7 @@
 
 use super::free::Free;
 use super::guide::Guide;
+use super::halt::Halt;
 use super::layout::Layout;
 use super::prediction::{Derivatives, Predict, PredictionError};
 use super::recorded::{Drives, Recorded, Traced};
@@ -31,6 +32,7 @@ pub(crate) struct TraversePrediction<'a> {
     /// Different runs, on their ground, commanded as they were.
     runs: Vec<Recorded>,
     free: &'a [Free],
+    halt: Halt<'a>,
 }
 
 /// Part of the derivatives of one run.
@@ -70,7 +72,12 @@ impl<'a> TraversePrediction<'a> {
                 None => runs.push(recorded),
             }
         }
-        Ok(Self { layout, runs, free })
+        Ok(Self { layout, runs, free, halt: Halt::default() })
+    }
+
+    /// The same, whose simulations end where `halt` asks for it.
+    pub fn until(self, halt: Halt<'a>) -> Self {
+        Self { halt, ..self }
     }
 
     /// The run's model with the free parameters at these values.
@@ -94,8 +101,8 @@ impl<'a> TraversePrediction<'a> {
     fn trace(&self, run: &Recorded, free: &[f64]) -> Result<Traced<f64>, PredictionError> {
         let model = self.model(run, free)?;
         match &run.drives {
-            Drives::Open(replay) => run.replayed(replay, model.rover, model.start.x0),
-            Drives::Loop(commands) => run.driven(&model, commands),
+            Drives::Open(replay) => run.replayed(replay, model.rover, model.start.x0, self.halt),
+            Drives::Loop(commands) => run.driven(&model, commands, self.halt),
         }
     }
 
@@ -110,7 +117,7 @@ impl<'a> TraversePrediction<'a> {
         };
         let mut rover: Rover<Dual<N>> = model.rover.map(&Dual::<N>::from);
         rover.visit("", &mut |variable, value| *value = seeded(&variable.name, value.value()));
-        let traced = run.replayed(replay, rover, seeded("x0", model.start.x0))?;
+        let traced = run.replayed(replay, rover, seeded("x0", model.start.x0), self.halt)?;
         let partial = |k: usize| traced.values.iter().map(|value| value.eps.0.map_or(0.0, |eps| eps[k])).collect();
         Ok(Traces {
             values: traced.values.iter().map(|value| value.re).collect(),

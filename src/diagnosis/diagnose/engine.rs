@@ -2,7 +2,7 @@
 
 use super::bootstrap::p_value;
 use super::choose::choose;
-use super::control::{Control, Progress};
+use super::control::Control;
 use super::folds::{Fold, folds};
 use super::held_out::{HeldOut, held_out};
 use super::prepare::{Prepared, prepare};
@@ -10,14 +10,17 @@ use super::report_parts as parts;
 use super::result::{Diagnosis, Verdict};
 use super::search::{Fits, Search};
 use super::stage::{Ground, Stage};
+use super::untried::{Untried, named};
 use super::verdict::{self, Case, Finding, NAMED};
+use super::watch::{Phase, Watch};
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::noise::Whitening;
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::Problem;
 use crate::measurement::Experiment;
 use crate::model::Model;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Mutex;
 
 /// How to diagnose.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,13 +62,19 @@ const COMPETING_SINGLES: usize = 6;
 /// Pairs beside the chosen ones that compete in the probabilities.
 const COMPETING_PAIRS: usize = 3;
 
+/// What predicting the left-out conditions with one set costs, in single fits: six short refits on a carriage; less on a
+/// traverse.
+const PREDICTION: f64 = 1.0;
+
 /// Compares the model with an experiment and looks for the effect that is missing.
 ///
-/// The result does not depend on the number of threads. Once `control.stop` says yes, the work in hand is cut short and
-/// what is known by then is returned, marked as interrupted.
+/// Without a budget of time the result depends neither on the number of threads nor on the clock. Once `control.stop` says
+/// yes, the work in hand is cut short and what is known by then is returned, marked as interrupted. What was not tried for
+/// that reason, or because `control.budget` had no time for it, is listed in [`Diagnosis::not_tried`].
 ///
 /// # Errors
-/// [`CompareError`] where the experiment does not fit the model, or the model cannot compute it.
+/// [`CompareError`] where the experiment does not fit the model, or the model cannot compute it;
+/// [`CompareError::Interrupted`] where there was a stop before the baseline and its noise were known.
 pub fn diagnose(
     model: &Model,
     experiment: &Experiment,
@@ -73,45 +82,56 @@ pub fn diagnose(
     control: &Control,
 ) -> Result<Diagnosis, CompareError> {
     let mut problem = options.problem(model, experiment)?;
-    let clock = Clock { control };
-    clock.tell("calibrating the baseline", 0.0);
-    let prepared = prepare(&mut problem)?;
+    let watch = Watch::new(control, experiment.kind);
+    problem.halt = watch.halt();
+    let free: Vec<&str> = problem.base.iter().map(|free| free.variable.name.as_str()).collect();
+    watch.begin(Phase::Baseline, &free.join(", "));
+    let nothing_yet = |error: CompareError| if watch.stopped() { CompareError::Interrupted } else { error };
+    let prepared = prepare(&mut problem).map_err(nothing_yet)?;
     let problem = problem;
     let whitening = prepared.noise.whitening(&problem, &|_, _| true).ok_or(CompareError::NoFit)?;
-    let mut search = search(&problem, &prepared, &whitening, options, control);
+    let mut search = search(&problem, &prepared, &whitening, options, control, &watch);
     search.fits.insert(&[], prepared.baseline.clone());
-    clock.tell("what noise alone would give", 0.15);
-    let stage = search.stage(&[])?.ok_or(CompareError::NoFit)?;
-    clock.tell("fitting each effect", 0.3);
+    watch.begin(Phase::Noise, "");
+    let stage = search.stage(&[])?.ok_or(CompareError::NoFit).map_err(nothing_yet)?;
+    watch.begin(Phase::Singles, "");
     let stage = search.escaped(stage)?;
     search.singles(&stage);
     if stage.fit.is_far() {
         search.afresh(&stage);
     }
-    clock.tell("looking for the best set", 0.5);
+    watch.begin(Phase::Sets, "");
     let chosen = choose(&mut search, &stage, options)?;
-    clock.tell("predicting what was left out", 0.75);
+    watch.begin(Phase::LeftOut, "");
     let folds = folds(experiment);
     let held = all_held_out(&search, &folds, &chosen);
+    watch.begin(Phase::Rivals, "");
     let mut finding = judge(&mut search, &stage, &chosen, &held)?;
     if !prepared.noise_is_known {
         finding.verdict = Verdict::Undetermined;
     }
-    clock.tell("profiles", 0.9);
+    incomplete(&mut finding, &watch.untried(), stage.draws.len(), options.draws);
     let inputs = parts::Inputs { search: &search, stage: &stage, prepared: &prepared, folds: &folds, held: &held };
     let diagnosis = parts::assemble(&inputs, finding, &chosen, options)?;
-    clock.tell("done", 1.0);
+    watch.begin(Phase::Done, "");
     Ok(diagnosis)
 }
 
-/// Tells the caller how far the work is.
-struct Clock<'a> {
-    control: &'a Control<'a>,
-}
-
-impl Clock<'_> {
-    fn tell(&self, stage: &'static str, done: f64) {
-        (self.control.progress)(Progress { stage, done, total: 1.0 });
+/// What was not tried limits the verdict: nothing is named while an effect that could stand in its place is untried, and
+/// without all effects nobody knows that none is missing or that none explains the misfit.
+fn incomplete(finding: &mut Finding, untried: &[Untried], draws: usize, asked: usize) {
+    if draws < asked {
+        finding.cautions.push(format!("interrupted: p-values rest on {draws} of {asked} bootstrap draws"));
+        finding.verdict = Verdict::Undetermined;
+    }
+    let named = &finding.effects;
+    let rivals = |set: &[String]| {
+        finding.verdict != Verdict::EffectMissing
+            || (set.len() == named.len() && set.iter().filter(|id| !named.contains(id)).count() == 1)
+    };
+    if untried.iter().filter_map(Untried::unknown).any(rivals) {
+        finding.cautions.push("some effects were not tried: the verdict is open".to_owned());
+        finding.verdict = Verdict::Undetermined;
     }
 }
 
@@ -121,6 +141,7 @@ fn search<'a>(
     whitening: &'a Whitening,
     options: &DiagnoseOptions,
     control: &'a Control<'a>,
+    watch: &'a Watch<'a>,
 ) -> Search<'a> {
     let ground = Ground {
         problem,
@@ -131,31 +152,28 @@ fn search<'a>(
         modulations: &prepared.modulations,
         draws: options.draws,
     };
-    let (fits, looks, settled) = (Fits::default(), BTreeMap::new(), BTreeMap::new());
-    Search { problem, noise: &prepared.noise, ground, control, fits, looks, settled }
+    let (fits, looks, settled, modelled) = (Fits::default(), BTreeMap::new(), BTreeMap::new(), Mutex::default());
+    Search { problem, noise: &prepared.noise, ground, control, watch, fits, looks, settled, modelled }
 }
 
 /// Left-out predictions of the baseline, the fitted singles, the chosen sets and a few competing pairs.
 fn all_held_out(search: &Search, folds: &[Fold], chosen: &[String]) -> BTreeMap<Vec<String>, HeldOut> {
     let mut sets: Vec<Vec<String>> = vec![Vec::new()];
+    sets.extend((2..=chosen.len()).rev().map(|count| chosen[..count].to_vec()));
     let mut singles: Vec<&Vec<String>> = search.fits.of(1).map(|(set, _)| set).collect();
     singles.sort_by(|a, b| search.net_gain(b).total_cmp(&search.net_gain(a)));
     sets.extend(singles.into_iter().take(COMPETING_SINGLES).cloned());
-    sets.extend((2..=chosen.len()).map(|count| chosen[..count].to_vec()));
     let mut pairs: Vec<&Vec<String>> = search.fits.of(2).map(|(set, _)| set).collect();
     pairs.sort_by(|a, b| search.net_gain(b).total_cmp(&search.net_gain(a)));
     sets.extend(pairs.into_iter().take(COMPETING_PAIRS).cloned());
     sets.iter_mut().for_each(|set| set.sort());
-    sets.sort();
-    sets.dedup();
-    let predict = |set: &Vec<String>| {
-        if (search.control.stop)() {
-            return None;
-        }
-        let fit = search.fits.get(set)?;
-        held_out(search.problem, search.noise, set, fit, folds).map(|held| (set.clone(), held))
-    };
-    crate::parallel::map_in_order(&sets, predict).into_iter().flatten().collect()
+    // In the order of their importance, in case there is no time for all.
+    let mut known = BTreeSet::new();
+    sets.retain(|set| known.insert(set.clone()));
+    let predict = |set: &Vec<String>| held_out(search.problem, search.noise, set, search.fits.get(set)?, folds);
+    let untried = |set: &Vec<String>| Untried::LeftOut(set.clone());
+    let held = search.watch.pieces(&sets, PREDICTION, |set| named(set), untried, predict);
+    sets.into_iter().zip(held).filter_map(|(set, held)| Some((set, held?))).collect()
 }
 
 /// The verdict.
@@ -175,7 +193,7 @@ fn judge(
     };
     let residual = parts::whitened_residual(search, chosen, &fit.values())?;
     let has_priors = search.problem.base.iter().any(|free| free.prior.is_some());
-    let without_priors = has_priors.then(|| {
+    let without_priors = (has_priors && !search.watch.stopped()).then(|| {
         let (base, with) = (search.without_priors(&[]), search.without_priors(chosen));
         let gain = base.zip(with).map_or(0.0, |(base, with)| base.chi_square - with.chi_square);
         p_value(&stage.draws, |draw| if chosen.len() > 1 { draw.pair } else { draw.single }, gain) < NAMED

@@ -32,7 +32,9 @@ mod search;
 mod signature;
 mod stage;
 mod starts;
+mod untried;
 mod verdict;
+mod watch;
 
 pub(crate) use bootstrap::Projected;
 pub use control::{Control, Progress, Spread, Threads};
@@ -45,4 +47,6 @@ pub use result::{
 };
 pub(crate) use signature::{Sensitivities, View, prune, sensitivities};
 pub(crate) use stage::largest_cosine;
+pub(crate) use untried::Untried;
 pub(crate) use verdict::ALIKE;
+pub(crate) use watch::Watch;

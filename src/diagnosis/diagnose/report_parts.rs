@@ -11,7 +11,9 @@ use super::profile::profiles;
 use super::result::{CandidateResult, Diagnosis, LackOfFit, PairResult, ParameterResult, Share, Step};
 use super::search::Search;
 use super::stage::Stage;
+use super::untried::{Untried, lines};
 use super::verdict::{Finding, confused, left, misfit};
+use super::watch::Phase;
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::failure::{Failure, failures};
@@ -46,6 +48,7 @@ pub(crate) fn whitened_residual(
     values: &[f64],
 ) -> Result<Vec<f64>, PredictionError> {
     let free = search.problem.free(effects);
+    let modelled = search.modelled(effects)?.unwrap_or_else(|| vec![f64::NAN; search.problem.layout.len()]);
     search.problem.predict(&free, |predict| {
         let weighted = Weighted {
             predict,
@@ -55,8 +58,8 @@ pub(crate) fn whitened_residual(
             robust: f64::INFINITY,
             whole: true,
         };
-        Ok(weighted.whitened(&predict.values(values)?, values))
-    })?
+        weighted.whitened(&modelled, values)
+    })
 }
 
 /// Share of the visible effects that could be there at the full range of their parameters without being found.
@@ -91,14 +94,16 @@ pub(crate) fn assemble(
     let given = problem.predict(&problem.base, |predict| {
         predict.values(&problem.base.iter().map(|free| free.start).collect::<Vec<_>>())
     })?;
-    let interrupted = (search.control.stop)();
-    let profiles = if interrupted { Vec::new() } else { profiles(search, chosen) };
+    search.watch.begin(Phase::Profiles, "");
+    let profiles = profiles(search, chosen);
     let mut cautions = prepared.cautions.clone();
     cautions.extend(finding.cautions.clone());
     cautions.extend(super::cautions::of_parameters(fitted));
     cautions.extend(super::cautions::of_draws(options.draws));
     let left_over = failures(&problem.experiment, &last.fit, floors);
+    search.watch.begin(Phase::Next, "");
     let suggestions = suggestions(inputs, &finding, fitted, &left_over);
+    let interrupted = search.watch.stopped();
     Ok(Diagnosis {
         experiment: (*problem.experiment).clone(),
         verdict: finding.verdict,
@@ -129,6 +134,7 @@ pub(crate) fn assemble(
         profiles,
         steps,
         interrupted,
+        not_tried: lines(&search.watch.untried()),
     })
 }
 
@@ -150,7 +156,7 @@ fn suggestions(inputs: &Inputs, finding: &Finding, fitted: &Calibration, left_ov
         blind: if pairs.is_empty() { &blind } else { &[] },
         failures: left_over,
         repeated: !search.problem.experiment.replicates().is_empty(),
-        stop: search.control.stop,
+        watch: search.watch,
     };
     suggest(&question)
 }
@@ -163,14 +169,21 @@ fn steps(inputs: &Inputs, chosen: &[String]) -> Result<Vec<Step>, CompareError> 
         let effects = &chosen[..count];
         let Some(fit) = search.fits.get(effects) else { continue };
         let values = fit.values();
-        let modelled = problem.predict(&problem.free(effects), |predict| predict.values(&values))??;
+        // After a stop the baseline is not simulated again: the stage knows what it gives.
+        let known = effects.is_empty() && search.watch.stopped() && fit.chi_square == stage.fit.chi_square;
+        let modelled = if known { Some(stage.modelled.clone()) } else { search.modelled(effects)? };
+        let Some(modelled) = modelled else { continue };
         let shown = Fit::new(&problem.experiment, &problem.layout, &modelled);
-        let residual = whitened_residual(search, effects, &values)?;
-        let left = if count == 0 { 1.0 } else { left(search, stage, effects, &residual).0 };
+        let left = match count {
+            0 => 1.0,
+            _ => left(search, stage, effects, &whitened_residual(search, effects, &values)?).0,
+        };
         let mut key = effects.to_vec();
         key.sort();
+        let no_time = search.watch.untried().contains(&Untried::LeftOut(key.clone()));
         let held = match inputs.held.get(&key) {
             Some(held) => Some(held.clone()),
+            None if no_time => None,
             None => held_out(problem, &prepared.noise, effects, fit, inputs.folds),
         };
         steps.push(Step {
@@ -209,8 +222,11 @@ fn candidates(
         let held = inputs.held.get(&set).zip(baseline);
         let gain = if fit.is_some() { search.gain(&set) } else { stage.gains.singles[k].0 };
         let left = match fit {
-            Some(fit) => left(search, stage, &set, &whitened_residual(search, &set, &fit.values())?).0,
-            None => (1.0 - gain / stage.structure(&stage.residual, &[]).0.max(gain).max(1.0)).clamp(0.0, 1.0),
+            // After a stop nothing is simulated any more.
+            Some(fit) if !search.watch.stopped() || search.is_modelled(&set) => {
+                left(search, stage, &set, &whitened_residual(search, &set, &fit.values())?).0
+            }
+            _ => (1.0 - gain / stage.structure(&stage.residual, &[]).0.max(gain).max(1.0)).clamp(0.0, 1.0),
         };
         let of_effect =
             |fit: &Calibration| parameters(search.problem.base.len(), fit).split_off(search.problem.base.len());

@@ -190,6 +190,9 @@ pub struct Diagnosis {
     pub improved: Model,
     /// Whether the work was cut short; what was not done is missing from the lists.
     pub interrupted: bool,
+    /// What was not tried, because the work was cut short or a budget had no time for it: one line a kind of work, for
+    /// example `fits of drag, tether, payload, rate and 3 more`. Empty where everything was tried.
+    pub not_tried: Vec<String>,
 }
 
 impl Diagnosis {
