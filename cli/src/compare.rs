@@ -4,7 +4,7 @@ use crate::model::ModelArguments;
 use crate::output::{check_writable, say};
 use crate::progress::Reporter;
 use anyhow::{Context, Result};
-use bekker::diagnosis::{Calibration, CompareOptions, Comparison, PLUS_MINUS, compare};
+use bekker::diagnosis::{Calibration, CompareOptions, Comparison, STANDARD_ERROR, compare};
 use bekker::measurement::Experiment;
 use bekker::report::comparison_page;
 use std::path::{Path, PathBuf};
@@ -87,7 +87,7 @@ pub fn print_errors(comparison: &Comparison, indent: &str) -> Result<()> {
 
 pub fn print_parameters(calibration: &Calibration, indent: &str) -> Result<()> {
     say!(
-        "{indent}calibrated (chi-square {:.0} for {} degrees of freedom; {} of {} searches agree; {PLUS_MINUS}):",
+        "{indent}calibrated (chi-square {:.0} for {} degrees of freedom; {} of {} searches agree; +- is the {STANDARD_ERROR}):",
         calibration.chi_square,
         calibration.degrees_of_freedom,
         calibration.agreeing,

@@ -3,7 +3,7 @@
 use crate::diagnosis_text::print;
 use crate::interrupt;
 use crate::model::ModelArguments;
-use crate::output::{check_all_writable, say, write, write_json};
+use crate::output::{check_all_writable, write, write_json};
 use crate::progress::Reporter;
 use anyhow::{Context, Result, bail};
 use bekker::diagnosis::{CompareError, Control, DiagnoseOptions, diagnose};
@@ -71,11 +71,10 @@ impl Diagnose {
         let diagnosis = diagnose(&model, &experiment, &options, &control);
         drop(reporter);
         let diagnosis = match diagnosis {
-            Err(CompareError::Interrupted) => {
-                let files = [&self.json, &self.html, &self.save].into_iter().flatten();
-                let files: Vec<String> = files.map(|path| format!("`{}`", path.display())).collect();
-                interrupt::with_nothing(&CompareError::Interrupted, &files)
-            }
+            Err(CompareError::Interrupted) => interrupt::with_nothing(
+                &CompareError::Interrupted,
+                [&self.json, &self.html, &self.save].into_iter().flatten(),
+            ),
             diagnosis => diagnosis?,
         };
         print(&diagnosis)?;

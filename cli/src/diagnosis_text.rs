@@ -2,7 +2,7 @@
 
 use crate::output::say;
 use anyhow::Result;
-use bekker::diagnosis::{CandidateResult, Diagnosis, PLUS_MINUS, ParameterResult, Verdict};
+use bekker::diagnosis::{CandidateResult, Diagnosis, ParameterResult, STANDARD_ERROR, Verdict};
 
 /// Candidates that are listed.
 const LISTED: usize = 10;
@@ -153,7 +153,7 @@ fn line(candidate: &CandidateResult) -> String {
 
 /// Free parameters of the final model, with bounds and flags.
 fn print_parameters(diagnosis: &Diagnosis) -> Result<()> {
-    say!("\nfree parameters of the final model ({PLUS_MINUS}):");
+    say!("\nfree parameters of the final model (+- is the {STANDARD_ERROR}):");
     for parameter in &diagnosis.last().parameters {
         let interval = diagnosis.profiles.iter().find(|profile| profile.name == parameter.fitted.variable.name);
         say!("{}", parameter_line(parameter, interval.map(|profile| profile.interval)));

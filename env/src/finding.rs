@@ -79,6 +79,7 @@ impl Finding {
         all.set_item("next_experiment", core.next_experiment())?;
         all.set_item("cautions", &core.cautions)?;
         all.set_item("interrupted", core.interrupted)?;
+        all.set_item("not_tried", &core.not_tried)?;
         Ok(all)
     }
 }

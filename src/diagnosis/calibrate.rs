@@ -25,8 +25,8 @@ const AGREEING_COST: f64 = 1e-4;
 /// Singular values below this share of the largest count as zero: the experiment does not determine that direction.
 const RANK_TOLERANCE: f64 = 1e-10;
 
-/// What "+-" means beside a calibrated value, for every text and page that prints one.
-pub const PLUS_MINUS: &str = "+-: standard error, enlarged by the square root of chi-square per degree of freedom where that exceeds one, at most the prior's";
+/// What the deviation means beside a calibrated value, for every text and page that prints one.
+pub const STANDARD_ERROR: &str = "standard error, enlarged by the square root of chi-square per degree of freedom where that exceeds one, at most the prior's";
 
 /// One free parameter after a calibration, in its SI unit.
 #[derive(Clone, Debug, PartialEq)]

@@ -221,3 +221,51 @@ pub(crate) fn failures(experiment: &Experiment, fit: &Fit, floors: &BTreeMap<Str
     all.sort_by(|a, b| size(b).total_cmp(&size(a)));
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn failure(condition: &str, low: f64, high: f64, range: [f64; 2]) -> Failure {
+        Failure {
+            signal: "drawbar_pull".to_owned(),
+            condition: condition.to_owned(),
+            level: Level { low, high, mean: -0.3, samples: 9 },
+            spread: 0.5,
+            noise: None,
+            range,
+        }
+    }
+
+    #[test]
+    fn property_a_place_is_written_with_its_unit_and_no_more_digits_than_it_has() {
+        let place = |condition, low, high, range| failure(condition, low, high, range).place();
+        assert_eq!(place("slip", 0.400_001, 0.6, [-0.1, 0.8]).as_deref(), Some("slip 0.4 to 0.6"));
+        // One set-point of several, held roughly.
+        assert_eq!(place("load", 21.588, 21.592, [10.0, 40.0]).as_deref(), Some("load 21.6 N"));
+        assert_eq!(place("time", 3.0, 6.02, [0.0, 24.0]).as_deref(), Some("time 3 to 6 s"));
+        assert_eq!(place("x", -0.001, 0.001, [-0.001, 3.0]).as_deref(), Some("x 0 m"));
+        assert_eq!(
+            place("wheel[1].speed_command", 2.0, 2.0, [1.0, 2.0]).as_deref(),
+            Some("wheel[1].speed_command 2 rad/s")
+        );
+        // The whole range is no place.
+        assert_eq!(place("slip", -0.1, 0.8, [-0.1, 0.8]), None);
+    }
+
+    #[test]
+    fn property_a_quantity_has_two_digits_and_its_unit() {
+        assert_eq!(quantity("drawbar_pull", 1.2345), "1.2 N");
+        assert_eq!(quantity("wheel[2].sinkage", 0.001_234), "0.0012 m");
+        assert_eq!(quantity("torque", 0.0), "0 N.m");
+        assert_eq!(quantity("load", 1234.5), "1200 N");
+    }
+
+    #[test]
+    fn property_a_held_load_is_no_condition_and_levels_of_it_are() {
+        let samples = |loads: [f64; 3]| loads.map(|load| (load, 0.1)).to_vec();
+        assert!(is_held(&samples([21.589, 21.590, 21.591])));
+        assert!(!is_held(&samples([20.0, 21.0, 22.0])));
+        assert!(is_commanded("wheel[2].speed_command") && !is_commanded("slip") && !is_commanded("time"));
+    }
+}

@@ -31,7 +31,7 @@ mod single_wheel;
 mod traverse;
 mod weighted;
 
-pub use calibrate::{CalibratedParameter, Calibration, PLUS_MINUS};
+pub use calibrate::{CalibratedParameter, Calibration, STANDARD_ERROR};
 pub use compare::{CompareError, CompareOptions, Comparison, compare};
 pub use diagnose::{
     CandidateResult, Control, DiagnoseOptions, Diagnosis, FinalParameter, LackOfFit, Noise, Outcome, PairResult,

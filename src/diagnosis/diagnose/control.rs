@@ -17,7 +17,7 @@ pub struct Progress {
     /// Time since the start, s.
     pub elapsed: f64,
     /// Estimate of the time left, s: what fits have taken so far times the fits that this stage and, at most, the later ones
-    /// still make. `None` before two fits are made.
+    /// still make. `None` before the baseline is calibrated.
     pub remaining: Option<f64>,
 }
 

@@ -52,6 +52,10 @@ const ROWS: [Row; 9] = [
 const SOONER: f64 = 0.5;
 const LATER: f64 = 0.2;
 
+/// The baseline is calibrated under a first guess of the noise and again under the final one: a first measure of what a fit
+/// costs.
+const OF_BASELINE: usize = 2;
+
 /// Fits after which their duration is known well enough to be told.
 const ENOUGH: usize = 2;
 
@@ -155,6 +159,9 @@ impl<'a> Watch<'a> {
         state.phase = phase;
         state.within = 0.0;
         trying.clone_into(&mut state.trying);
+        if phase == Phase::Noise {
+            (state.spent, state.fits) = (self.now(), OF_BASELINE);
+        }
         if phase == Phase::Singles {
             state.known = self.now();
         }

@@ -111,6 +111,9 @@ pub(super) fn reasons(diagnosis: &Diagnosis) -> Vec<String> {
             "The work was interrupted: this is a partial result, and what was not done is missing below.".to_owned(),
         );
     }
+    if !diagnosis.not_tried.is_empty() {
+        sentences.push(format!("Not tried: {}.", diagnosis.not_tried.join("; ")));
+    }
     let (named, _) = named_and_tied(diagnosis);
     let fit = &diagnosis.lack_of_fit;
     let p = equals(fit.p_structure.min(fit.p_value), diagnosis.smallest_p);
