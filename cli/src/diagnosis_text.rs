@@ -116,11 +116,11 @@ fn print_candidates(diagnosis: &Diagnosis) -> Result<()> {
         say!("  less probable: {}", rest.join(", "));
     }
     say!(
-        "  {:22} {:>11.3}\n  {:22} {:>11.3}",
+        "  {:22} {:>11}\n  {:22} {:>11}",
         "the baseline is enough",
-        diagnosis.share.enough,
+        probability(diagnosis.share.enough),
         "something else",
-        diagnosis.share.other
+        probability(diagnosis.share.other)
     );
     if !diagnosis.invisible.is_empty() {
         say!("  invisible to this experiment, and so not judged: {}", diagnosis.invisible.join(", "));
@@ -129,6 +129,11 @@ fn print_candidates(diagnosis: &Diagnosis) -> Result<()> {
         say!("  {a} and {b} look alike here");
     }
     Ok(())
+}
+
+/// A probability, or a dash where the work was interrupted before.
+fn probability(p: f64) -> String {
+    if p.is_nan() { "-".to_owned() } else { format!("{p:.3}") }
 }
 
 fn line(candidate: &CandidateResult) -> String {
@@ -141,9 +146,9 @@ fn line(candidate: &CandidateResult) -> String {
         (false, true) => "",
     };
     format!(
-        "  {:22} {:>11.3} {:>8.4} {:>10.1} {held:>9} {:>7.0} %{marks}",
+        "  {:22} {:>11} {:>8.4} {:>10.1} {held:>9} {:>7.0} %{marks}",
         candidate.effect,
-        candidate.probability,
+        probability(candidate.probability),
         candidate.p_value,
         // No sign before a zero.
         (10.0 * candidate.gain).round() / 10.0 + 0.0,

@@ -65,8 +65,8 @@ pub(crate) fn log_density(residual: &DVector<f64>, columns: &DMatrix<f64>, preci
 const STRENGTHS: [f64; 7] = [1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0];
 
 /// Log predictive densities, by fold, of the baseline plus a flexible discrepancy: ridge regression of the residual on the
-/// columns along the conditions, its strength by the evidence of the rows that are kept. The base follows linearly. On a
-/// traverse what the rows that are kept leave open widens the prediction, as with the effects.
+/// columns along the conditions, its strength by the evidence of the rows that are kept. The base follows linearly. `None`
+/// after a stop, too. On a traverse what the rows that are kept leave open widens the prediction, as with the effects.
 pub(crate) fn something_else(
     problem: &Problem,
     noise: &Noise,
@@ -87,6 +87,9 @@ pub(crate) fn something_else(
     };
     let mut densities = Vec::new();
     for fold in folds {
+        if problem.halt.asked() {
+            return None;
+        }
         let inside: BTreeSet<_> = fold.iter().copied().collect();
         let kept = noise.whitening(problem, &|run, row| !inside.contains(&(run, row)))?;
         let (x, y) = (scaled(&kept), DVector::from_vec(kept.apply(difference)));

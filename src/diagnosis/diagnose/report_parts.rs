@@ -215,6 +215,7 @@ fn candidates(
 ) -> Result<Vec<CandidateResult>, CompareError> {
     let Inputs { search, stage, .. } = inputs;
     let baseline = inputs.held.get(&Vec::new());
+    let unlisted = if inclusion.is_empty() && search.watch.stopped() { f64::NAN } else { 0.0 };
     let mut all = Vec::new();
     for (k, signature) in stage.sensitivities.signatures.iter().enumerate() {
         let set = vec![signature.id.clone()];
@@ -231,7 +232,7 @@ fn candidates(
         let of_effect =
             |fit: &Calibration| parameters(search.problem.base.len(), fit).split_off(search.problem.base.len());
         all.push(CandidateResult {
-            probability: inclusion.get(&signature.id).copied().unwrap_or(0.0),
+            probability: inclusion.get(&signature.id).copied().unwrap_or(unlisted),
             tied: finding.is_tied(&signature.id),
             heldout_gain: held.map(|(own, base)| own.density.iter().sum::<f64>() - base.density.iter().sum::<f64>()),
             better: held.map(|(own, base)| better(&own.density, &base.density)),
@@ -275,13 +276,18 @@ fn pairs(inputs: &Inputs) -> Vec<PairResult> {
     pairs
 }
 
-/// Probabilities of "enough" and "something else", and of each effect being part of the explanation.
+/// Probabilities of "enough" and "something else", and of each effect being part of the explanation; not a number and none
+/// where the work was interrupted before.
 fn probabilities(inputs: &Inputs) -> (Share, BTreeMap<String, f64>) {
     let Inputs { search, stage, prepared, .. } = inputs;
     let difference: Vec<f64> = search.problem.layout.measured.iter().zip(&stage.modelled).map(|(y, m)| y - m).collect();
     let noise: &Noise = &prepared.noise;
     let base = &stage.sensitivities.base;
     let other = something_else(search.problem, noise, &difference, base, &prepared.flexible, inputs.folds);
+    // A stop leaves some of the sets, and "something else", without a prediction: the rest cannot share the probability.
+    if other.is_none() && search.watch.stopped() {
+        return (Share { enough: f64::NAN, other: f64::NAN }, BTreeMap::new());
+    }
     let mut densities: Vec<&[f64]> = inputs.held.values().map(|held| held.density.as_slice()).collect();
     densities.extend(other.as_deref());
     // A candidate at its neutral value is the baseline, so many useless candidates must not outvote "enough".

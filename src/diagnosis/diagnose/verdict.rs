@@ -123,7 +123,13 @@ pub(crate) fn with_effects(case: &Case) -> Finding {
         );
         Verdict::Undetermined
     } else if !confirmed {
-        cautions.push("left-out conditions do not confirm the effect: it fits, but does not predict better".to_owned());
+        let predicted = case.held_out.is_some() && case.baseline.is_some();
+        let why = if predicted {
+            "left-out conditions do not confirm the effect: it fits, but does not predict better"
+        } else {
+            "left-out conditions were not predicted, so that nothing confirms the effect"
+        };
+        cautions.push(why.to_owned());
         Verdict::Undetermined
     } else if !ties.is_empty() {
         Verdict::Undetermined

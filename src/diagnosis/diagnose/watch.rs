@@ -254,6 +254,7 @@ impl<'a> Watch<'a> {
                 vec![None; part.len()]
             } else {
                 let outcomes = self.control.spread.fits(part, noise, &local);
+                self.made_elsewhere(all.len() + part.len());
                 if self.stopped() {
                     let cut = part.iter().zip(&outcomes).filter(|(_, outcome)| outcome.is_none());
                     self.leave(cut.map(|(task, _)| untried(task)));
@@ -308,6 +309,18 @@ impl<'a> Watch<'a> {
         let mut state = self.state();
         state.weight = weight;
         (state.begun, state.done, state.planned, state.since) = (0, 0, pieces, self.now());
+    }
+
+    /// Counts fits that were made on other machines, which do not tell of themselves.
+    fn made_elsewhere(&self, made: usize) {
+        let mut state = self.state();
+        let silent = made.saturating_sub(state.begun);
+        state.begun += silent;
+        state.done += silent;
+        state.within += silent as f64;
+        if silent > 0 {
+            self.tell(&mut state);
+        }
     }
 
     /// Ends a batch; those of fits say how long a fit takes.

@@ -214,9 +214,11 @@ pub(super) fn shown_step(diagnosis: &Diagnosis) -> &Step {
     if named_and_tied(diagnosis).0.is_empty() { diagnosis.baseline() } else { diagnosis.last() }
 }
 
-/// A probability as people read it: never certain.
+/// A probability as people read it: never certain; a dash where it was not computed.
 pub(super) fn probability(p: f64) -> String {
-    if p > 0.99 {
+    if p.is_nan() {
+        "\u{2013}".to_owned()
+    } else if p > 0.99 {
         "over 99 %".to_owned()
     } else if p < 0.01 {
         "under 1 %".to_owned()
