@@ -43,6 +43,14 @@ impl Untried {
         }
     }
 
+    /// Number of effects.
+    fn effects(&self) -> usize {
+        match self {
+            Self::Look(set) | Self::Fit(set) | Self::Again(set) | Self::Further(set) | Self::LeftOut(set) => set.len(),
+            Self::Profile(_) | Self::Variation(_) => 0,
+        }
+    }
+
     /// The set of effects of a fit or a first look that was not made: an effect about which nothing is known then.
     pub fn unknown(&self) -> Option<&[String]> {
         match self {
@@ -65,7 +73,10 @@ pub(crate) fn lines(untried: &[Untried]) -> Vec<String> {
     sorted.chunk_by(|a, b| a.of() == b.of()).map(line).collect()
 }
 
+/// Sets of few effects come first: a single that was not tried says more than a pair.
 fn line(kind: &[Untried]) -> String {
+    let mut kind = kind.to_vec();
+    kind.sort_by_key(Untried::effects);
     let names: Vec<String> = kind.iter().take(LISTED).map(Untried::name).collect();
     let more = match kind.len().saturating_sub(LISTED) {
         0 => String::new(),
@@ -84,7 +95,8 @@ mod tests {
         let mut all: Vec<Untried> = ["a", "b", "c", "d", "e", "f"].map(|id| Untried::Fit(set(&[id]))).to_vec();
         all.push(Untried::LeftOut(Vec::new()));
         all.push(Untried::Fit(set(&["a"])));
-        let expected = ["fits of a, b, c, d and 2 more", "predictions of left-out conditions with the baseline"];
+        all.push(Untried::Fit(set(&["a", "b"])));
+        let expected = ["fits of a, b, c, d and 3 more", "predictions of left-out conditions with the baseline"];
         assert_eq!(lines(&all), expected);
     }
 }
