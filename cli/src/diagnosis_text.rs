@@ -131,7 +131,7 @@ fn print_candidates(diagnosis: &Diagnosis) -> Result<()> {
     Ok(())
 }
 
-/// A probability, or a dash where the work was interrupted before.
+/// A probability, or a dash where some effects were not tried.
 fn probability(p: f64) -> String {
     if p.is_nan() { "-".to_owned() } else { format!("{p:.3}") }
 }

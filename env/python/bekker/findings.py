@@ -81,7 +81,7 @@ class Candidate:
 
     effect: str
     probability: float
-    """Probability that it is part of the explanation; nan where the work was interrupted before."""
+    """Probability that it is part of the explanation; nan where some effects were not tried."""
     tied: bool
     """Whether it ties with the effects named, or with another candidate where none is."""
     heldout_gain: float | None
@@ -114,7 +114,7 @@ class Pair:
 
 @dataclass(frozen=True)
 class Share:
-    """Probabilities of the two answers that are no effect; nan where the work was interrupted before."""
+    """Probabilities of the two answers that are no effect; nan where some effects were not tried."""
 
     enough: float
     """The baseline is enough."""

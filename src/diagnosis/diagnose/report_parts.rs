@@ -85,7 +85,7 @@ pub(crate) fn assemble(
     let problem = search.problem;
     let steps = steps(inputs, chosen)?;
     let (share, inclusion) = probabilities(inputs);
-    let mut candidates = candidates(inputs, &finding, &inclusion)?;
+    let mut candidates = candidates(inputs, &finding, inclusion.as_ref())?;
     candidates.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(b.gain.total_cmp(&a.gain)));
     let (all, structure) = misfit(stage);
     let last = &steps[steps.len() - 1];
@@ -211,11 +211,11 @@ fn parameters(base: usize, fit: &Calibration) -> Vec<ParameterResult> {
 fn candidates(
     inputs: &Inputs,
     finding: &Finding,
-    inclusion: &BTreeMap<String, f64>,
+    inclusion: Option<&BTreeMap<String, f64>>,
 ) -> Result<Vec<CandidateResult>, CompareError> {
     let Inputs { search, stage, .. } = inputs;
     let baseline = inputs.held.get(&Vec::new());
-    let unlisted = if inclusion.is_empty() && search.watch.stopped() { f64::NAN } else { 0.0 };
+    let unlisted = if inclusion.is_none() { f64::NAN } else { 0.0 };
     let mut all = Vec::new();
     for (k, signature) in stage.sensitivities.signatures.iter().enumerate() {
         let set = vec![signature.id.clone()];
@@ -232,7 +232,7 @@ fn candidates(
         let of_effect =
             |fit: &Calibration| parameters(search.problem.base.len(), fit).split_off(search.problem.base.len());
         all.push(CandidateResult {
-            probability: inclusion.get(&signature.id).copied().unwrap_or(unlisted),
+            probability: inclusion.and_then(|known| known.get(&signature.id)).copied().unwrap_or(unlisted),
             tied: finding.is_tied(&signature.id),
             heldout_gain: held.map(|(own, base)| own.density.iter().sum::<f64>() - base.density.iter().sum::<f64>()),
             better: held.map(|(own, base)| better(&own.density, &base.density)),
@@ -277,16 +277,21 @@ fn pairs(inputs: &Inputs) -> Vec<PairResult> {
 }
 
 /// Probabilities of "enough" and "something else", and of each effect being part of the explanation; not a number and none
-/// where the work was interrupted before.
-fn probabilities(inputs: &Inputs) -> (Share, BTreeMap<String, f64>) {
+/// where a set of effects was not tried or predicted.
+fn probabilities(inputs: &Inputs) -> (Share, Option<BTreeMap<String, f64>>) {
     let Inputs { search, stage, prepared, .. } = inputs;
     let difference: Vec<f64> = search.problem.layout.measured.iter().zip(&stage.modelled).map(|(y, m)| y - m).collect();
     let noise: &Noise = &prepared.noise;
     let base = &stage.sensitivities.base;
-    let other = something_else(search.problem, noise, &difference, base, &prepared.flexible, inputs.folds);
-    // A stop leaves some of the sets, and "something else", without a prediction: the rest cannot share the probability.
-    if other.is_none() && search.watch.stopped() {
-        return (Share { enough: f64::NAN, other: f64::NAN }, BTreeMap::new());
+    let partial = |piece: &Untried| piece.unknown().is_some() || matches!(piece, Untried::LeftOut(_));
+    let other = if search.watch.untried().iter().any(partial) {
+        None
+    } else {
+        something_else(search.problem, noise, &difference, base, &prepared.flexible, inputs.folds)
+    };
+    // Without all sets and "something else" the rest cannot share the probability.
+    if other.is_none() && (search.watch.stopped() || search.watch.untried().iter().any(partial)) {
+        return (Share { enough: f64::NAN, other: f64::NAN }, None);
     }
     let mut densities: Vec<&[f64]> = inputs.held.values().map(|held| held.density.as_slice()).collect();
     densities.extend(other.as_deref());
@@ -305,5 +310,5 @@ fn probabilities(inputs: &Inputs) -> (Share, BTreeMap<String, f64>) {
             *inclusion.entry(id.clone()).or_insert(0.0) += weight;
         }
     }
-    (share, inclusion)
+    (share, Some(inclusion))
 }

@@ -83,7 +83,7 @@ pub struct Step {
 pub struct CandidateResult {
     /// Effect id.
     pub effect: String,
-    /// Probability that the effect is part of the explanation; not a number where the work was interrupted before.
+    /// Probability that the effect is part of the explanation; not a number where some were not tried.
     pub probability: f64,
     /// Whether it ties with the effects named, or with another candidate where none is.
     pub tied: bool,
@@ -132,7 +132,7 @@ pub struct LackOfFit {
     pub p_structure: f64,
 }
 
-/// Probabilities of the two answers that are no effect; not numbers where the work was interrupted before.
+/// Probabilities of the two answers that are no effect; not numbers where some effects were not tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Share {
     /// The baseline is enough.
