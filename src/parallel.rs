@@ -11,3 +11,13 @@ pub(crate) fn map_in_order<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + 
     #[cfg(not(feature = "parallel"))]
     items.iter().map(f).collect()
 }
+
+/// How many items are worked on at a time.
+pub(crate) fn threads() -> usize {
+    #[cfg(feature = "parallel")]
+    {
+        rayon::current_num_threads()
+    }
+    #[cfg(not(feature = "parallel"))]
+    1
+}

@@ -2,8 +2,9 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
 use bekker::diagnosis::{
-    CompareError, CompareOptions, Control, DiagnoseOptions, Likeness, NoiseSource, SeparateOptions, Separation,
-    SingleWheelPlan, TraversePlan, compare, diagnose, modelled, sensitivity, separate,
+    CompareError, CompareOptions, Control, DiagnoseOptions, Diagnosis, Likeness, NoiseSource, Progress,
+    SeparateOptions, Separation, SingleWheelPlan, TraversePlan, Verdict, compare, diagnose, modelled, sensitivity,
+    separate,
 };
 use bekker::measurement::{Experiment, Prior, Table};
 use bekker::model::Model;
@@ -12,6 +13,8 @@ use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 use std::path::PathBuf;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
 
 /// Whitened size at which an effect counts as found, and how closely the search meets it.
 const DETECTABLE: f64 = 5.0;
@@ -265,16 +268,141 @@ fn property_what_a_flat_traverse_hides_another_would_show() {
     assert!(first.text.contains("coulomb_friction from "), "the strength that it would find: {first:?}");
 }
 
+/// Time within which a stop has to be answered.
+const ANSWER: Duration = Duration::from_secs(2);
+
+/// A diagnosis that is told to stop when `stage` begins, and how long it took from there.
+fn stopped_at(
+    stage: &str,
+    experiment: &Experiment,
+    options: &DiagnoseOptions,
+) -> (Result<Diagnosis, CompareError>, Duration) {
+    let asked: Mutex<Option<Instant>> = Mutex::new(None);
+    let progress = |progress: Progress| {
+        if progress.stage.contains(stage) {
+            asked.lock().unwrap().get_or_insert_with(Instant::now);
+        }
+    };
+    let stop = || asked.lock().unwrap().is_some();
+    let control = Control { progress: &progress, stop: &stop, ..Control::default() };
+    let diagnosis = diagnose(&model(), experiment, options, &control);
+    let asked = asked.lock().unwrap().expect("the stage was reached");
+    (diagnosis, asked.elapsed())
+}
+
 #[test]
 fn property_an_interrupted_diagnosis_returns_what_it_has() {
     let planned = SingleWheelPlan { repeats: 3, ..plan(&[20.0], &[0.3]) }.experiment().unwrap();
     let noise = [("drawbar_pull", 0.1), ("torque", 0.01), ("sinkage", 0.0003)];
     let experiment = measured(&planned, &[], &noise);
-    let control = Control { stop: &|| true, ..Control::default() };
-    let diagnosis = diagnose(&model(), &experiment, &DiagnoseOptions::default(), &control).unwrap();
-    assert!(diagnosis.interrupted);
+    let options = DiagnoseOptions::default();
+    let (nothing, took) = stopped_at("calibrating", &experiment, &options);
+    assert_eq!(nothing.err(), Some(CompareError::Interrupted));
+    assert!(took < ANSWER, "{took:?}");
+    let (diagnosis, took) = stopped_at("fitting each effect", &experiment, &options);
+    let diagnosis = diagnosis.unwrap();
+    assert!(took < ANSWER, "{took:?}");
+    assert!(diagnosis.interrupted && diagnosis.verdict == Verdict::Undetermined);
+    assert!(diagnosis.not_tried.iter().any(|line| line.starts_with("fits of")), "{:?}", diagnosis.not_tried);
     assert!(diagnosis.baseline().rmse["drawbar_pull"] < 0.2);
     assert!(diagnosis.improved.to_toml().is_ok());
+}
+
+#[test]
+fn property_a_traverse_answers_a_stop_at_any_stage() {
+    let planned = TraversePlan {
+        speeds: vec![0.1],
+        slopes: vec![0.0],
+        masses: Vec::new(),
+        duration: 6.0,
+        every: 0.2,
+        repeats: 2,
+        signals: ["x", "pitch", "wheel[1].torque"].map(str::to_owned).to_vec(),
+        ..TraversePlan::of(&model())
+    };
+    let noise = [("x", 0.001), ("pitch", 0.001), ("wheel[1].torque", 0.02)];
+    let experiment = measured(&planned.experiment().unwrap(), &[("coulomb_friction.torque", 0.2)], &noise);
+    let candidates = ["coulomb_friction", "viscous_friction", "drag"].map(str::to_owned).to_vec();
+    let options = DiagnoseOptions { candidates: Some(candidates), draws: 199, ..Default::default() };
+    for stage in ["calibrating", "noise alone", "fitting each effect", "predicting", "planning"] {
+        let (diagnosis, took) = stopped_at(stage, &experiment, &options);
+        assert!(took < ANSWER, "{stage}: {took:?}");
+        match diagnosis {
+            Err(error) => {
+                assert_eq!(error, CompareError::Interrupted, "{stage}");
+                assert!(["calibrating", "noise alone"].contains(&stage), "{stage}");
+            }
+            Ok(diagnosis) => {
+                assert!(diagnosis.interrupted && diagnosis.suggestions.is_empty(), "{stage}");
+                assert!(!diagnosis.not_tried.is_empty(), "{stage}");
+                assert!(stage == "planning" || diagnosis.verdict == Verdict::Undetermined, "{stage}");
+            }
+        }
+    }
+}
+
+#[test]
+fn property_a_budget_decides_what_is_tried_and_changes_no_number() {
+    let planned = SingleWheelPlan { repeats: 3, ..plan(&[20.0], &[0.3]) }.experiment().unwrap();
+    let noise = [("drawbar_pull", 0.1), ("torque", 0.01), ("sinkage", 0.0003)];
+    let experiment = measured(&planned, &[("coulomb_friction.torque", 0.2)], &noise);
+    let candidates = ["coulomb_friction", "slip_sinkage", "drag"].map(str::to_owned).to_vec();
+    let options = DiagnoseOptions { candidates: Some(candidates), draws: 199, ..Default::default() };
+    let within = |seconds: f64| {
+        let control = Control { budget: Some(Duration::from_secs_f64(seconds)), ..Control::default() };
+        diagnose(&model(), &experiment, &options, &control).unwrap()
+    };
+    let whole = diagnose(&model(), &experiment, &options, &Control::default()).unwrap();
+    assert!(whole.not_tried.is_empty() && !whole.interrupted);
+    let short = within(1e-3);
+    assert!(!short.interrupted && short.verdict == Verdict::Undetermined);
+    assert_eq!(short.not_tried[0], "fits of coulomb_friction, drag, slip_sinkage, coulomb_friction + drag and 2 more");
+    assert!(short.candidates.iter().all(|candidate| !candidate.refitted));
+    assert_eq!(short.baseline().chi_square, whole.baseline().chi_square);
+    assert_eq!(short.baseline().parameters, whole.baseline().parameters);
+    assert_eq!((short.smallest_p, short.lack_of_fit), (whole.smallest_p, whole.lack_of_fit));
+    assert_eq!(within(1e5).to_json(), whole.to_json(), "enough time changes nothing");
+}
+
+#[test]
+fn property_a_carriage_with_known_soil_is_asked_for_at_most_three_things_that_it_can_do() {
+    let mut planned = SingleWheelPlan { repeats: 3, ..plan(&[20.0], &[0.3]) }.experiment().unwrap();
+    for (name, value) in [("soil.cohesion", 1000.0), ("soil.friction_angle", 29.0_f64.to_radians())] {
+        planned.priors.insert(name.to_owned(), Prior { mean: value, deviation: 0.05 * value });
+    }
+    let noise = [("drawbar_pull", 0.1), ("torque", 0.01), ("sinkage", 0.0003)];
+    // An exit angle that other effects may stand in for at one load, and friction, which one speed does not tell apart.
+    for hidden in [[("exit_angle.lambda", 0.2)], [("coulomb_friction.torque", 0.2)]] {
+        let experiment = measured(&planned, &hidden, &noise);
+        let options = DiagnoseOptions { draws: 199, ..Default::default() };
+        let diagnosis = diagnose(&model(), &experiment, &options, &Control::default()).unwrap();
+        assert!(diagnosis.suggestions.len() <= 3, "{:?}", diagnosis.suggestions);
+        for suggestion in &diagnosis.suggestions {
+            for wrong in ["rover", "wheel by wheel", "plate and a shear ring", "rut", " .. "] {
+                assert!(!suggestion.text.contains(wrong), "`{wrong}` in: {}", suggestion.text);
+            }
+        }
+    }
+}
+
+#[test]
+fn property_a_standard_error_never_exceeds_the_prior_or_the_bounds() {
+    let mut planned = SingleWheelPlan { repeats: 1, ..plan(&[20.0], &[0.3]) }.experiment().unwrap();
+    let noise = [("drawbar_pull", 1e-3), ("torque", 1e-4), ("sinkage", 1e-5)];
+    planned.noise = noise.map(|(signal, deviation)| (signal.to_owned(), deviation)).into();
+    // A prior that the data hardly add to, and a misfit of hundreds of standard deviations by which the error is enlarged.
+    planned.priors.insert("soil.c2".to_owned(), Prior { mean: 0.2, deviation: 1e-3 });
+    let experiment = measured(&planned, &[("slip_sinkage.n1", 0.4)], &noise);
+    let options = CompareOptions { calibrate: true, added: Vec::new() };
+    let (calibration, _) = compare(&model(), &experiment, &options).unwrap().calibrated.unwrap();
+    assert!(calibration.chi_square > 100.0 * calibration.degrees_of_freedom as f64, "{}", calibration.chi_square);
+    let known = calibration.parameters.iter().find(|parameter| parameter.variable.name == "soil.c2").unwrap();
+    assert!(known.deviation.is_none_or(|deviation| deviation <= 1e-3), "{:?}", known.deviation);
+    for parameter in &calibration.parameters {
+        let width = parameter.variable.max - parameter.variable.min;
+        assert!(parameter.deviation.is_none_or(|deviation| deviation <= width), "{}", parameter.variable.name);
+    }
+    assert!(known.deviation.is_some() || known.at_bound);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use crate::compare::{print_errors, print_parameters};
 use crate::model::ModelArguments;
 use crate::output::{check_all_writable, say, write, write_json};
+use crate::progress::Reporter;
 use anyhow::{Context, Result};
 use bekker::diagnosis::{Calibration, CompareOptions, Comparison, compare};
 use bekker::measurement::Experiment;
@@ -34,7 +35,10 @@ impl Calibrate {
         let experiment = Experiment::read(&self.experiment)?;
         let model = self.model.load()?;
         check_all_writable([&self.save, &self.json])?;
-        let comparison = compare(&model, &experiment, &CompareOptions { calibrate: true, added: self.with })?;
+        let reporter = Reporter::start("calibrating the model");
+        let comparison = compare(&model, &experiment, &CompareOptions { calibrate: true, added: self.with });
+        drop(reporter);
+        let comparison = comparison?;
         let (calibration, _) = comparison.calibrated.as_ref().context("there was nothing to calibrate")?;
         say!("{}: {} runs", experiment.name, experiment.runs.len());
         print_errors(&comparison, "")?;

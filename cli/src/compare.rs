@@ -2,8 +2,9 @@
 
 use crate::model::ModelArguments;
 use crate::output::{check_writable, say};
+use crate::progress::Reporter;
 use anyhow::{Context, Result};
-use bekker::diagnosis::{Calibration, CompareOptions, Comparison, UnansweredRows, compare};
+use bekker::diagnosis::{Calibration, CompareOptions, Comparison, STANDARD_ERROR, UnansweredRows, compare};
 use bekker::measurement::Experiment;
 use bekker::report::comparison_page;
 use std::path::{Path, PathBuf};
@@ -34,7 +35,10 @@ impl Compare {
             check_writable(path)?;
         }
         let calibrate = self.calibrate || !self.with.is_empty();
-        let comparison = compare(&model, &experiment, &CompareOptions { calibrate, added: self.with })?;
+        let reporter = Reporter::start(if calibrate { "calibrating the model" } else { "running the model" });
+        let comparison = compare(&model, &experiment, &CompareOptions { calibrate, added: self.with });
+        drop(reporter);
+        let comparison = comparison?;
         print(&comparison, "")?;
         if let Some(path) = &self.html {
             write_page(&comparison, path)?;
@@ -69,15 +73,9 @@ pub fn print(comparison: &Comparison, indent: &str) -> Result<()> {
     say!("{indent}where it fails most (mean residual, measured minus modelled):");
     for failure in comparison.failures.iter().take(4) {
         let (level, noise) = (&failure.level, failure.ratio());
+        let place = failure.place().map_or_else(String::new, |place| format!(" at {place}"));
         let noise = noise.map_or_else(|| "noise unknown".to_owned(), |ratio| format!("{ratio:.1} times the noise"));
-        say!(
-            "{indent}  {:14} {:+.4} where {} = {:.3} .. {:.3} ({noise})",
-            failure.signal,
-            level.mean,
-            failure.condition,
-            level.low,
-            level.high
-        );
+        say!("{indent}  {:14} {:+.4}{place} ({noise})", failure.signal, level.mean);
     }
     Ok(())
 }
@@ -116,7 +114,7 @@ fn print_unanswered(comparison: &Comparison, which: &str, unanswered: &[Unanswer
 
 pub fn print_parameters(calibration: &Calibration, indent: &str) -> Result<()> {
     say!(
-        "{indent}calibrated (chi-square {:.0} for {} degrees of freedom; {} of {} searches agree):",
+        "{indent}calibrated (chi-square {:.0} for {} degrees of freedom; {} of {} searches agree; +- is the {STANDARD_ERROR}):",
         calibration.chi_square,
         calibration.degrees_of_freedom,
         calibration.agreeing,
@@ -126,10 +124,7 @@ pub fn print_parameters(calibration: &Calibration, indent: &str) -> Result<()> {
         let deviation = parameter.deviation.map_or_else(String::new, |deviation| format!(" +- {deviation:.3e}"));
         let variable = &parameter.variable;
         let bound = if parameter.at_bound { "  ON ITS BOUND" } else { "" };
-        let width = variable.max - variable.min;
-        // A deviation wider than the bounds says no more than the bounds do.
-        let undetermined =
-            parameter.deviation.map_or(!parameter.at_bound, |deviation| deviation.is_nan() || deviation > width);
+        let undetermined = parameter.deviation.is_none() && !parameter.at_bound;
         let unknown = if undetermined { "  NOT DETERMINED" } else { "" };
         say!(
             "{indent}  {:20} {:.4e}{deviation} {} (from {:.4e}, bounds {:e} .. {:e}){bound}{unknown}",

@@ -1,14 +1,16 @@
 //! `bekker diagnose`.
 
 use crate::diagnosis_text::print;
+use crate::interrupt;
 use crate::model::ModelArguments;
-use crate::output::{check_all_writable, say, write, write_json};
-use crate::{interrupt, progress};
-use anyhow::{Context, Result};
-use bekker::diagnosis::{Control, DiagnoseOptions, Progress, diagnose};
+use crate::output::{check_all_writable, write, write_json};
+use crate::progress::Reporter;
+use anyhow::{Context, Result, bail};
+use bekker::diagnosis::{CompareError, Control, DiagnoseOptions, diagnose};
 use bekker::measurement::Experiment;
 use bekker::report::diagnosis_page;
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// Find out which physical effect is missing from the model.
 #[derive(clap::Args)]
@@ -32,6 +34,10 @@ pub struct Diagnose {
     /// Threads to work on; all cores if not given. The result does not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     threads: Option<u32>,
+    /// Time that the diagnosis may take, in s: it decides what is tried, and what was not is listed. The result then depends
+    /// on the clock. The baseline is always calibrated.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    time: Option<Duration>,
     /// Write the result as JSON.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -59,12 +65,18 @@ impl Diagnose {
             max_effects: self.max_effects,
             draws: self.draws as usize,
         };
-        let bar = progress::share_bar();
-        let tell = |at: Progress| progress::show(&bar, at.stage, at.done, at.total);
-        let control = Control { progress: &tell, stop: &interrupt::stopped, ..Control::default() };
+        let reporter = Reporter::start("calibrating the baseline");
+        let tell = |at| reporter.tell(at);
+        let control = Control { progress: &tell, stop: &interrupt::stopped, budget: self.time, ..Control::default() };
         let diagnosis = diagnose(&model, &experiment, &options, &control);
-        bar.finish_and_clear();
-        let diagnosis = diagnosis?;
+        drop(reporter);
+        let diagnosis = match diagnosis {
+            Err(CompareError::Interrupted) => interrupt::with_nothing(
+                &CompareError::Interrupted,
+                [&self.json, &self.html, &self.save].into_iter().flatten(),
+            ),
+            diagnosis => diagnosis?,
+        };
         print(&diagnosis)?;
         if let Some(path) = &self.json {
             write_json(path, &diagnosis.to_json())?;
@@ -76,9 +88,14 @@ impl Diagnose {
             write(path, &diagnosis.improved.to_toml()?)?;
             say!("  it is {}", diagnosis.improved_is());
         }
-        if diagnosis.interrupted {
-            say!("interrupted: what was not done is missing from this result");
-        }
         Ok(())
+    }
+}
+
+/// A positive time in seconds.
+fn seconds(text: &str) -> Result<Duration> {
+    match text.parse::<f64>().ok().and_then(|seconds| Duration::try_from_secs_f64(seconds).ok()) {
+        Some(time) if !time.is_zero() => Ok(time),
+        _ => bail!("expected a positive number of seconds"),
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::output::say;
 use anyhow::Result;
-use bekker::diagnosis::{CandidateResult, Diagnosis, ParameterResult, Verdict};
+use bekker::diagnosis::{CandidateResult, Diagnosis, ParameterResult, STANDARD_ERROR, Verdict};
 
 /// Candidates that are listed.
 const LISTED: usize = 10;
@@ -19,12 +19,24 @@ pub fn print(diagnosis: &Diagnosis) -> Result<()> {
             say!("  - {caution}");
         }
     }
+    print_partial(diagnosis)?;
     let mut suggestions = diagnosis.suggestions.iter();
     if let Some(first) = suggestions.next() {
         say!("\nnext experiment: {}", first.text);
         for suggestion in suggestions {
             say!("  or: {}", suggestion.text);
         }
+    }
+    Ok(())
+}
+
+/// What is missing from a result that was interrupted or that had a budget of time.
+fn print_partial(diagnosis: &Diagnosis) -> Result<()> {
+    if diagnosis.interrupted {
+        say!("\ninterrupted: this is what was known by then");
+    }
+    if !diagnosis.not_tried.is_empty() {
+        say!("\nnot tried: {}", diagnosis.not_tried.join("; "));
     }
     Ok(())
 }
@@ -104,19 +116,24 @@ fn print_candidates(diagnosis: &Diagnosis) -> Result<()> {
         say!("  less probable: {}", rest.join(", "));
     }
     say!(
-        "  {:22} {:>11.3}\n  {:22} {:>11.3}",
+        "  {:22} {:>11}\n  {:22} {:>11}",
         "the baseline is enough",
-        diagnosis.share.enough,
+        probability(diagnosis.share.enough),
         "something else",
-        diagnosis.share.other
+        probability(diagnosis.share.other)
     );
     if !diagnosis.invisible.is_empty() {
-        say!("  without any signature in this experiment: {}", diagnosis.invisible.join(", "));
+        say!("  invisible to this experiment, and so not judged: {}", diagnosis.invisible.join(", "));
     }
     for [a, b] in &diagnosis.confused_with {
         say!("  {a} and {b} look alike here");
     }
     Ok(())
+}
+
+/// A probability, or a dash where some effects were not tried.
+fn probability(p: f64) -> String {
+    if p.is_nan() { "-".to_owned() } else { format!("{p:.3}") }
 }
 
 fn line(candidate: &CandidateResult) -> String {
@@ -129,9 +146,9 @@ fn line(candidate: &CandidateResult) -> String {
         (false, true) => "",
     };
     format!(
-        "  {:22} {:>11.3} {:>8.4} {:>10.1} {held:>9} {:>7.0} %{marks}",
+        "  {:22} {:>11} {:>8.4} {:>10.1} {held:>9} {:>7.0} %{marks}",
         candidate.effect,
-        candidate.probability,
+        probability(candidate.probability),
         candidate.p_value,
         // No sign before a zero.
         (10.0 * candidate.gain).round() / 10.0 + 0.0,
@@ -141,7 +158,7 @@ fn line(candidate: &CandidateResult) -> String {
 
 /// Free parameters of the final model, with bounds and flags.
 fn print_parameters(diagnosis: &Diagnosis) -> Result<()> {
-    say!("\nfree parameters of the final model:");
+    say!("\nfree parameters of the final model (+- is the {STANDARD_ERROR}):");
     for parameter in &diagnosis.last().parameters {
         let interval = diagnosis.profiles.iter().find(|profile| profile.name == parameter.fitted.variable.name);
         say!("{}", parameter_line(parameter, interval.map(|profile| profile.interval)));

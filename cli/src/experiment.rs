@@ -2,6 +2,7 @@
 
 use crate::model::ModelArguments;
 use crate::output::say;
+use crate::progress::Reporter;
 use crate::separate;
 use anyhow::{Result, bail};
 use bekker::diagnosis::{SeparateOptions, SingleWheelPlan, TraversePlan};
@@ -73,7 +74,10 @@ impl Experiment {
         let rows: usize = experiment.runs.iter().map(|run| run.data.rows()).sum();
         say!("wrote {}: {} runs, {rows} rows to be recorded", self.folder.display(), experiment.runs.len());
         let options = SeparateOptions { calibrate: false, ..SeparateOptions::default() };
-        separate::print(&bekker::diagnosis::separate(&model, &experiment, &options)?)
+        let reporter = Reporter::start("looking at what the experiment will tell apart");
+        let separation = bekker::diagnosis::separate(&model, &experiment, &options);
+        drop(reporter);
+        separate::print(&separation?)
     }
 
     fn single_wheel(&self, model: &Model) -> Result<measurement::Experiment> {

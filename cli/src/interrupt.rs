@@ -1,6 +1,7 @@
 //! Ctrl-C: the first asks the work to end with what it has, the second ends the program.
 
 use anyhow::{Context, Result};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Exit code of a program that a signal ended.
@@ -17,6 +18,22 @@ pub fn listen() -> Result<()> {
         eprintln!("bekker: interrupted; ending with what is known (Ctrl-C again to quit at once)");
     })
     .context("cannot listen to Ctrl-C")
+}
+
+/// Ends the program where Ctrl-C came before there was anything to tell; `files` are those that were asked for.
+pub fn with_nothing<'a>(why: &dyn std::fmt::Display, files: impl IntoIterator<Item = &'a PathBuf>) -> ! {
+    let mut names = Vec::new();
+    for file in files {
+        names.push(format!("`{}`", file.display()));
+        // The check that it can be written has made it.
+        if std::fs::metadata(file).is_ok_and(|known| known.len() == 0) {
+            let _ = std::fs::remove_file(file);
+        }
+    }
+    let names =
+        if names.is_empty() { String::new() } else { format!(", so nothing is written to {}", names.join(", ")) };
+    eprintln!("bekker: {why}{names}");
+    std::process::exit(INTERRUPTED);
 }
 
 /// Whether Ctrl-C was pressed.

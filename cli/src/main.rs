@@ -26,7 +26,7 @@ use std::process::ExitCode;
     name = "bekker",
     version,
     about,
-    after_help = "Exit codes: 0 done, 1 the work failed or a value was refused, 2 the call could not be read, 130 interrupted twice."
+    after_help = "Exit codes: 0 done, 1 the work failed or a value was refused, 2 the call could not be read, 130 interrupted twice, or before there was anything to tell."
 )]
 struct Cli {
     #[command(subcommand)]

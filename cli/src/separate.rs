@@ -2,6 +2,7 @@
 
 use crate::model::ModelArguments;
 use crate::output::{check_all_writable, say, write_json};
+use crate::progress::Reporter;
 use anyhow::Result;
 use bekker::diagnosis::{EffectSight, NoiseSource, SeparateOptions, Separation, SmallestStrength, separate};
 use bekker::measurement::Experiment;
@@ -34,7 +35,10 @@ impl Separate {
         let model = self.model.load()?;
         check_all_writable([&self.json])?;
         let options = SeparateOptions { candidates: self.candidates, added: self.with, calibrate: !self.as_given };
-        let separation = separate(&model, &experiment, &options)?;
+        let reporter = Reporter::start("looking at what the experiment can tell apart");
+        let separation = separate(&model, &experiment, &options);
+        drop(reporter);
+        let separation = separation?;
         print(&separation)?;
         if let Some(path) = &self.json {
             write_json(path, &separation.to_json())?;
@@ -60,7 +64,7 @@ pub fn print(separation: &Separation) -> Result<()> {
         say!("{:22} {:>6.1} %  {}", sight.effect, 100.0 * sight.visible_share, strength(sight));
     }
     if !separation.invisible.is_empty() {
-        say!("without any signature: {}", separation.invisible.join(", "));
+        say!("without any signature, so invisible to this experiment: {}", separation.invisible.join(", "));
     }
     let mut ties = separation.ties().peekable();
     if ties.peek().is_none() {

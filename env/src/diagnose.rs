@@ -83,8 +83,8 @@ impl Spread for Here {
 /// The diagnosis (None where it was abandoned), and what was raised meanwhile.
 type Ended<'py> = (Option<Finding>, Option<Bound<'py, PyBaseException>>);
 
-/// Diagnoses. `spread` makes fits, a list of payloads to the list of their outcomes; `progress` takes stage, work done
-/// and work in all. What they raise, and Ctrl-C, comes back beside what was found by then.
+/// Diagnoses. `spread` makes fits, a list of payloads to the list of their outcomes; `progress` takes stage, what is being
+/// tried, the share of the work that is done, time since the start and time left (s, or None); `time_budget` is in s. What they raise, and Ctrl-C, comes back beside what was found by then.
 #[pyfunction]
 #[allow(clippy::too_many_arguments, reason = "keywords of the Python function")]
 pub fn diagnose<'py>(
@@ -97,13 +97,17 @@ pub fn diagnose<'py>(
     draws: usize,
     spread: Option<Bound<'py, PyAny>>,
     progress: Option<Bound<'py, PyAny>>,
+    time_budget: Option<f64>,
 ) -> PyResult<Ended<'py>> {
+    let refused = |_| InputError::new_err("time_budget: expected a positive number of seconds");
+    let budget = time_budget.map(Duration::try_from_secs_f64).transpose().map_err(refused)?;
     let read = experiment.read(py)?;
     let options = DiagnoseOptions { candidates, added, max_effects, draws };
     let texts = spread.as_ref().map(|_| experiment.texts()).transpose()?;
     let caller = Caller { spread, progress, model: &model.core, texts: texts.unwrap_or_default(), options: &options };
     let stop = Arc::new(AtomicBool::new(false));
-    let mut events = begin(model.core.clone(), read, options.clone(), caller.spread.is_some(), Arc::clone(&stop));
+    let mut events =
+        begin(model.core.clone(), read, options.clone(), caller.spread.is_some(), budget, Arc::clone(&stop));
     let (done, raised) = caller.attend(py, &mut events, &stop);
     let found = match done {
         None => None,
@@ -122,6 +126,7 @@ fn begin(
     experiment: Experiment,
     options: DiagnoseOptions,
     elsewhere: bool,
+    budget: Option<Duration>,
     stop: Arc<AtomicBool>,
 ) -> Receiver<Event> {
     let (events, receiver) = channel();
@@ -130,7 +135,7 @@ fn begin(
         let tell = |progress| drop(events.send(Event::Progress(progress)));
         let stopped = || stop.load(Ordering::Relaxed);
         let spread: &dyn Spread = if elsewhere { &there } else { &here };
-        let control = Control { progress: &tell, stop: &stopped, spread };
+        let control = Control { progress: &tell, stop: &stopped, spread, budget };
         let done = error::fenced(|| core_diagnose(&model, &experiment, &options, &control));
         drop(events.send(Event::Done(done.map(|found| found.map(Box::new)))));
     });
@@ -181,7 +186,8 @@ impl Caller<'_, '_> {
 
     fn tell(&self, progress: &Progress) -> PyResult<()> {
         let Some(call) = &self.progress else { return Ok(()) };
-        call.call1((progress.stage, progress.done, progress.total)).map(drop)
+        let share = if progress.total > 0.0 { progress.done / progress.total } else { 0.0 };
+        call.call1((progress.stage, &progress.trying, share, progress.elapsed, progress.remaining)).map(drop)
     }
 
     fn fit(&self, py: Python<'_>, tasks: &[Task], noise: &Noise, stopped: bool) -> PyResult<Vec<Option<Outcome>>> {

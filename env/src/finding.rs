@@ -81,6 +81,7 @@ impl Finding {
         all.set_item("unanswered", unanswered_of(py, &core.unanswered)?)?;
         all.set_item("cautions", &core.cautions)?;
         all.set_item("interrupted", core.interrupted)?;
+        all.set_item("not_tried", &core.not_tried)?;
         Ok(all)
     }
 }

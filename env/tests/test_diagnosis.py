@@ -188,6 +188,21 @@ def test_property_progress_is_told(diagnosis: bekker.Diagnosis) -> None:
     assert threads == {threading.get_ident()}
     assert told[0].done == 0.0 and told[0].remaining is None and told[-1].done == 1.0
     assert all(0.0 <= p.done <= 1.0 for p in told) and "calibrating" in str(told[0])
+    assert all(a.done <= b.done and a.elapsed <= b.elapsed for a, b in zip(told, told[1:], strict=False))
+    assert any("slip_sinkage + exit_angle" in p.trying or p.trying.startswith("slip_sinkage (") for p in told)
+    assert told[-1].remaining == 0.0
+
+
+def test_property_a_budget_of_time_lists_what_was_not_tried(diagnosis: bekker.Diagnosis) -> None:
+    short = sand(time_budget=1e-3)
+    assert short.not_tried and not short.interrupted and not diagnosis.not_tried
+    assert short.verdict == "undetermined" and not any(candidate.refitted for candidate in short.candidates)
+    assert short.steps[0].rmse == diagnosis.steps[0].rmse and short.smallest_p == diagnosis.smallest_p
+    # Plenty of time changes nothing.
+    assert sand(time_budget=1e4).to_json() == diagnosis.to_json()
+    for wrong in (0.0, -1.0, float("nan"), "long"):
+        with pytest.raises(bekker.InputError, match="time_budget"):
+            sand(time_budget=wrong)
 
 
 @pytest.fixture

@@ -25,6 +25,9 @@ const AGREEING_COST: f64 = 1e-4;
 /// Singular values below this share of the largest count as zero: the experiment does not determine that direction.
 const RANK_TOLERANCE: f64 = 1e-10;
 
+/// What the deviation means beside a calibrated value, for every text and page that prints one.
+pub const STANDARD_ERROR: &str = "standard error, enlarged by the square root of chi-square per degree of freedom where that exceeds one, at most the prior's";
+
 /// One free parameter after a calibration, in its SI unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibratedParameter {
@@ -34,8 +37,9 @@ pub struct CalibratedParameter {
     pub start: f64,
     /// Value after.
     pub value: f64,
-    /// Standard error, the other free parameters being uncertain too; `None` where the parameter sits on a bound or the
-    /// experiment does not determine it. Where the misfit exceeds the noise it is enlarged accordingly.
+    /// Standard error, the other free parameters being uncertain too, enlarged by the square root of chi-square per degree of
+    /// freedom where that exceeds one; at most the prior's standard deviation. `None` where the parameter sits on a bound, or
+    /// where the experiment does not determine it: its standard error would exceed the width of its bounds.
     pub deviation: Option<f64>,
     /// Whether the value sits on a bound, so that the fit wanted to go further than is believable.
     pub at_bound: bool,
@@ -214,7 +218,10 @@ fn put_on_bounds(weighted: &Weighted, problem: &LeastSquares, minimum: &mut Mini
     at_bound
 }
 
-/// Standard errors from the Jacobian; the residuals' own scatter where it exceeds the weights.
+/// Standard errors from the Jacobian, enlarged where the residuals scatter more than the noise.
+///
+/// Data cannot take away what a prior knows, so that no standard error exceeds the prior's, however large the misfit. One
+/// beyond the width of the bounds says less than these: the parameter is not determined.
 fn deviations(
     weighted: &Weighted,
     u: &[f64],
@@ -239,7 +246,8 @@ fn deviations(
         }
         let free = &weighted.free[*at];
         let deviation = (variance * scatter).sqrt() * free.slope(free.value(u[*at]));
-        all[*at] = Some(deviation).filter(|d| d.is_finite());
+        let deviation = free.prior.map_or(deviation, |prior| deviation.min(prior.deviation));
+        all[*at] = Some(deviation).filter(|d| *d <= free.variable.max - free.variable.min);
     }
     all
 }

@@ -72,6 +72,9 @@ pub enum CompareError {
     /// A fit found no finite cost, or a signal has no scale.
     #[error("the fit found no answer from any start")]
     NoFit,
+    /// The caller asked to end before there was anything to tell.
+    #[error("interrupted before the baseline was calibrated and compared with its noise: nothing is known")]
+    Interrupted,
     /// An effect is named twice.
     #[error("effect `{id}` is named twice")]
     EffectTwice {

@@ -52,6 +52,7 @@ impl Diagnosis {
             })).collect::<Vec<_>>(),
             "cautions": self.cautions,
             "interrupted": self.interrupted,
+            "not_tried": self.not_tried,
         })
     }
 }

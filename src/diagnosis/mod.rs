@@ -15,6 +15,7 @@ mod failure;
 mod fit;
 mod free;
 mod guide;
+mod halt;
 #[cfg(feature = "report")]
 mod json;
 mod layout;
@@ -34,7 +35,7 @@ mod traverse;
 mod unanswered;
 mod weighted;
 
-pub use calibrate::{CalibratedParameter, Calibration};
+pub use calibrate::{CalibratedParameter, Calibration, STANDARD_ERROR};
 pub use compare::{CompareError, CompareOptions, Comparison, compare};
 #[cfg(feature = "report")]
 pub(crate) use curves::set_points;

@@ -56,6 +56,9 @@ pub enum PredictionError {
         /// Name of the signal.
         signal: String,
     },
+    /// The caller asked to end.
+    #[error("interrupted")]
+    Interrupted,
     /// The run's profile cannot be used.
     #[error("run {run}: terrain: {source}")]
     Terrain {
@@ -67,7 +70,7 @@ pub enum PredictionError {
 }
 
 impl PredictionError {
-    /// Name of the run.
+    /// Name of the run; none where the caller asked to end.
     #[must_use]
     pub fn run(&self) -> &str {
         match self {
@@ -77,6 +80,7 @@ impl PredictionError {
             | Self::Wheels { run, .. }
             | Self::Signal { run, .. }
             | Self::Terrain { run, .. } => run,
+            Self::Interrupted => "",
         }
     }
 
@@ -89,6 +93,7 @@ impl PredictionError {
             | Self::Wheels { run, .. }
             | Self::Signal { run, .. }
             | Self::Terrain { run, .. } => name.clone_into(run),
+            Self::Interrupted => {}
         }
         self
     }
@@ -109,7 +114,7 @@ impl PredictionError {
             Self::Simulation { source, .. } => source.to_string(),
             Self::Ended { time, event, .. } => format!("at {time} s the rover is {event}"),
             Self::Terrain { source, .. } => format!("terrain: {source}"),
-            Self::Wheels { .. } | Self::Signal { .. } => self.to_string(),
+            Self::Wheels { .. } | Self::Signal { .. } | Self::Interrupted => self.to_string(),
         }
     }
 }

@@ -5,6 +5,7 @@ use super::bounds::believable;
 use super::compare::CompareError;
 use super::diagnose::Task;
 use super::free::Free;
+use super::halt::Halt;
 use super::layout::Layout;
 use super::prediction::{Predict, PredictionError};
 use super::single_wheel::Rig;
@@ -38,6 +39,8 @@ pub(crate) struct Problem<'a> {
     models: Vec<Model>,
     /// Whether rovers are led at the measured velocity, for a first look.
     pub guided: bool,
+    /// When simulations end early.
+    pub halt: Halt<'a>,
     /// Parameters of a baseline calibration.
     pub base: Vec<Free>,
     /// Effects that may be added, in the vocabulary's order.
@@ -81,6 +84,7 @@ impl<'a> Problem<'a> {
             known,
             models,
             guided: false,
+            halt: Halt::default(),
             base,
             library: kept,
         })
@@ -160,10 +164,12 @@ impl<'a> Problem<'a> {
             Kind::SingleWheel => {
                 let names: Vec<String> = free.iter().map(|free| free.variable.name.clone()).collect();
                 let rigs = self.models.iter().map(|model| Rig::of(&model.rover)).collect();
-                Ok(f(&SingleWheelPrediction::new(&self.experiment, &self.layout, rigs, &names)))
+                Ok(f(&SingleWheelPrediction::new(&self.experiment, &self.layout, rigs, &names, self.halt)))
             }
             Kind::Traverse => {
-                Ok(f(&TraversePrediction::new(&self.experiment, &self.layout, self.models.clone(), free, self.guided)?))
+                let models = self.models.clone();
+                let prediction = TraversePrediction::new(&self.experiment, &self.layout, models, free, self.guided)?;
+                Ok(f(&prediction.until(self.halt)))
             }
         }
     }
@@ -191,7 +197,7 @@ impl<'a> Problem<'a> {
     }
 
     /// The same for some of the runs.
-    pub fn only(&self, runs: &[usize]) -> Problem<'static> {
+    pub fn only(&self, runs: &[usize]) -> Problem<'a> {
         let mut experiment = (*self.experiment).clone();
         experiment.runs = runs.iter().map(|run| self.experiment.runs[*run].clone()).collect();
         Problem {
@@ -199,6 +205,7 @@ impl<'a> Problem<'a> {
             experiment: Cow::Owned(experiment),
             known: self.known.clone(),
             guided: self.guided,
+            halt: self.halt,
             models: runs.iter().map(|run| self.models[*run].clone()).collect(),
             base: self.base.clone(),
             library: self.library.clone(),

@@ -1,6 +1,7 @@
 //! One recorded run of a traverse, prepared for replays: no names are looked up in them.
 
 use super::guide::Guide;
+use super::halt::Halt;
 use super::layout::Block;
 use super::prediction::PredictionError;
 use super::replay::{Replay, ReplayError};
@@ -112,23 +113,33 @@ impl Recorded {
         self.add_targets(&other.targets);
     }
 
-    /// The traced signals of an open-loop replay, row by row.
-    pub fn replayed<S: Scalar>(&self, replay: &Replay, rover: Rover<S>, x0: S) -> Result<Traced<S>, PredictionError> {
+    /// The traced signals of an open-loop replay, row by row, unless `halt` asks to end.
+    pub fn replayed<S: Scalar>(
+        &self,
+        replay: &Replay,
+        rover: Rover<S>,
+        x0: S,
+        halt: Halt,
+    ) -> Result<Traced<S>, PredictionError> {
         let mut trace = vec![S::from(f64::NAN); self.time.len() * self.traced];
-        match replay.run_led(self.guide.as_ref(), rover, x0, |row, signals| self.read(signals, row, &mut trace)) {
+        match replay.run_led(self.guide.as_ref(), halt, rover, x0, |row, signals| self.read(signals, row, &mut trace)) {
             Ok(()) => Ok(Traced { values: trace, ended: None }),
             Err(ReplayError::Ended { row, event }) => Ok(self.ended(trace, row, event)),
+            Err(ReplayError::Interrupted) => Err(PredictionError::Interrupted),
             Err(ReplayError::Step(source)) => Err(self.failed(source.into())),
         }
     }
 
-    /// The traced signals of a run with its feedback loops, row by row.
-    pub fn driven(&self, model: &Model, commands: &[f64]) -> Result<Traced<f64>, PredictionError> {
+    /// The traced signals of a run with its feedback loops, row by row, unless `halt` asks to end.
+    pub fn driven(&self, model: &Model, commands: &[f64], halt: Halt) -> Result<Traced<f64>, PredictionError> {
         let mut trace = vec![f64::NAN; self.time.len() * self.traced];
         let mut run = model.start().map_err(|source| self.failed(source))?;
         let wheels = model.rover.wheels.len();
         let mut done = 0;
         for (row, time) in self.time.iter().enumerate() {
+            if halt.asked() {
+                return Err(PredictionError::Interrupted);
+            }
             let due = ((time - self.time[0]) / run.step_size()).round() as u64;
             let status = run.advance(due.saturating_sub(done)).map_err(|source| self.failed(source))?;
             done = due;

@@ -1,6 +1,7 @@
 //! Recorded commands replayed through the simulation, over any scalar.
 
 use super::guide::Guide;
+use super::halt::Halt;
 use crate::rover::Rover;
 use crate::scalar::Scalar;
 use crate::signals::{Command, Drive, Signals};
@@ -12,6 +13,9 @@ pub enum ReplayError {
     /// The simulation failed.
     #[error(transparent)]
     Step(#[from] StepError),
+    /// The caller asked to end.
+    #[error("interrupted")]
+    Interrupted,
     /// The run ended before its rows did.
     #[error("at row {}: the rover is {event}", row + 1)]
     Ended {
@@ -73,13 +77,14 @@ impl Replay {
         x0: S,
         record: impl FnMut(usize, &Signals<S>),
     ) -> Result<(), ReplayError> {
-        self.run_led(None, rover, x0, record)
+        self.run_led(None, Halt::default(), rover, x0, record)
     }
 
-    /// The same, led by `guide`.
+    /// The same, led by `guide`, until `halt` asks to end.
     pub(super) fn run_led<S: Scalar>(
         &self,
         guide: Option<&Guide>,
+        halt: Halt,
         rover: Rover<S>,
         x0: S,
         mut record: impl FnMut(usize, &Signals<S>),
@@ -88,6 +93,9 @@ impl Replay {
         let mut command = Command { drive: self.drive, values: vec![0.0; wheels] };
         let mut simulation = Simulation::new(rover, x0, self.step_size)?;
         for (row, due) in self.due.iter().enumerate() {
+            if halt.asked() {
+                return Err(ReplayError::Interrupted);
+            }
             let steps = due.saturating_sub(simulation.ticks());
             if steps > 0
                 && let Status::Ended(event) = simulation.advance(&command, steps)?

@@ -1,5 +1,6 @@
 //! The prediction of single-wheel experiments: every row is a steady point of its own.
 
+use super::halt::Halt;
 use super::layout::Layout;
 use super::prediction::{Predict, PredictionError};
 use super::single_wheel::{Rig, SteadyError, SteadyPoint, partial, share_not_carried, steady_point};
@@ -16,6 +17,7 @@ pub(crate) struct SingleWheelPrediction<'a> {
     /// One a run, with what is known of that run.
     rigs: Vec<Rig>,
     names: &'a [String],
+    halt: Halt<'a>,
     /// Steady points to be computed; rows that repeat one follow it.
     points: Vec<Point>,
     /// By signal, how far a search takes a value without an answer to be missed.
@@ -31,11 +33,18 @@ struct Point {
 
 impl<'a> SingleWheelPrediction<'a> {
     /// `rigs` has one rig a run; `names` are the free parameters. A parameter that a run sets itself stays as it is.
-    pub fn new(experiment: &'a Experiment, layout: &'a Layout, rigs: Vec<Rig>, names: &'a [String]) -> Self {
+    /// The points end early where `halt` asks for it.
+    pub fn new(
+        experiment: &'a Experiment,
+        layout: &'a Layout,
+        rigs: Vec<Rig>,
+        names: &'a [String],
+        halt: Halt<'a>,
+    ) -> Self {
         let points = points(experiment, &rigs, names);
         let missed_by = |signal: String| (signal.clone(), MISSED_BY * layout.scatter(&signal));
         let missed_by = experiment.signals().into_iter().map(missed_by).collect();
-        Self { experiment, layout, rigs, names, points, missed_by }
+        Self { experiment, layout, rigs, names, halt, points, missed_by }
     }
 
     /// Sets the free parameters of a run's rig; `place` gets the index of the parameter and where it goes.
@@ -61,6 +70,9 @@ impl<'a> SingleWheelPrediction<'a> {
         let rigs: Vec<Rig<S>> = (0..self.rigs.len()).map(rig_of).collect();
         let mut unanswered = Vec::new();
         for Point { inputs: [load, slip, wheel_speed], rows } in &self.points {
+            if self.halt.asked() {
+                return Err(PredictionError::Interrupted);
+            }
             let rig = &rigs[rows[0].0];
             let places = rows.iter().flat_map(|(run, row)| self.layout.of_run(*run).map(move |block| (block, *row)));
             match steady_point(rig, *load, *slip, *wheel_speed) {

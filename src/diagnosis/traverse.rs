@@ -10,6 +10,7 @@
 
 use super::free::Free;
 use super::guide::Guide;
+use super::halt::Halt;
 use super::layout::Layout;
 use super::prediction::{Derivatives, Predict, PredictionError};
 use super::recorded::{Drives, Recorded, Traced};
@@ -35,6 +36,7 @@ pub(crate) struct TraversePrediction<'a> {
     /// For each run of the experiment, which of these it is; a run that is left out is none.
     places: Vec<Option<usize>>,
     free: &'a [Free],
+    halt: Halt<'a>,
 }
 
 /// Part of the derivatives of one run.
@@ -81,7 +83,12 @@ impl<'a> TraversePrediction<'a> {
                 None => runs.push(recorded),
             }
         }
-        Ok(Self { layout, experiment, runs, places, free })
+        Ok(Self { layout, experiment, runs, places, free, halt: Halt::default() })
+    }
+
+    /// The same, whose simulations end where `halt` asks for it.
+    pub fn until(self, halt: Halt<'a>) -> Self {
+        Self { halt, ..self }
     }
 
     /// The run's model with the free parameters at these values.
@@ -105,8 +112,8 @@ impl<'a> TraversePrediction<'a> {
     fn trace(&self, run: &Recorded, free: &[f64]) -> Result<Traced<f64>, PredictionError> {
         let model = self.model(run, free)?;
         match &run.drives {
-            Drives::Open(replay) => run.replayed(replay, model.rover, model.start.x0),
-            Drives::Loop(commands) => run.driven(&model, commands),
+            Drives::Open(replay) => run.replayed(replay, model.rover, model.start.x0, self.halt),
+            Drives::Loop(commands) => run.driven(&model, commands, self.halt),
         }
     }
 
@@ -121,7 +128,7 @@ impl<'a> TraversePrediction<'a> {
         };
         let mut rover: Rover<Dual<N>> = model.rover.map(&Dual::<N>::from);
         rover.visit("", &mut |variable, value| *value = seeded(&variable.name, value.value()));
-        let traced = run.replayed(replay, rover, seeded("x0", model.start.x0))?;
+        let traced = run.replayed(replay, rover, seeded("x0", model.start.x0), self.halt)?;
         let partial = |k: usize| traced.values.iter().map(|value| value.eps.0.map_or(0.0, |eps| eps[k])).collect();
         Ok(Traces {
             values: traced.values.iter().map(|value| value.re).collect(),

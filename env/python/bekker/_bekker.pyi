@@ -48,7 +48,8 @@ def diagnose(
     max_effects: int,
     draws: int,
     spread: Callable[[Sequence[bytes]], list[bytes]] | None,
-    progress: Callable[[str, float, float], object] | None,
+    progress: Callable[[str, str, float, float, float | None], object] | None,
+    time_budget: float | None,
 ) -> tuple[Finding | None, BaseException | None]: ...
 def fit_task(payload: bytes) -> bytes: ...
 def export_fmu(

@@ -2,7 +2,6 @@
 
 import json
 import os
-import time
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
@@ -68,16 +67,21 @@ class Progress:
 
     stage: str
     """What is being done, for people."""
+    trying: str
+    """What is being tried within the stage, for example ``slip_sinkage + drag (7 of 22)``; empty where the stage says it
+    all."""
     done: float
-    """Share of the expected work that is done, 0 to 1; may fall when a further effect is looked for."""
+    """Share of the expected work that is done, 0 to 1; never falls."""
     elapsed: float
     """Time since the start, s."""
     remaining: float | None
-    """Estimate of the time left, s; None while there is nothing to go by."""
+    """Estimate of the time left, s: what fits have taken so far times the fits that this stage and, at most, the later
+    ones still make. None before the baseline is calibrated."""
 
     def __str__(self) -> str:
         left = "" if self.remaining is None else f", about {self.remaining:.0f} s left"
-        return f"{100 * self.done:3.0f} %  {self.stage}{left}"
+        trying = f": {self.trying}" if self.trying else ""
+        return f"{100 * self.done:3.0f} %  {self.stage}{trying}{left}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +129,7 @@ class Diagnosis:
     failures_left: list[Failure]
     """The same of the final model."""
     suggestions: list[Suggestion]
-    """What to measure next, the most useful first."""
+    """What to measure next, the most decisive first: at most three, and only what this rig can do."""
     next_experiment: str
     """The first of them in one line; empty where there is none."""
     improved_is: str
@@ -136,6 +140,8 @@ class Diagnosis:
     """What the reader should beware of."""
     interrupted: bool
     """Whether the work was cut short; what was not done is missing from the lists."""
+    not_tried: list[str]
+    """What was not tried, because the work was cut short or ``time_budget`` had no time for it: one line a kind of work."""
     improved: Model
     """The final model, calibrated and with its effects on: for simulate, RoverEnv and export_fmu. What the experiment
     says of single runs is not part of it."""
@@ -268,6 +274,8 @@ class Diagnosis:
         lines += [f"  caution: {caution}" for caution in self.cautions]
         if self.next_experiment:
             lines.append(f"  next: {self.next_experiment}")
+        if self.not_tried:
+            lines.append("  not tried: " + "; ".join(self.not_tried))
         if self.interrupted:
             lines.append("  interrupted: what was not done is missing")
         return "\n".join(lines)
@@ -284,11 +292,12 @@ def diagnose(
     draws: int = 399,
     executor: Executor | None = None,
     progress: Callable[[Progress], object] | None = None,
+    time_budget: float | None = None,
 ) -> Diagnosis:
     """Compares a model with an experiment and finds out which physical effect is missing from it, if any.
 
-    The result does not depend on the number of threads, nor on the executor. The interpreter is free for other threads
-    meanwhile; Ctrl-C ends the work and leaves what was found.
+    Without a ``time_budget`` the result depends neither on the number of threads nor on the executor nor on the clock. The
+    interpreter is free for other threads meanwhile; Ctrl-C ends the work within a second or two and leaves what was found.
 
     Args:
         experiment: the folder with ``experiment.toml``, or an :class:`bekker.Experiment`.
@@ -301,7 +310,11 @@ def diagnose(
         executor: where candidates are fitted: any ``concurrent.futures.Executor``, for example a
             ProcessPoolExecutor, a Dask client's ``get_executor()`` or Ray through a small adapter (see
             ``examples/ray_diagnosis.py``). Each fit takes one core there. The threads of this machine where None.
-        progress: called in this thread with a :class:`Progress` after each piece of work; ``print`` will do.
+        progress: called in this thread with a :class:`Progress` when a piece of work begins and when it ends; ``print``
+            will do.
+        time_budget: time that the diagnosis may take, s. It decides before each batch of fits whether there is time left
+            for it; what was not tried is listed in ``not_tried``, and no number is changed by it. The baseline is always
+            calibrated.
 
     Raises:
         UnknownNameError, ModelError: as :func:`bekker.compare`; a candidate that does not exist.
@@ -323,6 +336,7 @@ def diagnose(
         draws,
         None if executor is None else through(executor),
         None if progress is None else _telling(progress),
+        _seconds(time_budget),
     )
     if isinstance(raised, KeyboardInterrupt):
         raise DiagnosisInterrupted(None if finding is None else _diagnosis(finding)) from raised
@@ -332,14 +346,19 @@ def diagnose(
     return _diagnosis(finding)
 
 
-def _telling(progress: Callable[[Progress], object]) -> Callable[[str, float, float], None]:
-    start = time.monotonic()
-
-    def tell(stage: str, done: float, total: float) -> None:
-        share, elapsed = done / total if total > 0.0 else 0.0, time.monotonic() - start
-        progress(Progress(stage, share, elapsed, elapsed * (1.0 - share) / share if share > 0.0 else None))
+def _telling(progress: Callable[[Progress], object]) -> Callable[[str, str, float, float, float | None], None]:
+    def tell(stage: str, trying: str, done: float, elapsed: float, remaining: float | None) -> None:
+        progress(Progress(stage, trying, done, elapsed, remaining))
 
     return tell
+
+
+def _seconds(time_budget: float | None) -> float | None:
+    if time_budget is None:
+        return None
+    if not isinstance(time_budget, (int, float, np.integer, np.floating)) or not 0.0 < time_budget < float("inf"):
+        raise InputError(f"time_budget = {time_budget!r}: expected a positive number of seconds")
+    return float(time_budget)
 
 
 def _whole(name: str, value: int, least: int) -> None:

@@ -81,7 +81,7 @@ class Candidate:
 
     effect: str
     probability: float
-    """Probability that it is part of the explanation."""
+    """Probability that it is part of the explanation; nan where some effects were not tried."""
     tied: bool
     """Whether it remains possible where the verdict is undetermined."""
     heldout_gain: float | None
@@ -114,7 +114,7 @@ class Pair:
 
 @dataclass(frozen=True)
 class Share:
-    """Probabilities of the two answers that are no effect."""
+    """Probabilities of the two answers that are no effect; nan where some effects were not tried."""
 
     enough: float
     """The baseline is enough."""

@@ -73,7 +73,8 @@ impl Doubt {
 /// [`PredictionError`] where the model has no answer at the fit.
 pub(crate) fn doubts(search: &mut Search, stage: &Stage, effects: &[String]) -> Result<Vec<Doubt>, PredictionError> {
     let mut found = Vec::new();
-    let Some(fit) = search.fits.get(effects).cloned() else { return Ok(found) };
+    // After a stop nothing is fitted any more, and nothing is named.
+    let Some(fit) = search.fits.get(effects).filter(|_| !search.watch.stopped()).cloned() else { return Ok(found) };
     let losses: Vec<f64> = effects.iter().map(|id| loss(search, effects, id)).collect();
     for (k, own) in effects.iter().enumerate() {
         found.extend(spare(search, stage, effects, own, losses[k]));

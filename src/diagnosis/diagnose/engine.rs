@@ -1,7 +1,7 @@
 //! The course of a diagnosis.
 
 use super::choose::choose;
-use super::control::{Control, Progress};
+use super::control::Control;
 use super::evidence::Evidence;
 use super::judge::judge;
 use super::prepare::{Prepared, prepare};
@@ -9,12 +9,16 @@ use super::report_parts as parts;
 use super::result::Diagnosis;
 use super::search::{Fits, Search};
 use super::stage::Ground;
+use super::untried::Untried;
+use super::verdict::Judgement;
+use super::watch::{Phase, Watch};
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::noise::Whitening;
 use crate::diagnosis::problem::Problem;
 use crate::measurement::Experiment;
 use crate::model::Model;
 use std::collections::BTreeMap;
+use std::sync::Mutex;
 
 /// How to diagnose.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,11 +53,13 @@ impl DiagnoseOptions {
 
 /// Compares the model with an experiment and looks for the effect that is missing.
 ///
-/// The result does not depend on the number of threads. Once `control.stop` says yes, the work in hand is cut short and
-/// what is known by then is returned, marked as interrupted.
+/// Without a budget of time the result depends neither on the number of threads nor on the clock. Once `control.stop` says
+/// yes, the work in hand is cut short and what is known by then is returned, marked as interrupted. What was not tried for
+/// that reason, or because `control.budget` had no time for it, is listed in [`Diagnosis::not_tried`].
 ///
 /// # Errors
-/// [`CompareError`] where the experiment does not fit the model, or the model cannot compute it.
+/// [`CompareError`] where the experiment does not fit the model, or the model cannot compute it;
+/// [`CompareError::Interrupted`] where there was a stop before the baseline and its noise were known.
 pub fn diagnose(
     model: &Model,
     experiment: &Experiment,
@@ -61,44 +67,56 @@ pub fn diagnose(
     control: &Control,
 ) -> Result<Diagnosis, CompareError> {
     let mut problem = options.problem(model, experiment)?;
-    let clock = Clock { control };
-    clock.tell("calibrating the baseline", 0.0);
-    let prepared = prepare(&mut problem)?;
+    let watch = Watch::new(control, experiment.kind);
+    problem.halt = watch.halt();
+    let free: Vec<&str> = problem.base.iter().map(|free| free.variable.name.as_str()).collect();
+    watch.begin(Phase::Baseline, &free.join(", "));
+    let nothing_yet = |error: CompareError| if watch.stopped() { CompareError::Interrupted } else { error };
+    let prepared = prepare(&mut problem).map_err(nothing_yet)?;
     let problem = problem;
     let whitening = prepared.noise.whitening(&problem, &|_, _| true).ok_or(CompareError::NoFit)?;
-    let mut search = search(&problem, &prepared, &whitening, options, control);
+    let mut search = search(&problem, &prepared, &whitening, options, control, &watch);
     search.fits.insert(&[], prepared.baseline.clone());
-    clock.tell("what noise alone would give", 0.15);
-    let stage = search.stage(&[])?.ok_or(CompareError::NoFit)?;
-    clock.tell("fitting each effect", 0.3);
+    watch.begin(Phase::Noise, "");
+    let stage = search.stage(&[])?.ok_or(CompareError::NoFit).map_err(nothing_yet)?;
+    watch.begin(Phase::Singles, "");
     let stage = search.escaped(stage)?;
     search.singles(&stage);
     if stage.fit.is_far() {
         search.afresh(&stage);
     }
-    clock.tell("looking for the best set", 0.5);
+    watch.begin(Phase::Sets, "");
     let chosen = choose(&mut search, &stage, options)?;
-    clock.tell("predicting what was left out", 0.75);
+    watch.begin(Phase::LeftOut, "");
     let mut evidence = Evidence::new(&search, &chosen);
+    watch.begin(Phase::Rivals, "");
     let mut judged = judge(&mut search, &stage, &prepared, &mut evidence, chosen)?;
     if !prepared.noise_is_known {
-        judged.judgement.without_a_floor();
+        judged.judgement.undecided();
     }
-    clock.tell("profiles", 0.9);
+    if watch.stopped() && judged.judgement.names() {
+        judged.judgement.open("interrupted: not all that may speak against the name was looked for".to_owned());
+    }
+    incomplete(&mut judged.judgement, &watch.untried(), stage.draws.len(), options.draws);
     let inputs = parts::Inputs { search: &search, stage: &stage, prepared: &prepared, evidence: &evidence };
     let diagnosis = parts::assemble(&inputs, judged.judgement, &judged.chosen, options)?;
-    clock.tell("done", 1.0);
+    watch.begin(Phase::Done, "");
     Ok(diagnosis)
 }
 
-/// Tells the caller how far the work is.
-struct Clock<'a> {
-    control: &'a Control<'a>,
-}
-
-impl Clock<'_> {
-    fn tell(&self, stage: &'static str, done: f64) {
-        (self.control.progress)(Progress { stage, done, total: 1.0 });
+/// What was not tried limits the verdict: nothing is named while an effect that could stand in its place is untried, and
+/// without all effects nobody knows that none is missing or that none explains the misfit.
+fn incomplete(judgement: &mut Judgement, untried: &[Untried], draws: usize, asked: usize) {
+    if draws < asked {
+        judgement.open(format!("interrupted: p-values rest on {draws} of {asked} bootstrap draws"));
+    }
+    let named = judgement.effects.clone();
+    let names_them = judgement.names();
+    let rivals = |set: &[String]| {
+        !names_them || (set.len() == named.len() && set.iter().filter(|id| !named.contains(id)).count() == 1)
+    };
+    if untried.iter().filter_map(Untried::unknown).any(rivals) {
+        judgement.open("some effects were not tried: the verdict is open".to_owned());
     }
 }
 
@@ -108,6 +126,7 @@ fn search<'a>(
     whitening: &'a Whitening,
     options: &DiagnoseOptions,
     control: &'a Control<'a>,
+    watch: &'a Watch<'a>,
 ) -> Search<'a> {
     let ground = Ground {
         problem,
@@ -118,6 +137,6 @@ fn search<'a>(
         modulations: &prepared.modulations,
         draws: options.draws,
     };
-    let (fits, looks, settled) = (Fits::default(), BTreeMap::new(), BTreeMap::new());
-    Search { problem, noise: &prepared.noise, ground, control, fits, looks, settled }
+    let (fits, looks, settled, modelled) = (Fits::default(), BTreeMap::new(), BTreeMap::new(), Mutex::default());
+    Search { problem, noise: &prepared.noise, ground, control, watch, fits, looks, settled, modelled }
 }

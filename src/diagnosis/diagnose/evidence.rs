@@ -7,13 +7,18 @@ use super::probability::{better, something_else, weights};
 use super::result::Share;
 use super::search::Search;
 use super::stage::Stage;
-use std::collections::BTreeMap;
+use super::untried::{Untried, named};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Single effects that compete on left-out data: the best fits; the others gain nothing worth predicting.
 const COMPETING_SINGLES: usize = 6;
 
 /// Pairs beside the chosen ones that compete in the probabilities.
 const COMPETING_PAIRS: usize = 3;
+
+/// What predicting the left-out conditions with one set costs, in single fits: six short refits on a carriage; less on a
+/// traverse.
+const PREDICTION: f64 = 1.0;
 
 /// Prior probability that the baseline is enough, and that something else than any candidate is missing.
 const PRIOR_ENOUGH: f64 = 0.5;
@@ -35,8 +40,8 @@ impl Evidence {
             sets.into_iter().take(most).cloned().collect::<Vec<_>>()
         };
         let mut sets = vec![Vec::new()];
+        sets.extend((2..=chosen.len()).rev().map(|count| chosen[..count].to_vec()));
         sets.extend(best(1, COMPETING_SINGLES));
-        sets.extend((2..=chosen.len()).map(|count| chosen[..count].to_vec()));
         sets.extend(best(2, COMPETING_PAIRS));
         evidence.add(search, sets);
         evidence
@@ -45,18 +50,21 @@ impl Evidence {
     /// Predicts with further sets, as far as they are fitted and not predicted with yet.
     pub fn add(&mut self, search: &Search, mut sets: Vec<Vec<String>>) {
         sets.iter_mut().for_each(|set| set.sort());
-        sets.sort();
-        sets.dedup();
-        sets.retain(|set| !self.held.contains_key(set));
+        let mut known = BTreeSet::new();
+        sets.retain(|set| known.insert(set.clone()) && !self.held.contains_key(set));
+        // In the order of their importance, in case there is no time for all.
         let folds = &self.folds;
-        let predict = |set: &Vec<String>| {
-            if (search.control.stop)() {
-                return None;
-            }
-            let fit = search.fits.get(set)?;
-            held_out(search.problem, search.noise, set, fit, folds).map(|held| (set.clone(), held))
-        };
-        self.held.extend(crate::parallel::map_in_order(&sets, predict).into_iter().flatten());
+        let predict = |set: &Vec<String>| held_out(search.problem, search.noise, set, search.fits.get(set)?, folds);
+        let untried = |set: &Vec<String>| Untried::LeftOut(set.clone());
+        let held = search.watch.pieces(&sets, PREDICTION, |set| named(set), untried, predict);
+        self.held.extend(sets.into_iter().zip(held).filter_map(|(set, held)| Some((set, held?))));
+    }
+
+    /// Whether there was no time to predict with a set.
+    pub fn no_time(&self, search: &Search, effects: &[String]) -> bool {
+        let mut set = effects.to_vec();
+        set.sort();
+        search.watch.untried().contains(&Untried::LeftOut(set))
     }
 
     /// What a set predicts of the left-out data.
@@ -71,12 +79,27 @@ impl Evidence {
         Some(better(&self.of(ours)?.density, &self.of(theirs)?.density))
     }
 
-    /// Probabilities of "enough" and "something else", and of each effect being part of the explanation.
-    pub fn probabilities(&self, search: &Search, stage: &Stage, prepared: &Prepared) -> (Share, BTreeMap<String, f64>) {
+    /// Probabilities of "enough" and "something else", and of each effect being part of the explanation; not a number and none
+    /// where a set of effects was not tried or predicted.
+    pub fn probabilities(
+        &self,
+        search: &Search,
+        stage: &Stage,
+        prepared: &Prepared,
+    ) -> (Share, Option<BTreeMap<String, f64>>) {
+        let partial = |piece: &Untried| piece.unknown().is_some() || matches!(piece, Untried::LeftOut(_));
+        let unknown = (Share { enough: f64::NAN, other: f64::NAN }, None);
+        if search.watch.stopped() || search.watch.untried().iter().any(partial) {
+            return unknown;
+        }
         let measured = &search.problem.layout.measured;
         let difference: Vec<f64> = measured.iter().zip(&stage.modelled).map(|(y, m)| y - m).collect();
         let base = &stage.sensitivities.base;
         let other = something_else(search.problem, &prepared.noise, &difference, base, &prepared.flexible, &self.folds);
+        // A stop meanwhile.
+        if other.is_none() && search.watch.stopped() {
+            return unknown;
+        }
         let mut densities: Vec<&[f64]> = self.held.values().map(|held| held.density.as_slice()).collect();
         densities.extend(other.as_deref());
         // A candidate at its neutral value is the baseline, so many useless candidates must not outvote "enough".
@@ -95,6 +118,6 @@ impl Evidence {
                 *inclusion.entry(id.clone()).or_insert(0.0) += weight;
             }
         }
-        (share, inclusion)
+        (share, Some(inclusion))
     }
 }

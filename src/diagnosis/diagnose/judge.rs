@@ -39,7 +39,7 @@ pub(crate) fn judge(
         }
         let doubts = doubts(search, stage, &chosen)?;
         let superfluous = doubts.iter().find_map(|doubt| Some((doubt, doubt.superfluous()?.to_owned())));
-        match superfluous.filter(|_| chosen.len() > 1 && !(search.control.stop)()) {
+        match superfluous.filter(|_| chosen.len() > 1 && !search.watch.stopped()) {
             Some((doubt, id)) => {
                 dropped.push(format!("{id} is not named beside the rest: {}", doubt.words()));
                 chosen.retain(|other| *other != id);
@@ -74,12 +74,14 @@ fn judged(
         as_good.iter().any(|(other, _)| other == own) || verdict::is_imitation(search, stage, chosen, own)
     };
     let rivals = rivals(search, stage, prepared, evidence, chosen, as_good.clone());
+    let better = evidence.better(chosen, &[]);
     let case = Case {
         effects: chosen,
         left: verdict::left(search, stage, chosen, &residual),
         more_than_noise_alone: beats_noise(search, stage, chosen),
         imitating: chosen.iter().filter(|own| imitates(own)).cloned().collect(),
-        confirmed: evidence.better(chosen, &[]).is_some_and(|better| better > BETTER),
+        predicted: better.is_some(),
+        confirmed: better.is_some_and(|better| better > BETTER),
         without_priors: without_priors(search, stage, chosen),
         rivals,
         doubts,
@@ -95,7 +97,7 @@ fn beats_noise(search: &Search, stage: &Stage, chosen: &[String]) -> bool {
 
 /// Whether the naming holds with the priors all but removed; `None` without priors.
 fn without_priors(search: &Search, stage: &Stage, chosen: &[String]) -> Option<bool> {
-    if search.problem.base.iter().all(|free| free.prior.is_none()) {
+    if search.watch.stopped() || search.problem.base.iter().all(|free| free.prior.is_none()) {
         return None;
     }
     let (base, with) = (search.without_priors(&[]), search.without_priors(chosen));
@@ -127,6 +129,7 @@ fn rivals(
     };
     rivals.retain(|pair| !told_apart(pair));
     let (_, inclusion) = evidence.probabilities(search, stage, prepared);
+    let Some(inclusion) = inclusion else { return rivals };
     let probability = |id: &String| inclusion.get(id).copied().unwrap_or(0.0);
     let least = chosen.iter().min_by(|a, b| probability(a).total_cmp(&probability(b)));
     for other in all.iter().filter(|id| !chosen.contains(id)) {

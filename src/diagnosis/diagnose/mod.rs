@@ -36,7 +36,9 @@ mod signature;
 mod soil;
 mod stage;
 mod starts;
+mod untried;
 mod verdict;
+mod watch;
 
 pub(crate) use bootstrap::Projected;
 pub use control::{Control, Progress, Spread, Threads};
@@ -49,4 +51,6 @@ pub use result::{
 };
 pub(crate) use signature::{Sensitivities, View, prune, sensitivities};
 pub(crate) use stage::largest_cosine;
+pub(crate) use untried::Untried;
 pub(crate) use verdict::ALIKE;
+pub(crate) use watch::Watch;

@@ -65,7 +65,7 @@ const STRENGTHS: [f64; 7] = [1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0];
 
 /// Log predictive densities, by fold, of the baseline plus a flexible discrepancy: ridge regression of the residual on the
 /// columns along the conditions, its strength by the evidence of the rows that are kept. The base follows linearly. What the
-/// rows that are kept leave open widens the prediction, as with the effects.
+/// rows that are kept leave open widens the prediction, as with the effects. `None` after a stop, too.
 pub(crate) fn something_else(
     problem: &Problem,
     noise: &Noise,
@@ -86,6 +86,9 @@ pub(crate) fn something_else(
     };
     let mut densities = Vec::new();
     for fold in folds {
+        if problem.halt.asked() {
+            return None;
+        }
         let inside: BTreeSet<_> = fold.iter().copied().collect();
         let kept = noise.whitening(problem, &|run, row| !inside.contains(&(run, row)))?;
         let (x, y) = (scaled(&kept), DVector::from_vec(kept.apply(difference)));

@@ -2,6 +2,7 @@
 
 use super::result::FinalParameter;
 use super::search::Search;
+use super::untried::Untried;
 use crate::diagnosis::calibrate::calibrate_from;
 use crate::diagnosis::effort::Effort;
 use crate::diagnosis::free::Free;
@@ -11,16 +12,27 @@ use crate::measurement::Kind;
 /// 95 % point of chi-square with one degree of freedom.
 const RISE: f64 = 3.841;
 
+/// Shares of the range that stand in for the standard error: on a bound, and where it is not determined; the latter is the
+/// widest step at all.
+const FROM_BOUND: f64 = 0.05;
+const WIDEST: f64 = 0.3;
+
+/// What a profile costs, in single fits: up to eight refits from nearby on a carriage, where a fit has several starts.
+const PROFILE: f64 = 1.0;
+
 /// Standard errors at which the profile is taken, to either side.
 const PLACES: [f64; 4] = [0.7, 1.4, 2.1, 3.0];
 
-/// Profiles of the parameters of a fitted set: all on a carriage, those of the effects on a traverse.
+/// Profiles of the parameters of a fitted set, as far as there is time: all on a carriage, those of the effects on a traverse.
 pub(crate) fn profiles(search: &Search, effects: &[String]) -> Vec<FinalParameter> {
     let problem = search.problem;
     let Some(fit) = search.fits.get(effects) else { return Vec::new() };
     let from = if problem.experiment.kind == Kind::Traverse { problem.base.len() } else { 0 };
     let numbers: Vec<usize> = (from..fit.parameters.len()).collect();
-    crate::parallel::map_in_order(&numbers, |k| profile(search, effects, *k)).into_iter().flatten().collect()
+    let name = |k: &usize| fit.parameters[*k].variable.name.clone();
+    let profile = |k: &usize| profile(search, effects, *k);
+    let untried = |k: &usize| Untried::Profile(name(k));
+    search.watch.pieces(&numbers, PROFILE, name, untried, profile).into_iter().flatten().collect()
 }
 
 fn profile(search: &Search, effects: &[String], k: usize) -> Option<FinalParameter> {
@@ -28,7 +40,8 @@ fn profile(search: &Search, effects: &[String], k: usize) -> Option<FinalParamet
     let (values, parameter) = (fit.values(), &fit.parameters[k]);
     let free = search.problem.free(effects);
     let (low, high) = (free[k].variable.min, free[k].variable.max);
-    let width = parameter.deviation.unwrap_or(0.05 * (high - low)).min(0.3 * (high - low));
+    let unknown = if parameter.at_bound { FROM_BOUND } else { WIDEST };
+    let width = parameter.deviation.unwrap_or(unknown * (high - low)).min(WIDEST * (high - low));
     let mut points = vec![(values[k], 0.0)];
     for side in [-1.0, 1.0] {
         let mut start = values.clone();

@@ -9,7 +9,9 @@ use super::profile::profiles;
 use super::result::{CandidateResult, Diagnosis, LackOfFit, PairResult, ParameterResult, Step};
 use super::search::Search;
 use super::stage::Stage;
+use super::untried::lines;
 use super::verdict::{Judgement, confused, left, misfit};
+use super::watch::Phase;
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::curves::curves_of_steps;
@@ -40,6 +42,7 @@ pub(crate) fn whitened_residual(
     values: &[f64],
 ) -> Result<Vec<f64>, PredictionError> {
     let free = search.problem.free(effects);
+    let modelled = search.modelled(effects)?.unwrap_or_else(|| vec![f64::NAN; search.problem.layout.len()]);
     search.problem.predict(&free, |predict| {
         let weighted = Weighted {
             predict,
@@ -49,8 +52,8 @@ pub(crate) fn whitened_residual(
             robust: f64::INFINITY,
             whole: true,
         };
-        Ok(weighted.whitened(&predict.values(values)?, values))
-    })?
+        weighted.whitened(&modelled, values)
+    })
 }
 
 /// Share of the visible effects that could be there at the full range of their parameters without being found.
@@ -76,7 +79,7 @@ pub(crate) fn assemble(
     let problem = search.problem;
     let steps = steps(inputs, chosen)?;
     let (share, inclusion) = inputs.evidence.probabilities(search, stage, prepared);
-    let mut candidates = candidates(inputs, &judgement, &inclusion)?;
+    let mut candidates = candidates(inputs, &judgement, inclusion.as_ref())?;
     candidates.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(b.gain.total_cmp(&a.gain)));
     let misfit = misfit(stage);
     let last = &steps[steps.len() - 1];
@@ -86,14 +89,16 @@ pub(crate) fn assemble(
         predict.answers(&problem.base.iter().map(|free| free.start).collect::<Vec<_>>())
     })?;
     let given = given.ok().filter(|given| given.any(&problem.layout));
-    let interrupted = (search.control.stop)();
-    let profiles = if interrupted { Vec::new() } else { profiles(search, chosen) };
+    search.watch.begin(Phase::Profiles, "");
+    let profiles = profiles(search, chosen);
     let mut cautions = prepared.cautions.clone();
     cautions.extend(judgement.cautions.clone());
     cautions.extend(super::cautions::of_parameters(fitted));
     cautions.extend(super::cautions::of_draws(options.draws));
     let left_over = failures(&problem.experiment, &last.fit, floors);
+    search.watch.begin(Phase::Next, "");
     let suggestions = suggestions(inputs, &judgement, chosen, fitted, &left_over);
+    let interrupted = search.watch.stopped();
     Ok(Diagnosis {
         experiment: (*problem.experiment).clone(),
         verdict: judgement.verdict,
@@ -127,6 +132,7 @@ pub(crate) fn assemble(
         curves: curves_of_steps(problem, &steps),
         steps,
         interrupted,
+        not_tried: lines(&search.watch.untried()),
     })
 }
 
@@ -154,7 +160,7 @@ fn suggestions(
         blind: if pairs.is_empty() { &blind } else { &[] },
         failures: left_over,
         repeated: !search.problem.experiment.replicates().is_empty(),
-        stop: search.control.stop,
+        watch: search.watch,
     };
     suggest(&question)
 }
@@ -167,12 +173,18 @@ fn steps(inputs: &Inputs, chosen: &[String]) -> Result<Vec<Step>, CompareError> 
         let effects = &chosen[..count];
         let Some(fit) = search.fits.get(effects) else { continue };
         let values = fit.values();
-        let modelled = problem.predict(&problem.free(effects), |predict| predict.values(&values))??;
+        // After a stop the baseline is not simulated again: the stage knows what it gives.
+        let known = effects.is_empty() && search.watch.stopped() && fit.chi_square == stage.fit.chi_square;
+        let modelled = if known { Some(stage.modelled.clone()) } else { search.modelled(effects)? };
+        let Some(modelled) = modelled else { continue };
         let shown = Fit::new(&problem.experiment, &problem.layout, &modelled);
-        let residual = whitened_residual(search, effects, &values)?;
-        let left = if count == 0 { 1.0 } else { left(search, stage, effects, &residual).0 };
+        let left = match count {
+            0 => 1.0,
+            _ => left(search, stage, effects, &whitened_residual(search, effects, &values)?).0,
+        };
         let held = match inputs.evidence.of(effects) {
             Some(held) => Some(held.clone()),
+            None if inputs.evidence.no_time(search, effects) => None,
             None => held_out(problem, &prepared.noise, effects, fit, &inputs.evidence.folds),
         };
         steps.push(Step {
@@ -200,10 +212,11 @@ fn parameters(base: usize, fit: &Calibration) -> Vec<ParameterResult> {
 fn candidates(
     inputs: &Inputs,
     judgement: &Judgement,
-    inclusion: &BTreeMap<String, f64>,
+    inclusion: Option<&BTreeMap<String, f64>>,
 ) -> Result<Vec<CandidateResult>, CompareError> {
     let Inputs { search, stage, .. } = inputs;
     let baseline = inputs.evidence.of(&[]);
+    let unlisted = if inclusion.is_none() { f64::NAN } else { 0.0 };
     let mut all = Vec::new();
     for (k, signature) in stage.sensitivities.signatures.iter().enumerate() {
         let set = vec![signature.id.clone()];
@@ -211,13 +224,16 @@ fn candidates(
         let held = inputs.evidence.of(&set).zip(baseline);
         let gain = if fit.is_some() { search.gain(&set) } else { stage.gains.singles[k].0 };
         let left = match fit {
-            Some(fit) => left(search, stage, &set, &whitened_residual(search, &set, &fit.values())?).0,
-            None => (1.0 - gain / stage.structure(&stage.residual, &[]).0.max(gain).max(1.0)).clamp(0.0, 1.0),
+            // After a stop nothing is simulated any more.
+            Some(fit) if !search.watch.stopped() || search.is_modelled(&set) => {
+                left(search, stage, &set, &whitened_residual(search, &set, &fit.values())?).0
+            }
+            _ => (1.0 - gain / stage.structure(&stage.residual, &[]).0.max(gain).max(1.0)).clamp(0.0, 1.0),
         };
         let of_effect =
             |fit: &Calibration| parameters(search.problem.base.len(), fit).split_off(search.problem.base.len());
         all.push(CandidateResult {
-            probability: inclusion.get(&signature.id).copied().unwrap_or(0.0),
+            probability: inclusion.and_then(|known| known.get(&signature.id)).copied().unwrap_or(unlisted),
             tied: judgement.tied.contains(&signature.id),
             heldout_gain: held.map(|(own, base)| own.density.iter().sum::<f64>() - base.density.iter().sum::<f64>()),
             better: inputs.evidence.better(&set, &[]),

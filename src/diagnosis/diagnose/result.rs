@@ -84,7 +84,7 @@ pub struct Step {
 pub struct CandidateResult {
     /// Effect id.
     pub effect: String,
-    /// Probability that the effect is part of the explanation.
+    /// Probability that the effect is part of the explanation; not a number where some were not tried.
     pub probability: f64,
     /// Whether it remains possible where the verdict is undetermined.
     pub tied: bool,
@@ -136,7 +136,7 @@ pub struct LackOfFit {
     pub p_structure: f64,
 }
 
-/// Probabilities of the two answers that are no effect.
+/// Probabilities of the two answers that are no effect; not numbers where some effects were not tried.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Share {
     /// The baseline is enough.
@@ -199,6 +199,9 @@ pub struct Diagnosis {
     pub improved: Model,
     /// Whether the work was cut short; what was not done is missing from the lists.
     pub interrupted: bool,
+    /// What was not tried, because the work was cut short or a budget had no time for it: one line a kind of work, for
+    /// example `fits of drag, tether, payload, rate and 3 more`. Empty where everything was tried.
+    pub not_tried: Vec<String>,
 }
 
 impl Diagnosis {

@@ -5,13 +5,17 @@ use super::control::Control;
 use super::fits::{Noise, Outcome, Task, run};
 use super::stage::{Ground, Stage};
 use super::starts::{Start, nearly_neutral};
+use super::untried::{Untried, named};
+use super::watch::Watch;
 use crate::diagnosis::calibrate::Calibration;
+use crate::diagnosis::halt::Halt;
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::weighted::Weighted;
 use crate::measurement::Kind;
 use crate::soil_class::SoilClass;
 use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
 
 /// Most pairs that are refitted, for a carriage and for a traverse; the others are screened by their sensitivities.
 const PAIRS_STEADY: usize = 24;
@@ -27,6 +31,9 @@ const COMMON: f64 = 0.5;
 /// Share by which another fit of the same set must have less chi-square to take its place: less is the rounding of a search,
 /// and the baseline stays the one that `compare` gives.
 pub(super) const SAME_FIT: f64 = 1e-6;
+
+/// What the sensitivities and the bootstrap of a stage cost, in single fits.
+const STAGE: f64 = 1.0;
 
 /// Chi-square by which a further parameter must pay for itself (Akaike).
 pub(crate) const PRICE: f64 = 2.0;
@@ -64,11 +71,14 @@ pub(crate) struct Search<'a> {
     pub noise: &'a Noise,
     pub ground: Ground<'a>,
     pub control: &'a Control<'a>,
+    pub watch: &'a Watch<'a>,
     pub fits: Fits,
     /// Where first looks ended, by their effects.
     pub looks: BTreeMap<Vec<String>, Outcome>,
     /// From which larger set, and its chi-square then, a set was last fitted once more.
     pub settled: BTreeMap<[Vec<String>; 2], f64>,
+    /// Modelled values that were asked for, by effects and chi-square of the fit.
+    pub modelled: Mutex<BTreeMap<(Vec<String>, u64), Vec<f64>>>,
 }
 
 impl Search<'_> {
@@ -189,7 +199,34 @@ impl Search<'_> {
     }
 
     pub(super) fn outcomes(&self, tasks: &[Task]) -> Vec<Option<Outcome>> {
-        self.control.spread.fits(tasks, self.noise, &|task| super::fits::outcome(self.problem, self.noise, task))
+        let known = |set: &[String]| self.fits.get(set).is_some();
+        let fit = |task: &Task| super::fits::outcome(self.problem, self.noise, task);
+        self.watch.fits(tasks, self.noise, &known, &fit)
+    }
+
+    /// What a fitted set gives, in the layout's order; computed to its end after a stop too. `None` where it is not fitted.
+    ///
+    /// # Errors
+    /// [`PredictionError`] where the model has no answer at the fit.
+    pub fn modelled(&self, effects: &[String]) -> Result<Option<Vec<f64>>, PredictionError> {
+        let Some(fit) = self.fits.get(effects) else { return Ok(None) };
+        let key = (sorted(effects), fit.chi_square.to_bits());
+        let known = || self.modelled.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(values) = known().get(&key) {
+            return Ok(Some(values.clone()));
+        }
+        let mut problem = self.problem.clone();
+        problem.halt = Halt::default();
+        let values = problem.predict(&problem.free(effects), |predict| predict.values(&fit.values()))??;
+        known().insert(key, values.clone());
+        Ok(Some(values))
+    }
+
+    /// Whether [`Self::modelled`] needs no simulation.
+    pub fn is_modelled(&self, effects: &[String]) -> bool {
+        let Some(fit) = self.fits.get(effects) else { return false };
+        let known = self.modelled.lock().unwrap_or_else(PoisonError::into_inner);
+        known.contains_key(&(sorted(effects), fit.chi_square.to_bits()))
     }
 
     /// Refits single effects on top of a stage: all on a carriage, on a traverse the most promising by their sensitivities.
@@ -287,13 +324,30 @@ impl Search<'_> {
         self.fit(sets);
     }
 
-    /// A stage at a fitted set, or at the baseline.
+    /// A stage at a fitted set, or at the baseline. `None` where the set is not fitted, or there is no time to go on from it.
     ///
     /// # Errors
     /// [`PredictionError`].
     pub fn stage(&self, effects: &[String]) -> Result<Option<Stage>, PredictionError> {
         let Some(fit) = self.fits.get(effects) else { return Ok(None) };
-        Stage::new(&self.ground, effects, fit.clone(), self.control).map(Some)
+        // The baseline's is needed for any answer; its draws alone may be fewer, which is said.
+        let further = !effects.is_empty();
+        if further {
+            self.watch.trying(&format!("what {} leaves", named(effects)));
+        }
+        let made = if further && (self.watch.stopped() || !self.watch.has_time(STAGE)) {
+            None
+        } else {
+            match Stage::new(&self.ground, effects, fit.clone(), self.control) {
+                Err(PredictionError::Interrupted) => None,
+                made => Some(made?),
+            }
+        };
+        let whole = made.filter(|_| !further || !self.watch.stopped());
+        if whole.is_none() && further {
+            self.watch.leave([Untried::Further(effects.to_vec())]);
+        }
+        Ok(whole)
     }
 
     /// Whether the best further effect gains more than noise alone: its p-value, corrected for the number of candidates.

@@ -40,10 +40,21 @@ impl Judgement {
         Self { verdict, effects: Vec::new(), tied: Vec::new(), rivals: Vec::new(), cautions }
     }
 
-    /// Where the noise is not known nothing is decided; what would have been named stays possible.
-    pub fn without_a_floor(&mut self) {
+    /// Whether it names effects with confidence.
+    pub fn names(&self) -> bool {
+        self.verdict == Verdict::EffectMissing
+    }
+
+    /// Nothing is decided; what would have been named stays possible.
+    pub fn undecided(&mut self) {
         self.verdict = Verdict::Undetermined;
         self.tied.splice(0..0, self.effects.drain(..));
+    }
+
+    /// The same with the reason.
+    pub fn open(&mut self, caution: String) {
+        self.undecided();
+        self.cautions.push(caution);
     }
 
     /// Effects named or possible.
@@ -117,7 +128,8 @@ pub(crate) struct Case<'a> {
     /// Effects of the set with a look-alike that the fits do not tell from them, or a rival that fits about as well.
     pub imitating: Vec<String>,
     pub rivals: Vec<(String, String)>,
-    /// Whether left-out data are predicted better than by the baseline.
+    /// Whether left-out data were predicted, and whether better than by the baseline.
+    pub predicted: bool,
     pub confirmed: bool,
     /// Whether the naming holds with the priors all but removed; `None` without priors.
     pub without_priors: Option<bool>,
@@ -177,7 +189,12 @@ fn against(case: &Case) -> Vec<String> {
         );
     }
     if !case.confirmed {
-        cautions.push("left-out conditions do not confirm the effect: it fits, but does not predict better".to_owned());
+        let why = if case.predicted {
+            "left-out conditions do not confirm the effect: it fits, but does not predict better"
+        } else {
+            "left-out conditions were not predicted, so that nothing confirms the effect"
+        };
+        cautions.push(why.to_owned());
     }
     cautions
 }

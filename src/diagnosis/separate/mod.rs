@@ -1,6 +1,7 @@
 //! Before and after an experiment: what it can tell apart ([`separate`]), plans of experiments ([`SingleWheelPlan`],
 //! [`TraversePlan`]), and which experiment would tell more ([`Suggestion`]).
 
+mod answer;
 #[cfg(feature = "report")]
 mod json;
 mod look;

@@ -2,21 +2,15 @@
 //!
 //! Variations of the experiment at hand are simulated with the calibrated model, and chosen by what they would tell
 //! apart: the cosine of what two effects change beyond the calibration, and the size of it against the noise. What no
-//! variation separates is looked up among experiments in which one cause acts alone.
+//! variation separates is looked up among experiments in which one cause acts alone, as far as this rig can make them.
 
 use super::Suggestion;
-use super::look::Look;
-use super::separation::{expect_all, models, planned_noise};
-use super::special::special;
-use super::strength::smallest;
-use super::variation::{Variation, variations};
-use crate::diagnosis::diagnose::{ALIKE, DETECTABLE, Verdict};
-use crate::diagnosis::failure::Failure;
-use crate::diagnosis::linear_algebra::norm;
+use super::answer::{Answer, Now, answers, rounded, strengths};
+use super::special::{Rig, SOIL_TEST, special};
+use crate::diagnosis::diagnose::{ALIKE, Verdict, Watch};
+use crate::diagnosis::failure::{Failure, quantity};
 use crate::diagnosis::noise::NoiseModel;
 use crate::diagnosis::problem::Problem;
-use crate::parallel::map_in_order;
-use bekker_modeldescription::Role;
 use std::collections::BTreeMap;
 
 /// What a diagnosis could not decide.
@@ -36,193 +30,173 @@ pub(crate) struct Question<'a> {
     pub failures: &'a [Failure],
     /// Whether the noise came from repeats.
     pub repeated: bool,
-    pub stop: &'a dyn Fn() -> bool,
+    pub watch: &'a Watch<'a>,
 }
 
+/// Most suggestions.
+const MOST: usize = 3;
 /// Effects and pairs named in one suggestion.
-const NAMED: usize = 4;
-/// A fall of a cosine by less is no reason for an experiment.
+const NAMED: usize = 3;
+/// A fall of a cosine by less is no reason for an experiment, nor is a signature that stands out by less than this factor more.
 const NOTABLE: f64 = 0.1;
+const CLEARER: f64 = 1.5;
 
-/// A variation and what it would see.
-struct Answer {
-    variation: Variation,
-    /// Cosines of the pairs; 1 where one of the two is not seen.
-    cosines: Vec<f64>,
-    /// Whether each of the question's blind effects would be found at full strength.
-    seen: Vec<bool>,
-}
-
-impl Answer {
-    fn solved(&self) -> usize {
-        self.cosines.iter().filter(|cosine| **cosine < ALIKE).count()
-    }
-
-    fn shows(&self) -> usize {
-        self.seen.iter().filter(|seen| **seen).count()
-    }
-
-    fn worth(&self) -> (usize, usize) {
-        (self.solved(), self.shows())
-    }
-}
-
-/// What to do next, the most useful first.
+/// What to do next, the most decisive first: what contradicts a verdict, what separates a tie or confirms a name, where the
+/// misfit is, what the noise is, and last what could not be seen at all. Nothing after a stop.
 pub(crate) fn suggest(question: &Question) -> Vec<Suggestion> {
+    let answers = answers(question);
+    if question.watch.stopped() {
+        return Vec::new();
+    }
+    let (now, rig) = (Now::of(question), Rig::of(question.problem));
     let mut suggestions = Vec::new();
+    if question.verdict == Verdict::Undetermined && !question.named.is_empty() && question.pairs.is_empty() {
+        suggestions.push(contradiction(question, &rig));
+    }
+    let mut open_pairs: Vec<usize> = (0..question.pairs.len()).collect();
+    let mut open_effects: Vec<usize> = (0..question.blind.len()).collect();
+    let mut figures = None;
+    if let Some(best) = best(&answers, &now) {
+        figures = Some(described(question, best, &now));
+        open_pairs.retain(|k| best.cosines[*k] >= ALIKE);
+        open_effects.retain(|k| !best.seen[*k]);
+    } else if question.pairs.is_empty() {
+        figures = confirming(question, &answers, &now);
+    }
+    let repeats = (!question.repeated && !all_stated(question)).then(|| Suggestion {
+        text: "repeat every run at least three times: without repeats the noise, and with it every answer here, is uncertain"
+            .to_owned(),
+        effects: Vec::new(),
+    });
     if question.verdict == Verdict::Unexplained {
         suggestions.extend(where_it_fails(question));
     }
-    if question.verdict == Verdict::Undetermined && !question.named.is_empty() && question.pairs.is_empty() {
-        suggestions.push(Suggestion {
-            text: "test the soil anew (plate, shear ring) and measure under conditions outside the present ranges: what was left out of the fit, or a prior, contradicts the effect"
-                .to_owned(),
-            effects: question.named.to_vec(),
-        });
-    }
-    if !question.repeated {
-        suggestions.push(Suggestion {
-            text: "repeat every run at least three times: without repeats the noise, and with it every answer here, is uncertain"
-                .to_owned(),
-            effects: Vec::new(),
-        });
-    }
-    let answers = if (question.stop)() { Vec::new() } else { answers(question) };
-    let now = cosines_now(question);
-    let mut open_pairs: Vec<usize> = (0..question.pairs.len()).collect();
-    let mut open_effects: Vec<usize> = (0..question.blind.len()).collect();
-    if let Some(best) = best(&answers, &now) {
-        // What contradicts the verdict comes first, then figures, then the plea for repeats.
-        let first = usize::from(suggestions.len() > usize::from(!question.repeated));
-        suggestions.insert(first, described(question, best, &now));
-        open_pairs.retain(|k| best.cosines[*k] >= ALIKE);
-        open_effects.retain(|k| !best.seen[*k]);
-    }
-    suggestions.extend(specials(question, &open_pairs, &open_effects));
+    suggestions.extend(figures);
+    suggestions.extend(specials(question, &rig, &open_pairs));
+    suggestions.extend(repeats);
+    suggestions.extend(unseen(question, &rig, &open_effects));
+    suggestions.truncate(MOST);
     suggestions
 }
 
-/// Special experiments for what no variation separates or shows; one that serves several effects is listed once.
-fn specials(question: &Question, pairs: &[usize], effects: &[usize]) -> Vec<Suggestion> {
-    let mut found: Vec<(&'static str, Vec<String>)> = Vec::new();
-    let mut add = |text: &'static str, ids: &[String]| {
-        let at = found.iter().position(|(known, _)| *known == text).unwrap_or_else(|| {
-            found.push((text, Vec::new()));
-            found.len() - 1
-        });
-        let new: Vec<String> = ids.iter().filter(|id| !found[at].1.contains(id)).cloned().collect();
-        found[at].1.extend(new);
+/// Whether the experiment states the noise of everything measured.
+fn all_stated(question: &Question) -> bool {
+    let experiment = &question.problem.experiment;
+    experiment.signals().iter().all(|signal| experiment.noise.contains_key(signal))
+}
+
+/// What to do where left-out data or a prior speak against a name.
+fn contradiction(question: &Question, rig: &Rig) -> Suggestion {
+    let names = question.named.join(", ");
+    let text = if rig.untested_soil {
+        format!(
+            "{SOIL_TEST}; and measure outside the present ranges: what was left out of the fit speaks against {names}"
+        )
+    } else {
+        format!(
+            "measure outside the present ranges, and check the priors: what was left out of the fit, or a prior, speaks against {names}"
+        )
     };
+    Suggestion { text, effects: question.named.to_vec() }
+}
+
+/// Special experiments for pairs that no variation separates; one that serves several pairs is listed once.
+fn specials(question: &Question, rig: &Rig, pairs: &[usize]) -> Vec<Suggestion> {
+    let mut found: Vec<(&'static str, Vec<&[String; 2]>)> = Vec::new();
     for pair in pairs.iter().map(|k| &question.pairs[*k]) {
         let [a, b] = pair;
-        if let Some(text) = special(a, Some(b)).or_else(|| special(b, Some(a))) {
-            add(text, pair);
+        let Some(text) = special(rig, a, Some(b)).or_else(|| special(rig, b, Some(a))) else { continue };
+        match found.iter_mut().find(|(known, _)| *known == text) {
+            Some((_, served)) => served.push(pair),
+            None => found.push((text, vec![pair])),
         }
     }
-    for id in effects.iter().map(|k| &question.blind[*k]) {
-        if let Some(text) = special(id, None) {
-            add(text, std::slice::from_ref(id));
-        }
-    }
-    let worded = |(text, effects): (&str, Vec<String>)| Suggestion {
-        text: format!("for {}: {text}", effects.join(", ")),
-        effects,
+    // The one that decides most comes first; the table's order stays otherwise.
+    found.sort_by_key(|(_, served)| std::cmp::Reverse(served.len()));
+    let worded = |(text, served): (&str, Vec<&[String; 2]>)| {
+        let between: Vec<String> = served.iter().take(NAMED).map(|[a, b]| format!("{a} and {b}")).collect();
+        let mut effects: Vec<String> = served.iter().flat_map(|pair| pair.iter().cloned()).collect();
+        effects.sort();
+        effects.dedup();
+        Suggestion { text: format!("{text}; this decides between {}", between.join(", and between ")), effects }
     };
     found.into_iter().map(worded).collect()
+}
+
+/// The one special experiment that shows most of the effects that neither this experiment nor a variation shows.
+fn unseen(question: &Question, rig: &Rig, effects: &[usize]) -> Option<Suggestion> {
+    let mut found: Vec<(&'static str, Vec<String>)> = Vec::new();
+    for id in effects.iter().map(|k| &question.blind[*k]) {
+        let Some(text) = special(rig, id, None) else { continue };
+        match found.iter_mut().find(|(known, _)| *known == text) {
+            Some((_, served)) => served.push(id.clone()),
+            None => found.push((text, vec![id.clone()])),
+        }
+    }
+    found.sort_by_key(|(_, served)| std::cmp::Reverse(served.len()));
+    let (text, effects) = found.into_iter().next()?;
+    Some(Suggestion { text: format!("{text}; this would show {}", effects.join(", ")), effects })
 }
 
 /// Where the residual is largest there is most to learn of what no effect explains.
 fn where_it_fails(question: &Question) -> Option<Suggestion> {
     let worst = question.failures.first()?;
-    let level = &worst.level;
+    let place = worst.place().map_or_else(String::new, |place| format!(" at {place}"));
+    let side = if worst.level.mean > 0.0 { "above" } else { "below" };
     let text = format!(
-        "measure more densely where {} = {:.3} .. {:.3} and record every signal that can be had: there {} is off by {:+.2e} (SI) and no known effect accounts for it",
-        worst.condition, level.low, level.high, worst.signal, level.mean
+        "measure more densely{place} and record every signal that the rig has: there the measured {} lies {} {side} the model, and no known effect accounts for it",
+        worst.signal,
+        quantity(&worst.signal, worst.level.mean.abs())
     );
     Some(Suggestion { text, effects: Vec::new() })
 }
 
 /// The answer that separates most, then shows most, then is the least work, then has the smallest cosines.
-fn best<'a>(answers: &'a [Answer], now: &[f64]) -> Option<&'a Answer> {
+fn best<'a>(answers: &'a [Answer], now: &Now) -> Option<&'a Answer> {
     let mean = |cosines: &[f64]| cosines.iter().sum::<f64>() / cosines.len().max(1) as f64;
-    let helps =
-        |answer: &&Answer| answer.shows() > 0 || answer.cosines.iter().zip(now).any(|(then, now)| now - then > NOTABLE);
+    let worth = |answer: &Answer| (answer.solved(), answer.shows());
+    let helps = |answer: &&Answer| {
+        answer.shows() > 0 || answer.cosines.iter().zip(&now.cosines).any(|(then, now)| now - then > NOTABLE)
+    };
     answers.iter().filter(helps).min_by(|a, b| {
         let work = a.variation.cost.cmp(&b.variation.cost);
-        b.worth().cmp(&a.worth()).then(work).then(mean(&a.cosines).total_cmp(&mean(&b.cosines)))
+        worth(b).cmp(&worth(a)).then(work).then(mean(&a.cosines).total_cmp(&mean(&b.cosines)))
     })
 }
 
-/// Cosines in the experiment at hand.
-fn cosines_now(question: &Question) -> Vec<f64> {
-    if question.pairs.is_empty() {
-        return Vec::new();
+/// The variation in which the weakest of the named effects stands out most, where that is clearly more than now.
+fn confirming(question: &Question, answers: &[Answer], now: &Now) -> Option<Suggestion> {
+    if question.verdict != Verdict::EffectMissing || now.sizes.iter().any(|size| *size <= 0.0) {
+        return None;
     }
-    match Look::new(question.problem, question.values, question.noise) {
-        Ok(look) => question.pairs.iter().map(|[a, b]| look.cosine(a, b)).collect(),
-        Err(_) => vec![1.0; question.pairs.len()],
-    }
-}
-
-/// All variations that the model can compute.
-fn answers(question: &Question) -> Vec<Answer> {
-    if question.pairs.is_empty() && question.blind.is_empty() {
-        return Vec::new();
-    }
-    let model = question.problem.improved(&question.problem.base, question.values);
-    let variations = variations(&model, &question.problem.experiment);
-    let ask = |variation: &Variation| {
-        if (question.stop)() {
-            return None;
-        }
-        with_look(question, variation, |_, look| {
-            let seen = |id: &String| look.size(id) >= DETECTABLE;
-            let cosine = |[a, b]: &[String; 2]| if seen(a) && seen(b) { look.cosine(a, b) } else { 1.0 };
-            Answer {
-                variation: variation.clone(),
-                cosines: question.pairs.iter().map(cosine).collect(),
-                seen: question.blind.iter().map(seen).collect(),
-            }
-        })
+    let gain = |answer: &Answer| {
+        answer.sizes.iter().zip(&now.sizes).map(|(then, now)| then / now).fold(f64::INFINITY, f64::min)
     };
-    // One after the other: `stop` need not be shared, and each is spread over the threads itself.
-    variations.iter().filter_map(ask).collect()
-}
-
-/// Calls `f` with the variation's problem and what it would see of the question's effects.
-fn with_look<R>(question: &Question, variation: &Variation, f: impl FnOnce(&Problem, &Look) -> R) -> Option<R> {
-    let model = question.problem.improved(&question.problem.base, question.values);
-    let mut added: Vec<String> = Vec::new();
-    for free in question.problem.base.iter().filter(|free| free.variable.role == Role::Effect) {
-        let id = free.variable.name.split('.').next().unwrap_or_default().to_owned();
-        if !added.contains(&id) {
-            added.push(id);
-        }
-    }
-    let mut problem = Problem::new(&model, &variation.experiment, &added).ok()?;
-    let asked = |id: &String| question.blind.contains(id) || question.pairs.iter().any(|pair| pair.contains(id));
-    problem.library.retain(|candidate| asked(&candidate.id));
-    expect_all(&mut problem);
-    let values: Vec<f64> = problem.base.iter().map(|free| free.start).collect();
-    let modelled = problem.predict(&problem.base, |predict| predict.values(&values)).ok()?.ok()?;
-    let mut noise = models(&planned_noise(&problem, &modelled));
-    for (signal, model) in &mut noise {
-        if let Some(known) = question.noise.get(signal) {
-            *model = *known;
-        }
-    }
-    let look = Look::new(&problem, &values, &noise).ok()?;
-    Some(f(&problem, &look))
+    let clear = answers.iter().map(|answer| (gain(answer), answer)).filter(|(gain, _)| gain.is_finite());
+    let (gain, best) = clear.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(gain, _)| *gain >= CLEARER)?;
+    Some(Suggestion {
+        text: format!(
+            "repeat with {}: this confirms {}, whose signature then stands out from the noise {} times as far",
+            best.variation.text,
+            question.named.join(" and "),
+            rounded(gain)
+        ),
+        effects: question.named.to_vec(),
+    })
 }
 
 /// A variation in words, with its figures.
-fn described(question: &Question, answer: &Answer, now: &[f64]) -> Suggestion {
+fn described(question: &Question, answer: &Answer, now: &Now) -> Suggestion {
     let mut effects: Vec<String> = Vec::new();
     let mut reasons = Vec::new();
     for (k, pair) in question.pairs.iter().enumerate() {
-        if now[k] - answer.cosines[k] > NOTABLE {
+        let (before, then) = (now.cosines[k], answer.cosines[k]);
+        if before - then > NOTABLE {
             let [a, b] = pair;
-            reasons.push(format!("the cosine of {a} and {b} falls from {:.2} to {:.2}", now[k], answer.cosines[k]));
+            let verb = if then < ALIKE { "decides" } else { "helps to decide" };
+            reasons.push(format!(
+                "it {verb} between {a} and {b}, the cosine of whose signatures falls from {before:.2} to {then:.2}"
+            ));
             effects.extend(pair.iter().filter(|id| !effects.contains(id)).cloned().collect::<Vec<_>>());
         }
     }
@@ -242,33 +216,4 @@ fn described(question: &Question, answer: &Answer, now: &[f64]) -> Suggestion {
         effects.extend(shown.into_iter().cloned());
     }
     Suggestion { text: format!("repeat with {}: {}", answer.variation.text, reasons.join("; ")), effects }
-}
-
-/// Effects with the smallest strength that the variation would find: `coulomb_friction from 0.03 N.m`.
-fn strengths(question: &Question, answer: &Answer, ids: &[&String]) -> Vec<String> {
-    let of = |problem: &Problem, look: &Look| {
-        let values: Vec<f64> = problem.base.iter().map(|free| free.start).collect();
-        map_in_order(ids, |id| weakest(problem, look, &values, id).unwrap_or_else(|| (*id).clone()))
-    };
-    with_look(question, &answer.variation, of).unwrap_or_else(|| ids.iter().map(|id| (*id).clone()).collect())
-}
-
-fn weakest(problem: &Problem, look: &Look, values: &[f64], id: &str) -> Option<String> {
-    let candidate = problem.candidate(id)?;
-    let k = look.ids().position(|known| known == id)?;
-    let view = look.sensitivities.signatures[k].views.first()?;
-    let (member, slope) = match view.members() {
-        Some(members) => {
-            let sized = members.iter().zip(look.projected.views[k].first()?);
-            sized.map(|(member, column)| (*member, norm(column))).max_by(|a, b| a.1.total_cmp(&b.1))?
-        }
-        None if candidate.free.len() == 1 => (0, f64::NAN),
-        None => return None,
-    };
-    let strength = smallest(problem, look, values, candidate, member, slope);
-    let unit = match strength.variable.unit.symbol {
-        "1" => "",
-        symbol => symbol,
-    };
-    Some(format!("{id} from {:.2e} {unit}", (strength.value? - strength.neutral).abs()).trim_end().to_owned())
 }

@@ -1,7 +1,8 @@
 //! Variations of an experiment that can be simulated: more loads, wider slips, other speeds, slopes, masses, signals.
 
 use super::plan::{PlanError, SingleWheelPlan, TraversePlan, all_signals, carried, handy, reach};
-use crate::diagnosis::sensitivity::modelled;
+use crate::diagnosis::halt::Halt;
+use crate::diagnosis::problem::Problem;
 use crate::diagnosis::single_wheel::Rig;
 use crate::measurement::{Experiment, Kind, Run};
 use crate::model::Model;
@@ -38,10 +39,10 @@ const REPEATS: usize = 3;
 const SPEED: f64 = 0.1;
 
 /// Variations of an experiment that the model can be asked about.
-pub(crate) fn variations(model: &Model, experiment: &Experiment) -> Vec<Variation> {
+pub(crate) fn variations(model: &Model, experiment: &Experiment, halt: Halt) -> Vec<Variation> {
     match experiment.kind {
         Kind::SingleWheel => single_wheel(model, experiment),
-        Kind::Traverse => traverse(model, experiment),
+        Kind::Traverse => traverse(model, experiment, halt),
     }
 }
 
@@ -143,7 +144,7 @@ fn carriage_changes(
     changes
 }
 
-fn traverse(model: &Model, experiment: &Experiment) -> Vec<Variation> {
+fn traverse(model: &Model, experiment: &Experiment, halt: Halt) -> Vec<Variation> {
     let radius = experiment.parameters.get("wheel.radius").copied().unwrap_or(model.rover.wheel.radius);
     let commands = |run: &Run| {
         let speeds = run.inputs.iter().filter(|name| name.ends_with(".speed_command"));
@@ -177,7 +178,7 @@ fn traverse(model: &Model, experiment: &Experiment) -> Vec<Variation> {
     let climbs = |degrees: &f64| {
         let hill = TraversePlan { slopes: vec![degrees.to_radians()], repeats: 1, ..present.clone() };
         let hill = with(String::new(), 0, experiment, hill.experiment());
-        hill.is_some_and(|hill| modelled(model, &hill.experiment).is_ok())
+        hill.is_some_and(|hill| reaches_the_end(model, &hill.experiment, halt))
     };
     let hill = SLOPES.into_iter().filter(|_| ground.is_none()).find(climbs);
     let changes = rover_changes(&present, hill, mass, speeds);
@@ -192,6 +193,13 @@ fn traverse(model: &Model, experiment: &Experiment) -> Vec<Variation> {
         }
     }
     variations
+}
+
+/// Whether the model can compute every row, unless `halt` asks to end.
+fn reaches_the_end(model: &Model, experiment: &Experiment, halt: Halt) -> bool {
+    let Ok(mut problem) = Problem::new(model, experiment, &[]) else { return false };
+    problem.halt = halt;
+    matches!(problem.predict(&[], |predict| predict.values(&[])), Ok(Ok(_)))
 }
 
 /// Lightest and heaviest mass that runs state; empty where they do not differ.

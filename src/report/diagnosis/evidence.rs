@@ -103,10 +103,7 @@ pub(super) fn add_candidates(page: &mut Page, diagnosis: &Diagnosis) {
     }
     if !diagnosis.invisible.is_empty() {
         let names: Vec<String> = diagnosis.invisible.iter().map(|id| spoken(id)).collect();
-        page.html(&format!(
-            "<p>Without any trace in this experiment, and so not judged: {}.</p>",
-            escape(&names.join(", "))
-        ));
+        page.html(&format!("<p>Invisible to this experiment, and so not judged: {}.</p>", escape(&names.join(", "))));
     }
     if !diagnosis.pairs.is_empty() {
         let row = |pair: &crate::diagnosis::PairResult| {

@@ -1,8 +1,8 @@
 //! What calibration did and can do, and the parameters of the final model.
 
 use super::{begin, final_name};
-use crate::diagnosis::{Diagnosis, ParameterResult};
-use crate::report::page::{Page, table};
+use crate::diagnosis::{Diagnosis, ParameterResult, STANDARD_ERROR};
+use crate::report::page::{Page, escape, table};
 use crate::report::plots::{profile, visible_shares};
 use crate::report::units::{Shown, digits, of_unit, short};
 
@@ -43,6 +43,10 @@ pub(super) fn add_parameters(page: &mut Page, diagnosis: &Diagnosis) {
         ),
     );
     page.html(&parameter_table(diagnosis, &diagnosis.last().parameters, true));
+    page.html(&format!(
+        "<p class=\"small\">Std. error, and what follows \u{b1} above: {}.</p>",
+        escape(STANDARD_ERROR)
+    ));
     let plots: Vec<_> = diagnosis
         .profiles
         .iter()

@@ -111,6 +111,9 @@ pub(super) fn reasons(diagnosis: &Diagnosis) -> Vec<String> {
             "The work was interrupted: this is a partial result, and what was not done is missing below.".to_owned(),
         );
     }
+    if !diagnosis.not_tried.is_empty() {
+        sentences.push(format!("Not tried: {}.", diagnosis.not_tried.join("; ")));
+    }
     let (named, _) = named_and_tied(diagnosis);
     let fit = &diagnosis.lack_of_fit;
     let p = equals(fit.p_structure.min(fit.p_value), diagnosis.smallest_p);
@@ -211,9 +214,11 @@ pub(super) fn shown_step(diagnosis: &Diagnosis) -> &Step {
     if named_and_tied(diagnosis).0.is_empty() { diagnosis.baseline() } else { diagnosis.last() }
 }
 
-/// A probability as people read it: never certain.
+/// A probability as people read it: never certain; a dash where it was not computed.
 pub(super) fn probability(p: f64) -> String {
-    if p > 0.99 {
+    if p.is_nan() {
+        "\u{2013}".to_owned()
+    } else if p > 0.99 {
         "over 99 %".to_owned()
     } else if p < 0.01 {
         "under 1 %".to_owned()
