@@ -118,7 +118,7 @@ fn opened(problem: &Problem, noise: &Noise, effects: &[String], values: Vec<f64>
     let free = problem.free(effects);
     let inside: BTreeSet<_> = fold.iter().copied().collect();
     let whitening = noise.whitening(problem, &|run, row| !inside.contains(&(run, row)))?;
-    let (_, slopes) = problem.predict(&free, |predict| predict.slopes(&values)).ok()?.ok()?;
+    let (_, slopes) = problem.predict(&free, |predict| predict.slopes_onward(&values)).ok()?.ok()?;
     let kept = |predict: &dyn crate::diagnosis::prediction::Predict| {
         let (layout, free, robust) = (&problem.layout, free.as_slice(), f64::INFINITY);
         Weighted { predict, layout, free, whitening: &whitening, robust, whole: false }.columns(&slopes, &values)
