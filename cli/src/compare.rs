@@ -2,6 +2,7 @@
 
 use crate::model::ModelArguments;
 use crate::output::{check_writable, say};
+use crate::saving::{Saving, print_sources};
 use anyhow::{Context, Result};
 use bekker::diagnosis::{Calibration, CompareOptions, Comparison, compare};
 use bekker::measurement::Experiment;
@@ -24,23 +25,26 @@ pub struct Compare {
     /// Write a self-contained page with overlay and residual plots.
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
+    #[command(flatten)]
+    saving: Saving,
 }
 
 impl Compare {
     pub fn run(self) -> Result<()> {
         let experiment = Experiment::read(&self.experiment)?;
-        let model = self.model.load()?;
+        let given = self.model.given()?;
+        let saving = self.saving.prepare(&experiment)?;
         if let Some(path) = &self.html {
             check_writable(path)?;
         }
         let calibrate = self.calibrate || !self.with.is_empty();
-        let comparison = compare(&model, &experiment, &CompareOptions { calibrate, added: self.with })?;
+        let comparison = compare(given, &experiment, &CompareOptions { calibrate, added: self.with })?;
         print(&comparison, "")?;
         if let Some(path) = &self.html {
             write_page(&comparison, path)?;
             say!("wrote {}", path.display());
         }
-        Ok(())
+        saving.write(&comparison.model)
     }
 }
 
@@ -52,6 +56,7 @@ pub fn write_page(comparison: &Comparison, path: &Path) -> Result<()> {
 /// Prints errors, free parameters, and where the model fails most; every line starts with `indent`.
 pub fn print(comparison: &Comparison, indent: &str) -> Result<()> {
     say!("{indent}{}: {} runs", comparison.experiment.name, comparison.experiment.runs.len());
+    print_sources(&comparison.sources, indent)?;
     print_errors(comparison, indent)?;
     if let Some((calibration, _)) = &comparison.calibrated {
         print_parameters(calibration, indent)?;

@@ -3,6 +3,7 @@
 use crate::diagnosis_text::print;
 use crate::model::ModelArguments;
 use crate::output::{check_all_writable, say, write, write_json};
+use crate::saving::{Saving, print_sources};
 use crate::{interrupt, progress};
 use anyhow::{Context, Result};
 use bekker::diagnosis::{Control, DiagnoseOptions, Progress, diagnose};
@@ -38,16 +39,16 @@ pub struct Diagnose {
     /// Write a self-contained page with plots.
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
-    /// Write the improved model, ready for `bekker simulate` and `bekker fmu`.
-    #[arg(long, value_name = "FILE")]
-    save: Option<PathBuf>,
+    #[command(flatten)]
+    saving: Saving,
 }
 
 impl Diagnose {
     pub fn run(self) -> Result<()> {
         let experiment = Experiment::read(&self.experiment)?;
-        let model = self.model.load()?;
-        check_all_writable([&self.json, &self.html, &self.save])?;
+        let given = self.model.given()?;
+        let saving = self.saving.prepare(&experiment)?;
+        check_all_writable([&self.json, &self.html])?;
         if let Some(threads) = self.threads {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
             pool.build_global().context("cannot start the threads")?;
@@ -62,9 +63,10 @@ impl Diagnose {
         let bar = progress::share_bar();
         let tell = |at: Progress| progress::show(&bar, at.stage, at.done, at.total);
         let control = Control { progress: &tell, stop: &interrupt::stopped, ..Control::default() };
-        let diagnosis = diagnose(&model, &experiment, &options, &control);
+        let diagnosis = diagnose(given, &experiment, &options, &control);
         bar.finish_and_clear();
         let diagnosis = diagnosis?;
+        print_sources(&diagnosis.sources, "")?;
         print(&diagnosis)?;
         if let Some(path) = &self.json {
             write_json(path, &diagnosis.to_json())?;
@@ -72,9 +74,7 @@ impl Diagnose {
         if let Some(path) = &self.html {
             write(path, &diagnosis_page(&diagnosis))?;
         }
-        if let Some(path) = &self.save {
-            write(path, &diagnosis.improved.to_toml()?)?;
-        }
+        saving.write(&diagnosis.improved)?;
         if diagnosis.interrupted {
             say!("interrupted: what was not done is missing from this result");
         }

@@ -2,6 +2,7 @@
 
 use crate::model::ModelArguments;
 use crate::output::{check_all_writable, say, write_json};
+use crate::saving::print_sources;
 use anyhow::Result;
 use bekker::diagnosis::{EffectSight, NoiseSource, SeparateOptions, Separation, SmallestStrength, separate};
 use bekker::measurement::Experiment;
@@ -31,10 +32,10 @@ pub struct Separate {
 impl Separate {
     pub fn run(self) -> Result<()> {
         let experiment = Experiment::read_plan(&self.experiment)?;
-        let model = self.model.load()?;
+        let given = self.model.given()?;
         check_all_writable([&self.json])?;
         let options = SeparateOptions { candidates: self.candidates, added: self.with, calibrate: !self.as_given };
-        let separation = separate(&model, &experiment, &options)?;
+        let separation = separate(given, &experiment, &options)?;
         print(&separation)?;
         if let Some(path) = &self.json {
             write_json(path, &separation.to_json())?;
@@ -47,6 +48,7 @@ impl Separate {
 pub fn print(separation: &Separation) -> Result<()> {
     let place = if separation.calibrated { "calibrated to it" } else { "at the given parameters" };
     say!("{}: what it can tell apart, the model {place}", separation.name);
+    print_sources(&separation.sources, "")?;
     let planned = separation.noise.values().any(|noise| noise.source == NoiseSource::Default);
     let note = if planned { " (default: usual instruments; every row counts as independent)" } else { "" };
     say!("noise of one sample{note}:");

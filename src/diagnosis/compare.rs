@@ -4,6 +4,7 @@ use super::calibrate::{Calibration, calibrate};
 use super::effort::Effort;
 use super::failure::{Failure, failures};
 use super::fit::Fit;
+use super::given::Given;
 use super::layout::Layout;
 use super::noise::{NoiseFloor, NoiseModel, Whitening, noise_floors};
 use super::prediction::{Predict, PredictionError};
@@ -38,6 +39,9 @@ pub enum CompareError {
     /// The experiment adds an effect whose id the model uses otherwise.
     #[error("experiment.toml: {0}")]
     Effect(#[from] DefinitionError),
+    /// The vehicle is not known, or cannot be used.
+    #[error("{0}")]
+    Vehicle(String),
     /// The model cannot compute a measured row.
     #[error(transparent)]
     Prediction(#[from] PredictionError),
@@ -75,7 +79,7 @@ pub enum CompareError {
 }
 
 /// A model beside an experiment. Arrays are by run and signal, in SI units.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Comparison {
     /// The experiment.
     pub experiment: Experiment,
@@ -87,6 +91,12 @@ pub struct Comparison {
     pub noise_floor: BTreeMap<String, NoiseFloor>,
     /// Where the model fails most, by signal and condition, the worst first.
     pub failures: Vec<Failure>,
+    /// What was taken from where, in words, where two places disagree; priors of a class of soil. See [`Given`].
+    pub sources: Vec<String>,
+    /// The model of [`fit`](Self::fit), which states all its values: compared with the same experiment it gives the same
+    /// errors. A wheel on a carriage where a single wheel was measured and no rover is named. What the experiment says of
+    /// single runs is not part of it.
+    pub model: Model,
     best: Fit,
 }
 
@@ -101,13 +111,17 @@ impl Comparison {
 /// Runs the model on the inputs of an experiment, of either kind, and compares it with what was measured.
 ///
 /// With `options.calibrate` the free parameters are calibrated first: those with
-/// [`Role::Calibrated`](bekker_modeldescription::Role) unless the experiment states their value, all that have a prior, and
-/// those of the effects named in `options.added`.
+/// [`Role::Calibrated`](bekker_modeldescription::Role) unless they are held, all that have a prior, and those of the effects
+/// named in `options.added`. Where values come from is said at [`Given`]; a plain model is one that is named.
 ///
 /// # Errors
 /// [`CompareError`].
-pub fn compare(model: &Model, experiment: &Experiment, options: &CompareOptions) -> Result<Comparison, CompareError> {
-    let problem = Problem::new(model, experiment, &options.added)?;
+pub fn compare(
+    given: impl Into<Given>,
+    experiment: &Experiment,
+    options: &CompareOptions,
+) -> Result<Comparison, CompareError> {
+    let problem = Problem::new(given, experiment, &options.added)?;
     if problem.layout.present() == 0 {
         return Err(CompareError::NothingMeasured);
     }
@@ -144,7 +158,10 @@ fn evaluate(predict: &dyn Predict, problem: &Problem, options: &CompareOptions) 
     let given = given.map(|values| Fit::new(experiment, layout, &values));
     let best = Fit::new(experiment, layout, &modelled);
     let failures = failures(experiment, &best, &floors);
-    Ok(Comparison { experiment: experiment.clone(), given, calibrated, noise_floor: floors, failures, best })
+    let values = calibrated.as_ref().map_or(start, |(calibration, _)| calibration.values());
+    let model = problem.saved(free, &values);
+    let (experiment, sources) = (experiment.clone(), problem.sources.clone());
+    Ok(Comparison { experiment, given, calibrated, noise_floor: floors, failures, sources, model, best })
 }
 
 /// A calibration with independent samples of the given standard deviations.

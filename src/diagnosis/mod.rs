@@ -13,6 +13,7 @@ mod effort;
 mod failure;
 mod fit;
 mod free;
+mod given;
 mod guide;
 #[cfg(feature = "report")]
 mod json;
@@ -20,16 +21,17 @@ mod layout;
 mod least_squares;
 mod linear_algebra;
 mod noise;
+mod precedence;
 mod prediction;
 mod problem;
 mod recorded;
 mod replay;
 mod sensitivity;
 mod separate;
-mod single_wheel;
 mod traverse;
 mod weighted;
 
+pub use crate::carriage::{Rig, SteadyError, SteadyPoint, steady_point};
 pub use calibrate::{CalibratedParameter, Calibration};
 pub use compare::{CompareError, CompareOptions, Comparison, compare};
 pub use diagnose::{
@@ -40,6 +42,7 @@ pub use diagnose::{
 pub(crate) use failure::levels_of;
 pub use failure::{Failure, Level, levels};
 pub use fit::{Fit, RunFit, SignalFit};
+pub use given::Given;
 pub use noise::{FloorSource, NoiseFloor, NoiseModel, Pooled};
 pub use prediction::{Derivatives, PredictionError};
 pub use replay::{Replay, ReplayError};
@@ -48,4 +51,3 @@ pub use separate::{
     AssumedNoise, EffectSight, Likeness, NoiseSource, PairSight, PlanError, SeparateOptions, Separation,
     SingleWheelPlan, SmallestStrength, Suggestion, TraversePlan, separate,
 };
-pub use single_wheel::{Rig, SteadyError, SteadyPoint, steady_point};

@@ -1,7 +1,7 @@
 //! What the model says where something was measured, and how that depends on parameters.
 
 use super::layout::Layout;
-use super::single_wheel::{Rig, SteadyError, SteadyPoint, partial, steady_point};
+use crate::carriage::{Rig, SteadyError, SteadyPoint, partial, steady_point};
 use crate::measurement::Experiment;
 use crate::model::RunError;
 use crate::scalar::{Dual, Scalar};

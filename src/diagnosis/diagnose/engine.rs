@@ -12,11 +12,11 @@ use super::search::{Fits, Search};
 use super::stage::{Ground, Stage};
 use super::verdict::{self, Case, Finding, NAMED};
 use crate::diagnosis::compare::CompareError;
+use crate::diagnosis::given::Given;
 use crate::diagnosis::noise::Whitening;
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::Problem;
 use crate::measurement::Experiment;
-use crate::model::Model;
 use std::collections::BTreeMap;
 
 /// How to diagnose.
@@ -40,8 +40,12 @@ impl Default for DiagnoseOptions {
 
 impl DiagnoseOptions {
     /// What is diagnosed, with the candidates that are asked for.
-    pub(crate) fn problem<'a>(&self, model: &Model, experiment: &'a Experiment) -> Result<Problem<'a>, CompareError> {
-        let mut problem = Problem::new(model, experiment, &self.added)?;
+    pub(crate) fn problem<'a>(
+        &self,
+        given: impl Into<Given>,
+        experiment: &'a Experiment,
+    ) -> Result<Problem<'a>, CompareError> {
+        let mut problem = Problem::new(given, experiment, &self.added)?;
         if let Some(candidates) = &self.candidates {
             problem.keep_candidates(candidates)?;
         }
@@ -61,18 +65,21 @@ const COMPETING_PAIRS: usize = 3;
 
 /// Compares the model with an experiment and looks for the effect that is missing.
 ///
+/// Where values come from is said at [`Given`]; a plain model is one that is named. An effect that the model has switched on
+/// is part of the baseline, held at its value.
+///
 /// The result does not depend on the number of threads. Once `control.stop` says yes, the work in hand is cut short and
 /// what is known by then is returned, marked as interrupted.
 ///
 /// # Errors
 /// [`CompareError`] where the experiment does not fit the model, or the model cannot compute it.
 pub fn diagnose(
-    model: &Model,
+    given: impl Into<Given>,
     experiment: &Experiment,
     options: &DiagnoseOptions,
     control: &Control,
 ) -> Result<Diagnosis, CompareError> {
-    let mut problem = options.problem(model, experiment)?;
+    let mut problem = options.problem(given, experiment)?;
     let clock = Clock { control };
     clock.tell("calibrating the baseline", 0.0);
     let prepared = prepare(&mut problem)?;

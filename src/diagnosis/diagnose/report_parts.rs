@@ -99,6 +99,8 @@ pub(crate) fn assemble(
     cautions.extend(super::cautions::of_draws(options.draws));
     let left_over = failures(&problem.experiment, &last.fit, floors);
     let suggestions = suggestions(inputs, &finding, fitted, &left_over);
+    let improved = problem.saved(&problem.free(chosen), &fitted.values());
+    cautions.extend(problem.unfit(&improved));
     Ok(Diagnosis {
         experiment: (*problem.experiment).clone(),
         verdict: finding.verdict,
@@ -123,7 +125,8 @@ pub(crate) fn assemble(
         failures_left: left_over,
         suggestions,
         cautions,
-        improved: problem.improved(&problem.free(chosen), &fitted.values()),
+        improved,
+        sources: problem.sources.clone(),
         effects: finding.listed(),
         candidates,
         profiles,
