@@ -50,12 +50,12 @@ impl Points {
                 );
             }
         }
-        let Some(table) = table else { return Ok(Self { time: None, sets: vec![set], source: None }) };
+        let Some(table) = &table else { return Ok(Self { time: None, sets: vec![set], source: None }) };
         let name = source.unwrap_or_default();
         if let Some(strange) = columns.iter().find(|column| *column != TIME && set.get(column).is_err()) {
             bail!("`{name}`: column `{strange}` is no input of a wheel on a carriage (load, slip, wheel_speed; time)");
         }
-        let sets = (0..table.rows()).map(|row| of_row(set, &table, row).with_context(|| format!("`{name}`")));
+        let sets = (0..table.rows()).map(|row| of_row(set, table, row).with_context(|| format!("`{name}`")));
         let sets = sets.collect::<Result<Vec<_>>>()?;
         Ok(Self { time: table.column(TIME).map(<[f64]>::to_vec), sets, source: Some(name) })
     }

@@ -47,7 +47,7 @@ impl Prepared {
     /// Writes the model, where that is asked for, and says whether a rover can use what was measured.
     pub fn write(&self, model: &Model) -> Result<()> {
         let Some(path) = &self.path else { return Ok(()) };
-        let on_vehicle = self.vehicle.as_ref().map(|vehicle| vehicle.with_rig_of(model));
+        let on_vehicle = self.vehicle.as_ref().map(|vehicle| vehicle.with_rig_of(model)).transpose()?;
         let saved = on_vehicle.as_ref().unwrap_or(model);
         write(path, &saved.to_toml()?)?;
         if let Err(unfit) = saved.check_drive() {

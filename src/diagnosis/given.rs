@@ -18,10 +18,12 @@ use std::collections::BTreeMap;
 /// A plain [`&Model`](Model) given in its place is a model that is named: a model that was read from a file, or an improved
 /// one, states its parameters; a built-in model states none, so that the experiment's `[parameters]` hold against it.
 /// `Given::default()` names no model: the experiment's own is taken or, where it names none, the built-in one.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Given {
     pub(super) named: Option<Named>,
     pub(super) set: BTreeMap<String, f64>,
+    /// How the values that are set are called in messages.
+    pub(super) set_by: &'static str,
     pub(super) effects: Vec<EffectDefinition>,
 }
 
@@ -35,7 +37,20 @@ pub(super) struct Named {
     pub by_experiment: bool,
 }
 
+impl Default for Given {
+    fn default() -> Self {
+        Self { named: None, set: BTreeMap::new(), set_by: "--set", effects: Vec::new() }
+    }
+}
+
 impl Given {
+    /// How the values that are set are called in messages: the option or the argument; `--set` unless said otherwise.
+    #[must_use]
+    pub fn values_by(mut self, name: &'static str) -> Self {
+        self.set_by = name;
+        self
+    }
+
     /// Names a model; `name` is how it was asked for, a file or a built-in model.
     #[must_use]
     pub fn with_model(mut self, model: Model, name: &str) -> Self {
@@ -77,7 +92,7 @@ impl Given {
     #[must_use]
     pub fn again(model: Model, by_experiment: bool, values: BTreeMap<String, f64>) -> Self {
         let name = model.name.clone();
-        Self { named: Some(Named { model, name, by_experiment }), set: values, effects: Vec::new() }
+        Self { named: Some(Named { model, name, by_experiment }), set: values, ..Self::default() }
     }
 }
 

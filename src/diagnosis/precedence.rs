@@ -10,7 +10,6 @@ use bekker_modeldescription::{Lookup, Role, Variable};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Places as they are called in messages and errors.
-const SET: &str = "--set";
 const PARAMETERS: &str = "the experiment's [parameters]";
 const PRIORS: &str = "the mean in the experiment's [priors]";
 const CLASS: &str = "the mean of the soil's class";
@@ -133,7 +132,7 @@ impl Places<'_> {
     /// All places that give `name` a value for the whole experiment, the one that holds first.
     fn layers(&self, name: &str, variables: &BTreeMap<String, Variable>, stated: &Model) -> Vec<Layer> {
         let layer = |value: f64, place: &str| Layer { value, place: place.to_owned() };
-        let by_hand = self.given.set.get(name).map(|value| layer(*value, SET));
+        let by_hand = self.given.set.get(name).map(|value| layer(*value, self.given.set_by));
         let measured = self.experiment.parameters.get(name).map(|value| layer(*value, PARAMETERS));
         let of_prior = |priors: &BTreeMap<String, Prior>, place| priors.get(name).map(|prior| layer(prior.mean, place));
         let prior = of_prior(&self.experiment.priors, PRIORS).or_else(|| of_prior(self.of_class, CLASS));
@@ -160,7 +159,8 @@ impl Places<'_> {
         }
         let line = |(name, values): (&String, Vec<(&String, f64)>)| {
             let layers = self.layers(name, variables, stated);
-            let against = layers.into_iter().find(|layer| layer.place == SET || layer.place == self.label)?;
+            let against =
+                layers.into_iter().find(|layer| layer.place == self.given.set_by || layer.place == self.label)?;
             let others: Vec<_> = values.into_iter().filter(|(_, value)| *value != against.value).collect();
             let unit = unit_of(name, variables);
             let shown = |(run, value): &(&String, f64)| format!("{}{unit} in run {run}", figure(*value));

@@ -1,10 +1,12 @@
 //! A wheel on a carriage as a model, and a tested wheel on a rover.
 
 use super::{Model, RunError};
-use crate::carriage::{Rig, SteadyError};
+use crate::carriage::{Rig, SetPoint, SteadyError, SteadyPoint};
+use crate::effects::DefinitionError;
 use crate::simulation::{Event, Status};
-use bekker_modeldescription::Parameters;
+use bekker_modeldescription::{Parameters, Role};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// What a model is of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -58,7 +60,9 @@ impl Model {
     pub fn carriage(name: &str, rig: Rig) -> Self {
         let mut model = Self::new(name, crate::rover::Rover::two_wheeled());
         model.kind = ModelKind::Carriage;
-        model.put_on(&rig);
+        let Rig { environment, wheel, soil, effects } = rig;
+        (model.rover.environment, model.rover.wheel) = (environment, wheel);
+        (model.rover.soil, model.rover.effects) = (soil, effects);
         model
     }
 
@@ -68,21 +72,26 @@ impl Model {
         Rig::of(&self.rover)
     }
 
-    /// This rover with gravity, wheel, soil and effects of `tested`, which count as stated, as do its effects of the user's
-    /// own.
-    #[must_use]
-    pub fn with_rig_of(&self, tested: &Self) -> Self {
+    /// This rover with gravity, wheel, soil and effects of `tested`, which count as stated. Effects that `tested` has switched
+    /// off stay as this rover has them: a carriage does not see all of them.
+    ///
+    /// # Errors
+    /// [`DefinitionError`] where both define effects of the user's own with one id in different ways.
+    pub fn with_rig_of(&self, tested: &Self) -> Result<Self, DefinitionError> {
         let mut rover = self.clone();
-        let mut rig = tested.rig();
-        rover.put_on(&rig);
-        rig.visit("", &mut |variable, _| rover.stated.insert(&variable.name));
-        rover
-    }
-
-    fn put_on(&mut self, rig: &Rig) {
-        let Rig { environment, wheel, soil, effects } = rig.clone();
-        (self.rover.environment, self.rover.wheel) = (environment, wheel);
-        (self.rover.soil, self.rover.effects) = (soil, effects);
+        let custom = &tested.rover.effects.custom;
+        rover.define_effects(custom.iter().map(|effect| effect.definition().clone()).collect())?;
+        let mut values = BTreeMap::new();
+        tested.rig().visit("", &mut |variable, value| {
+            if variable.role != Role::Effect || *value != variable.default {
+                values.insert(variable.name, *value);
+            }
+        });
+        rover.visit("", &mut |variable, place| {
+            values.get(&variable.name).into_iter().for_each(|value| *place = *value);
+        });
+        values.keys().for_each(|name| rover.stated.insert(name));
+        Ok(rover)
     }
 
     /// Whether a rover comes to rest on its ground and is not at its end within its first second: belly on the ground,
@@ -107,10 +116,7 @@ impl Model {
     ///
     /// # Errors
     /// [`SteadyError`] of the first that does not exist, with its number in the list, from 0.
-    pub fn steady_points(
-        &self,
-        points: &[crate::carriage::SetPoint],
-    ) -> Result<Vec<crate::carriage::SteadyPoint>, (usize, SteadyError)> {
+    pub fn steady_points(&self, points: &[SetPoint]) -> Result<Vec<SteadyPoint>, (usize, SteadyError)> {
         let rig = self.rig();
         points.iter().enumerate().map(|(k, set)| rig.at(set).map_err(|source| (k, source))).collect()
     }
