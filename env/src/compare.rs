@@ -13,22 +13,17 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::collections::BTreeMap;
 
-/// What is given beside an experiment: a model with the name that it was asked for by, and values that are set.
-#[derive(FromPyObject)]
-pub struct GivenByCaller {
-    model: Option<(Py<Model>, String)>,
-    values: BTreeMap<String, f64>,
-}
+/// A model and the name that it was asked for by.
+pub type Asked = Option<(Py<Model>, String)>;
 
-impl GivenByCaller {
-    pub fn core(&self, py: Python<'_>) -> Given {
-        let given = Given::default().values_by("parameters");
-        let given = match &self.model {
-            Some((model, name)) => given.with_model(model.borrow(py).core.clone(), name),
-            None => given,
-        };
-        self.values.iter().fold(given, |given, (name, value)| given.with_value(name, *value))
-    }
+/// What is given beside an experiment: a model, and values that are set by hand.
+pub fn given(py: Python<'_>, model: &Asked, values: &BTreeMap<String, f64>) -> Given {
+    let given = Given::default().values_by("parameters");
+    let given = match model {
+        Some((model, name)) => given.with_model(model.borrow(py).core.clone(), name),
+        None => given,
+    };
+    values.iter().fold(given, |given, (name, value)| given.with_value(name, *value))
 }
 
 /// Runs a model on the inputs of an experiment, with effects added and calibrated on request, and compares.
@@ -36,13 +31,14 @@ impl GivenByCaller {
 pub fn compare<'py>(
     py: Python<'py>,
     experiment: Source,
-    given: GivenByCaller,
+    model: Asked,
+    values: BTreeMap<String, f64>,
     calibrate: bool,
     added: Vec<String>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let experiment = experiment.read(py)?;
     let options = CompareOptions { calibrate, added };
-    let given = given.core(py);
+    let given = given(py, &model, &values);
     let comparison = py
         .detach(|| error::fenced(|| core_compare(given, &experiment, &options)))?
         .map_err(|refused| failed(&refused))?;

@@ -1,7 +1,7 @@
 //! The diagnosis. It works in a thread of its own, which knows nothing of Python; the calling thread hands out fits,
 //! tells of progress and looks for Ctrl-C.
 
-use crate::compare::{GivenByCaller, failed};
+use crate::compare::{Asked, failed, given};
 use crate::error::{self, InputError, Panic, SimulationError};
 use crate::experiment::Source;
 use crate::finding::Finding;
@@ -94,7 +94,8 @@ type Ended<'py> = (Option<Finding>, Option<Bound<'py, PyBaseException>>);
 pub fn diagnose<'py>(
     py: Python<'py>,
     experiment: Source,
-    given: GivenByCaller,
+    model: Asked,
+    values: BTreeMap<String, f64>,
     candidates: Option<Vec<String>>,
     added: Vec<String>,
     max_effects: usize,
@@ -105,9 +106,8 @@ pub fn diagnose<'py>(
     let read = experiment.read(py)?;
     let options = DiagnoseOptions { candidates, added, max_effects, draws };
     let texts = spread.as_ref().map(|_| experiment.texts()).transpose()?;
-    let given = given.core(py);
+    let given = given(py, &model, &values);
     let chosen = spread.as_ref().map(|_| given.chosen(&read)).transpose().map_err(|refused| failed(&refused))?;
-    let values = given.values().clone();
     let caller = Caller { spread, progress, chosen, values, texts: texts.unwrap_or_default(), options: &options };
     let stop = Arc::new(AtomicBool::new(false));
     let mut events = begin(given, read, options.clone(), caller.spread.is_some(), Arc::clone(&stop));

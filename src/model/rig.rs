@@ -35,7 +35,7 @@ pub enum UnfitRover {
         source: RunError,
     },
     /// Its run ends at once.
-    #[error("the rover `{name}` does not drive: after {time:.2} s it is {event}")]
+    #[error("the rover `{name}` does not drive: its run ends after {time:.2} s: {event}")]
     Ended {
         /// Name of the model.
         name: String,

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Self
 
-from .models import Given
 from .vocabulary import Variable
 
 __all__ = [
@@ -39,11 +38,16 @@ def presets() -> list[tuple[str, str]]: ...
 def effects() -> list[tuple[str, str]]: ...
 def check_experiment(texts: dict[str, str]) -> list[str]: ...
 def compare(
-    experiment: dict[str, str] | str | os.PathLike[str], given: Given, calibrate: bool, added: list[str]
+    experiment: dict[str, str] | str | os.PathLike[str],
+    model: tuple[Model, str] | None,
+    values: dict[str, float],
+    calibrate: bool,
+    added: list[str],
 ) -> dict[str, Any]: ...
 def diagnose(
     experiment: dict[str, str] | str | os.PathLike[str],
-    given: Given,
+    model: tuple[Model, str] | None,
+    values: dict[str, float],
     candidates: list[str] | None,
     added: list[str],
     max_effects: int,

@@ -202,7 +202,7 @@ def compare(
     effects = names_of("added", added or ())
     if effects and not calibrate:
         raise InputError(f"added = {effects}: expected calibrate=True; an effect is neutral until it is calibrated")
-    found = _bekker.compare(source(experiment), given(model, parameters), calibrate, effects)
+    found = _bekker.compare(source(experiment), *given(model, parameters), calibrate, effects)
     return Comparison(
         experiment=found["experiment"],
         given=fit_from(found["given"]),

@@ -302,7 +302,7 @@ def diagnose(
     _whole("draws", draws, 100)
     finding, raised = _bekker.diagnose(
         source(experiment),
-        given(model, parameters),
+        *given(model, parameters),
         None if candidates is None else names_of("candidates", candidates),
         names_of("added", added or ()),
         max_effects,

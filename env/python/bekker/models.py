@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 from . import _bekker
@@ -16,14 +15,9 @@ ModelLike = Model | str | os.PathLike[str]
 """A :class:`Model`, the name of a preset, TOML text, or the path of a TOML file."""
 
 
-@dataclass(frozen=True)
-class Given:
-    """What a comparison is given beside the experiment."""
-
-    model: tuple[Model, str] | None
-    """A model and the name that it was asked for by; None for the experiment's own, or one that is built in."""
-    values: dict[str, float]
-    """Parameters that are set by hand."""
+Given = tuple[tuple[Model, str] | None, dict[str, float]]
+"""What is given beside an experiment: a model with the name that it was asked for by (None for the experiment's own, or one
+that is built in), and parameters that are set by hand."""
 
 
 def presets() -> dict[str, str]:
@@ -54,11 +48,11 @@ def given(model: ModelLike | None, parameters: Mapping[str, float] | None) -> Gi
     """What is given beside an experiment. Errors as :func:`as_model`; the names of ``parameters`` are checked later."""
     values = {name: float(value) for name, value in (parameters or {}).items()}
     if model is None:
-        return Given(None, values)
+        return None, values
     own = _read(model)
-    # A text that is TOML has no name of its own.
-    asked = os.fspath(model) if not isinstance(model, Model) and "\n" not in str(model) and "=" not in str(model) else own.name
-    return Given((own, asked), values)
+    # A model in memory has its own name, and TOML text is none.
+    asked = own.name if isinstance(model, Model) else os.fspath(model)
+    return (own, own.name if "\n" in asked or "=" in asked else asked), values
 
 
 def export_fmu(
