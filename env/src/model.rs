@@ -290,7 +290,8 @@ impl Model {
     }
 
     /// What a file has not: it has the numbers of those sensors that the control reads, and states all its parameters.
-    fn __setstate__(&mut self, (sensors, stated): State) -> PyResult<()> {
+    fn __setstate__(&mut self, state: State) -> PyResult<()> {
+        let (sensors, stated) = state;
         self.core.stated = stated.into_iter().collect();
         sensors.iter().try_for_each(|(name, value)| self.set_sensor(name, *value))
     }
