@@ -198,7 +198,7 @@ fn property_wrong_names_are_refused_with_their_place() {
     assert!(unknown.contains("[parameters]") && unknown.contains("did you mean soil.cohesion"), "{unknown}");
     let range = message("[[run]]\nfile = \"run.csv\"\nparameters = { \"soil.exponent\" = 9 }");
     assert!(range.contains("run") && range.contains("0.3 .. 2"), "{range}");
-    let prior = message("[priors]\n\"soil.cohesin\" = 1\n[[run]]\nfile = \"run.csv\"");
+    let prior = message("[priors]\n\"soil.cohesin\" = { mean = 1.0, sd = 1.0 }\n[[run]]\nfile = \"run.csv\"");
     assert!(prior.contains("[priors]"), "{prior}");
     let soft = message("[parameters]\n\"soil.k_phi\" = 1000\n[[run]]\nfile = \"run.csv\"");
     assert!(soft.contains("row 1") && soft.contains("sinks to its axle"), "{soft}");
