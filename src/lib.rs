@@ -15,6 +15,7 @@
 //! | [`contact`] | the forces between them | soil, wheel |
 //! | [`linear_stress`] | the thesis's closed forms, a named alternative with its measured error | soil, wheel |
 //! | [`motor`], [`effects`] | drives, and missing physics to be switched on | contact |
+//! | [`carriage`] | steady points of one wheel under a load | effects, rover |
 //! | [`rover`] | bodies, joints, equations of motion, rest | effects, terrain, motor |
 //! | [`simulation`] | a rover in motion, with a fixed step | rover |
 //! | [`equations`] | the same as explicit differential equations, for other integrators, and their derivatives | rover, simulation |
@@ -46,6 +47,7 @@
 
 #[cfg(feature = "batch")]
 pub mod batch;
+pub mod carriage;
 pub mod contact;
 pub mod control;
 #[cfg(feature = "experiments")]

@@ -2,13 +2,12 @@
 
 use crate::compare::{print_errors, print_parameters};
 use crate::model::ModelArguments;
-use crate::output::{check_all_writable, say, write, write_json};
+use crate::output::{check_all_writable, say, write_json};
 use crate::progress::Reporter;
+use crate::saving::{Saving, print_sources};
 use anyhow::{Context, Result};
 use bekker::diagnosis::{Calibration, CompareOptions, Comparison, compare};
 use bekker::measurement::Experiment;
-use bekker::model::Model;
-use bekker::modeldescription::Lookup;
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 
@@ -22,9 +21,8 @@ pub struct Calibrate {
     /// Switch effects on, separated by commas; their parameters are calibrated too.
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     with: Vec<String>,
-    /// Write the calibrated model, ready for `bekker simulate` and `bekker fmu`.
-    #[arg(long, value_name = "FILE")]
-    save: Option<PathBuf>,
+    #[command(flatten)]
+    saving: Saving,
     /// Write parameters and errors as JSON.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -33,14 +31,16 @@ pub struct Calibrate {
 impl Calibrate {
     pub fn run(self) -> Result<()> {
         let experiment = Experiment::read(&self.experiment)?;
-        let model = self.model.load()?;
-        check_all_writable([&self.save, &self.json])?;
+        let given = self.model.given()?;
+        let saving = self.saving.prepare(&experiment)?;
+        check_all_writable([&self.json])?;
         let reporter = Reporter::start("calibrating the model");
-        let comparison = compare(&model, &experiment, &CompareOptions { calibrate: true, added: self.with });
+        let comparison = compare(given, &experiment, &CompareOptions { calibrate: true, added: self.with });
         drop(reporter);
         let comparison = comparison?;
         let (calibration, _) = comparison.calibrated.as_ref().context("there was nothing to calibrate")?;
         say!("{}: {} runs", experiment.name, experiment.runs.len());
+        print_sources(&comparison.sources, "")?;
         print_errors(&comparison, "")?;
         print_parameters(calibration, "")?;
         say!("weights (standard deviation of one sample, by which residuals were divided):");
@@ -52,22 +52,8 @@ impl Calibrate {
         if let Some(path) = &self.json {
             write_json(path, &as_json(&comparison, calibration))?;
         }
-        if let Some(path) = &self.save {
-            write(path, &calibrated(model, &experiment, calibration)?.to_toml()?)?;
-        }
-        Ok(())
+        saving.write(&comparison.model, "the calibrated model")
     }
-}
-
-/// The model with what is known of the rig and the calibrated values.
-fn calibrated(mut model: Model, experiment: &Experiment, calibration: &Calibration) -> Result<Model> {
-    for (name, value) in &experiment.parameters {
-        model.set(name, *value)?;
-    }
-    for parameter in &calibration.parameters {
-        model.set(&parameter.variable.name, parameter.value)?;
-    }
-    Ok(model)
 }
 
 fn as_json(comparison: &Comparison, calibration: &Calibration) -> Value {
@@ -93,6 +79,7 @@ fn as_json(comparison: &Comparison, calibration: &Calibration) -> Value {
         "parameters": calibration.parameters.iter().map(parameter).collect::<Map<_, _>>(),
         "weights": calibration.weights,
         "noise_floor": floors.collect::<Map<_, _>>(),
+        "sources": comparison.sources,
         "rmse_given": comparison.given.as_ref().ok().map(|fit| &fit.rmse),
         "rmse": comparison.fit().rmse,
         "chi_square": calibration.chi_square,

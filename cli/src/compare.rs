@@ -3,6 +3,7 @@
 use crate::model::ModelArguments;
 use crate::output::{check_writable, say};
 use crate::progress::Reporter;
+use crate::saving::{Saving, print_sources};
 use anyhow::{Context, Result};
 use bekker::diagnosis::{Calibration, CompareOptions, Comparison, STANDARD_ERROR, UnansweredRows, compare};
 use bekker::measurement::Experiment;
@@ -25,18 +26,21 @@ pub struct Compare {
     /// Write a self-contained page with overlay and residual plots.
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
+    #[command(flatten)]
+    saving: Saving,
 }
 
 impl Compare {
     pub fn run(self) -> Result<()> {
         let experiment = Experiment::read(&self.experiment)?;
-        let model = self.model.load()?;
+        let given = self.model.given()?;
+        let saving = self.saving.prepare(&experiment)?;
         if let Some(path) = &self.html {
             check_writable(path)?;
         }
         let calibrate = self.calibrate || !self.with.is_empty();
         let reporter = Reporter::start(if calibrate { "calibrating the model" } else { "running the model" });
-        let comparison = compare(&model, &experiment, &CompareOptions { calibrate, added: self.with });
+        let comparison = compare(given, &experiment, &CompareOptions { calibrate, added: self.with });
         drop(reporter);
         let comparison = comparison?;
         print(&comparison, "")?;
@@ -44,7 +48,7 @@ impl Compare {
             write_page(&comparison, path)?;
             say!("wrote {}", path.display());
         }
-        Ok(())
+        saving.write(&comparison.model, if calibrate { "the calibrated model" } else { "the model as it was compared" })
     }
 }
 
@@ -59,6 +63,7 @@ const MOST_UNANSWERED: usize = 8;
 /// Prints errors, free parameters, and where the model fails most; every line starts with `indent`.
 pub fn print(comparison: &Comparison, indent: &str) -> Result<()> {
     say!("{indent}{}: {} runs", comparison.experiment.name, comparison.experiment.runs.len());
+    print_sources(&comparison.sources, indent)?;
     print_errors(comparison, indent)?;
     print_unanswered(comparison, "as given", &comparison.given_unanswered, indent)?;
     if comparison.calibrated.is_some() {

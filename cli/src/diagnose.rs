@@ -3,8 +3,9 @@
 use crate::diagnosis_text::print;
 use crate::interrupt;
 use crate::model::ModelArguments;
-use crate::output::{check_all_writable, write, write_json};
+use crate::output::{check_all_writable, say, write, write_json};
 use crate::progress::Reporter;
+use crate::saving::{Saving, print_sources};
 use anyhow::{Context, Result, bail};
 use bekker::diagnosis::{CompareError, Control, DiagnoseOptions, diagnose};
 use bekker::measurement::Experiment;
@@ -44,16 +45,16 @@ pub struct Diagnose {
     /// Write a self-contained page with plots.
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
-    /// Write the improved model, ready for `bekker simulate` and `bekker fmu`.
-    #[arg(long, value_name = "FILE")]
-    save: Option<PathBuf>,
+    #[command(flatten)]
+    saving: Saving,
 }
 
 impl Diagnose {
     pub fn run(self) -> Result<()> {
         let experiment = Experiment::read(&self.experiment)?;
-        let model = self.model.load()?;
-        check_all_writable([&self.json, &self.html, &self.save])?;
+        let given = self.model.given()?;
+        let saving = self.saving.prepare(&experiment)?;
+        check_all_writable([&self.json, &self.html])?;
         if let Some(threads) = self.threads {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
             pool.build_global().context("cannot start the threads")?;
@@ -68,15 +69,16 @@ impl Diagnose {
         let reporter = Reporter::start("calibrating the baseline");
         let tell = |at| reporter.tell(at);
         let control = Control { progress: &tell, stop: &interrupt::stopped, budget: self.time, ..Control::default() };
-        let diagnosis = diagnose(&model, &experiment, &options, &control);
+        let diagnosis = diagnose(given, &experiment, &options, &control);
         drop(reporter);
         let diagnosis = match diagnosis {
             Err(CompareError::Interrupted) => interrupt::with_nothing(
                 &CompareError::Interrupted,
-                [&self.json, &self.html, &self.save].into_iter().flatten(),
+                [&self.json, &self.html].into_iter().flatten().chain(saving.path()),
             ),
             diagnosis => diagnosis?,
         };
+        print_sources(&diagnosis.sources, "")?;
         print(&diagnosis)?;
         if let Some(path) = &self.json {
             write_json(path, &diagnosis.to_json())?;
@@ -84,10 +86,7 @@ impl Diagnose {
         if let Some(path) = &self.html {
             write(path, &diagnosis_page(&diagnosis))?;
         }
-        if let Some(path) = &self.save {
-            write(path, &diagnosis.improved.to_toml()?)?;
-            say!("  it is {}", diagnosis.improved_is());
-        }
+        saving.write(&diagnosis.improved, &diagnosis.improved_is())?;
         Ok(())
     }
 }

@@ -18,9 +18,9 @@ pub struct Fmu {
     /// Version of the standard: 2 (2.0, which nearly every tool reads) or 3 (3.0).
     #[arg(long, value_parser = version, default_value = "3", value_name = "2|3")]
     fmi: Version,
-    /// What of the model the FMU offers: the whole (closed-loop), its rover, or its controller; what the model file says
-    /// where missing.
-    #[arg(long, value_name = "rover|controller|closed-loop")]
+    /// What of the model the FMU offers: the whole (closed-loop), its rover, or its controller; of a wheel on a carriage,
+    /// that. What the model file says where missing.
+    #[arg(long, value_name = "rover|controller|closed-loop|carriage")]
     kind: Option<Kind>,
     /// Shows the same quantity of every wheel, link or obstacle as one array, `wheels.slip` (FMI 3.0 only).
     #[arg(long)]

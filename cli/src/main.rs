@@ -1,6 +1,7 @@
 //! `bekker`: simulate rovers on soft soil, compare them with measurements, find the missing effect, package them as FMUs.
 
 mod calibrate;
+mod carriage;
 mod check;
 mod compare;
 mod demo;
@@ -14,6 +15,7 @@ mod output;
 mod parameters;
 mod progress;
 mod reproduce;
+mod saving;
 mod separate;
 mod simulate;
 
@@ -35,7 +37,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Drive a rover and write its signals as CSV.
+    /// Drive a rover, or load a wheel on a carriage, and write the signals as CSV.
     Simulate(simulate::Simulate),
     /// Run a model on the inputs of an experiment and see where it fails.
     Compare(compare::Compare),

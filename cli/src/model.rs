@@ -1,38 +1,36 @@
 //! Which model a command works on: a preset or a file, with parameters set on the command line.
 
 use anyhow::{Context, Result, anyhow};
-use bekker::model::{Model, PRESETS};
+use bekker::diagnosis::Given;
+use bekker::effects::EffectDefinition;
+use bekker::model::Model;
 use bekker::modeldescription::Lookup;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+
+/// The model of a command that has no experiment, where none is named.
+const USUAL: &str = "gentle_velocity";
 
 /// Model and changes to it.
 #[derive(clap::Args)]
 pub struct ModelArguments {
-    /// A model file (TOML) or the name of a built-in model, see `bekker parameters --models`.
-    #[arg(default_value = "gentle_velocity")]
-    model: String,
+    /// A model file (TOML) or the name of a built-in model, see `bekker parameters --models`. Where missing: with an
+    /// experiment the model that `experiment.toml` names, or a plain rover or wheel; else gentle_velocity.
+    model: Option<String>,
     /// Add effects of your own: a TOML file with `[[effect]]` tables; may be given several times.
     #[arg(long, value_name = "FILE")]
     effects_from: Vec<PathBuf>,
-    /// Set a parameter by its name, SI units; may be given several times.
+    /// Set a parameter by its name, SI units; may be given several times. With an experiment it goes before the model and
+    /// the experiment's [parameters], and a calibration leaves it as it is unless it has a prior.
     #[arg(long = "set", value_name = "NAME=VALUE")]
     changes: Vec<String>,
 }
 
 impl ModelArguments {
-    /// The model, with its changes.
+    /// The model, with its changes, for commands that have no experiment.
     pub fn load(&self) -> Result<Model> {
-        let mut model = if Path::new(&self.model).is_file() {
-            Model::read(Path::new(&self.model)).with_context(|| format!("in `{}`", self.model))?
-        } else if PRESETS.iter().any(|(name, _)| *name == self.model) {
-            Model::preset(&self.model)?
-        } else {
-            let names: Vec<&str> = PRESETS.iter().map(|(name, _)| *name).collect();
-            return Err(anyhow!("`{}` is neither a file nor a built-in model ({})", self.model, names.join(", ")));
-        };
+        let (mut model, _) = Model::find(self.model.as_deref().unwrap_or(USUAL), None)?;
         for file in &self.effects_from {
-            let text = std::fs::read_to_string(file).with_context(|| format!("cannot read `{}`", file.display()))?;
-            model.add_effects(&text).with_context(|| format!("in `{}`", file.display()))?;
+            model.add_effects(&read(file)?).with_context(|| format!("in `{}`", file.display()))?;
         }
         for change in &self.changes {
             let (name, value) = assignment(change)?;
@@ -40,6 +38,27 @@ impl ModelArguments {
         }
         Ok(model)
     }
+
+    /// What is given beside an experiment, which decides what of it holds.
+    pub fn given(&self) -> Result<Given> {
+        let mut given = Given::default();
+        if let Some(name) = &self.model {
+            given = given.with_model(Model::find(name, None)?.0, name);
+        }
+        for file in &self.effects_from {
+            let effects = EffectDefinition::all_from_toml(&read(file)?);
+            given = given.with_effects(effects.with_context(|| format!("in `{}`", file.display()))?);
+        }
+        for change in &self.changes {
+            let (name, value) = assignment(change)?;
+            given = given.with_value(name, value);
+        }
+        Ok(given)
+    }
+}
+
+fn read(file: &std::path::Path) -> Result<String> {
+    std::fs::read_to_string(file).with_context(|| format!("cannot read `{}`", file.display()))
 }
 
 /// Splits `NAME=VALUE`.

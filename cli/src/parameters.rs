@@ -2,7 +2,8 @@
 
 use crate::model::ModelArguments;
 use anyhow::Result;
-use bekker::model::PRESETS;
+use bekker::carriage::SteadyPoint;
+use bekker::model::{ModelKind, PRESETS};
 use bekker::modeldescription::{Lookup, Variable};
 use std::io::Write;
 
@@ -51,6 +52,9 @@ impl Parameters {
         writeln!(out, "\n# Inputs")?;
         describe(&mut out, model.inputs().list())?;
         writeln!(out, "\n# Signals")?;
+        if model.kind == ModelKind::Carriage {
+            return describe(&mut out, SteadyPoint::<f64>::default().list());
+        }
         let mut signals = model.start()?.signals().clone();
         describe(&mut out, signals.list())
     }

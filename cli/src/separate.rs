@@ -3,6 +3,7 @@
 use crate::model::ModelArguments;
 use crate::output::{check_all_writable, say, write_json};
 use crate::progress::Reporter;
+use crate::saving::print_sources;
 use anyhow::Result;
 use bekker::diagnosis::{EffectSight, NoiseSource, SeparateOptions, Separation, SmallestStrength, separate};
 use bekker::measurement::Experiment;
@@ -32,11 +33,11 @@ pub struct Separate {
 impl Separate {
     pub fn run(self) -> Result<()> {
         let experiment = Experiment::read_plan(&self.experiment)?;
-        let model = self.model.load()?;
+        let given = self.model.given()?;
         check_all_writable([&self.json])?;
         let options = SeparateOptions { candidates: self.candidates, added: self.with, calibrate: !self.as_given };
         let reporter = Reporter::start("looking at what the experiment can tell apart");
-        let separation = separate(&model, &experiment, &options);
+        let separation = separate(given, &experiment, &options);
         drop(reporter);
         let separation = separation?;
         print(&separation)?;
@@ -51,6 +52,7 @@ impl Separate {
 pub fn print(separation: &Separation) -> Result<()> {
     let place = if separation.calibrated { "calibrated to it" } else { "at the given parameters" };
     say!("{}: what it can tell apart, the model {place}", separation.name);
+    print_sources(&separation.sources, "")?;
     let planned = separation.noise.values().any(|noise| noise.source == NoiseSource::Default);
     let note = if planned { " (default: usual instruments; every row counts as independent)" } else { "" };
     say!("noise of one sample{note}:");

@@ -1,16 +1,20 @@
 //! `bekker simulate`.
 
+use crate::carriage::Points;
 use crate::model::{ModelArguments, assignment};
 use crate::output::{check_writable, say};
 use crate::progress;
 use anyhow::{Context, Result, anyhow, bail};
 use bekker::measurement::{Record, Table};
-use bekker::model::{Model, Run, Summary, SummaryBuilder};
+use bekker::model::{Model, ModelKind, Run, Summary, SummaryBuilder};
 use bekker::modeldescription::Lookup;
 use bekker::simulation::Status;
 use std::path::PathBuf;
 
-/// Drive a rover and write its signals as CSV.
+/// Time between two recorded rows where none is given, s.
+const EVERY: f64 = 0.02;
+
+/// Drive a rover and write its signals as CSV; or the steady points of a wheel on a carriage, one for each row of inputs.
 #[derive(clap::Args)]
 pub struct Simulate {
     #[command(flatten)]
@@ -21,12 +25,13 @@ pub struct Simulate {
     /// Hold an input at a value, for example velocity_command=0.2; may be given several times.
     #[arg(long = "input", value_name = "NAME=VALUE")]
     inputs: Vec<String>,
-    /// Inputs over time: a CSV with the columns `time` and inputs by name, each row held until the next.
+    /// Inputs over time: a CSV with the columns `time` and inputs by name, each row held until the next. A wheel on a
+    /// carriage needs no `time`: its columns are load (N), slip and wheel_speed (rad/s).
     #[arg(long, value_name = "FILE")]
     input_file: Option<PathBuf>,
-    /// Time between two recorded rows, in seconds.
-    #[arg(long, default_value_t = 0.02)]
-    every: f64,
+    /// Time between two recorded rows, in seconds; 0.02 where missing.
+    #[arg(long)]
+    every: Option<f64>,
     /// Signals to record, separated by commas; all where missing.
     #[arg(long, value_delimiter = ',')]
     signals: Option<Vec<String>>,
@@ -38,6 +43,10 @@ pub struct Simulate {
 impl Simulate {
     pub fn run(self) -> Result<()> {
         let model = self.model.load()?;
+        if model.kind == ModelKind::Carriage {
+            return self.carriage(&model);
+        }
+        let every = self.every.unwrap_or(EVERY);
         let inputs = match &self.input_file {
             Some(file) => Some(InputTable::read(file, &model)?),
             None => None,
@@ -50,8 +59,8 @@ impl Simulate {
             }
             run.inputs_mut().set(name, value)?;
         }
-        let stride = steps("--every", self.every, run.step_size())?;
-        let rows = rows(self.duration, model.stepping.duration, self.every)?;
+        let stride = steps("--every", every, run.step_size())?;
+        let rows = rows(self.duration, model.stepping.duration, every)?;
         if let Some(path) = &self.csv {
             check_writable(path)?;
         }
@@ -64,6 +73,38 @@ impl Simulate {
         }
         Ok(())
     }
+
+    /// Steady points of a wheel on a carriage.
+    fn carriage(&self, model: &Model) -> Result<()> {
+        if self.duration.is_some() || self.every.is_some() {
+            bail!("`{}` is a wheel on a carriage: a steady point has no --duration and no --every", model.name);
+        }
+        let points = Points::read(&self.inputs, self.input_file.as_deref())?;
+        if let Some(path) = &self.csv {
+            check_writable(path)?;
+        }
+        let table = points.solve(model, self.signals.as_deref())?;
+        print_points(&model.name, &table)?;
+        if let Some(path) = &self.csv {
+            table.save(path).with_context(|| format!("cannot write `{}`", path.display()))?;
+            say!("wrote {} ({} rows)", path.display(), table.rows());
+        }
+        Ok(())
+    }
+}
+
+/// The single point, or lowest and highest values of several.
+fn print_points(name: &str, table: &Table) -> Result<()> {
+    say!("{name}: {} steady points", table.rows());
+    let mut units = bekker::carriage::SteadyPoint::<f64>::default();
+    for (variable, _) in units.list() {
+        let Some(column) = table.column(&variable.name) else { continue };
+        let low = column.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let range = if low == high { format!("{low:.6}") } else { format!("{low:.6} .. {high:.6}") };
+        say!("  {} {range} {}", variable.name, variable.unit.symbol);
+    }
+    Ok(())
 }
 
 /// How a run is driven and recorded.

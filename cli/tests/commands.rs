@@ -194,7 +194,7 @@ fn new_folder(name: &str) -> PathBuf {
 }
 
 #[test]
-fn property_diagnose_says_what_is_missing_and_saves_a_model_that_drives() {
+fn property_diagnose_says_what_is_missing_and_saves_the_wheel_that_was_measured() {
     let (out, model) = (file("diagnosis.json"), file("improved.toml"));
     let mut arguments = QUICK.to_vec();
     arguments.extend(["--json", shown(&out), "--save", shown(&model), "--threads", "1"]);
@@ -209,8 +209,9 @@ fn property_diagnose_says_what_is_missing_and_saves_a_model_that_drives() {
     assert_eq!(found["interrupted"], false);
     let next = found["next_experiment"].as_str().expect("a text");
     assert!(next.is_empty() || text.contains(next), "{text}");
-    let driven = done(&["simulate", shown(&model), "--duration", "0.2"]);
-    assert!(!driven.contains("NaN"), "{driven}");
+    let point = ["--input", "load=20", "--input", "slip=0.2", "--input", "wheel_speed=0.5"];
+    let points = done(&[&["simulate", shown(&model)], &point[..]].concat());
+    assert!(points.contains("1 steady points") && points.contains("drawbar_pull"), "{points}");
     done(&["fmu", shown(&model), "-o", shown(&file("improved.fmu"))]);
     // The result does not depend on the threads.
     let again = file("diagnosis2.json");
@@ -256,7 +257,65 @@ fn property_calibrate_saves_what_it_prints() {
     let after = found["rmse"]["drawbar_pull"].as_f64().expect("a number");
     let with = done(&["compare", SAND, "--with", "slip_sinkage"]);
     assert!(with.contains(&format!("{after:.5}")), "{after} is not in {with}");
-    done(&["simulate", shown(&model), "--duration", "0.2"]);
+    // The same on a rover that is named.
+    let rover = file("calibrated_rover.toml");
+    let save = ["--save", shown(&rover), "--vehicle", "gentle_velocity"];
+    let saved = done(&[&["calibrate", SAND, "--with", "slip_sinkage"], &save[..]].concat());
+    assert!(!saved.contains("warning: the rover"), "{saved}");
+    done(&["simulate", shown(&rover), "--duration", "0.2"]);
+    assert_eq!(call(&["compare", SAND, "--vehicle", "gentle_velocity"]).status.code(), Some(2), "nothing is saved");
+}
+
+/// The line of an error by signal.
+fn errors(text: &str) -> Vec<&str> {
+    text.lines().filter(|line| line.starts_with("drawbar_pull") || line.starts_with("sinkage")).collect()
+}
+
+#[test]
+fn regress_what_compare_saves_compares_alike() {
+    let model = file("compared.toml");
+    let first = done(&["compare", SAND, "--set", "soil.k_phi=9e5", "--save", shown(&model)]);
+    let again = done(&["compare", SAND, shown(&model)]);
+    assert!(errors(&first).len() == 2 && errors(&first) == errors(&again), "{first}{again}");
+    // What disagrees is said.
+    let set = done(&["compare", SAND, shown(&model), "--set", "wheel.radius=0.11"]);
+    assert!(set.contains("note: wheel.radius: 0.11 m from --set, not 0.1 m from"), "{set}");
+}
+
+#[test]
+fn property_a_wheel_that_no_rover_can_use_is_saved_and_said() {
+    let model = file("unfit.toml");
+    // Wheels of 2 cm: the belly of the rover, 3 cm below their axles, is in the ground.
+    let small = ["--set", "wheel.radius=0.025", "--set", "soil.k_phi=2e7"];
+    let save = ["--save", shown(&model), "--vehicle", "two_wheeled"];
+    let text = done(&[&["compare", SAND], &small[..], &save[..]].concat());
+    assert!(text.contains("warning: the rover `two_wheeled`"), "{text}");
+    assert!(bekker::model::Model::read(&model).is_ok());
+}
+
+#[test]
+fn property_steady_points_are_written_row_by_row() {
+    let (model, rows, out) = (file("wheel.toml"), file("points.csv"), file("steady.csv"));
+    std::fs::write(&model, "[rig]\nkind = \"carriage\"\n[parameters]\nsoil.shear_modulus = 0.012\n").expect("written");
+    std::fs::write(&rows, "load,slip\n20,0.1\n20,0.4\n40,0.4\n").expect("written");
+    let table = ["simulate", shown(&model), "--input-file", shown(&rows), "--input", "wheel_speed=0.5"];
+    done(&[&table[..], &["--csv", shown(&out)]].concat());
+    let written = bekker::measurement::Table::read(&out).expect("a table");
+    assert_eq!(written.names(), ["load", "slip", "wheel_speed", "drawbar_pull", "torque", "sinkage"]);
+    let rig = bekker::model::Model::read(&model).expect("a model").rig();
+    for row in 0..3 {
+        let value = |name: &str| written.value(name, row).expect("a number");
+        let point = bekker::carriage::steady_point(&rig, value("load"), value("slip"), 0.5).expect("a point");
+        assert_eq!((value("torque"), value("sinkage")), (point.torque, point.sinkage));
+    }
+    refused(&["simulate", shown(&model), "--input", "load=20", "--input", "slip=0.2"], &["wheel_speed", "missing"]);
+    refused(&[&table[..], &["--input", "slip=0.2"]].concat(), &["slip", "twice"]);
+    refused(&[&table[..], &["--duration", "2"]].concat(), &["--duration", "steady point"]);
+    std::fs::write(&rows, "load,slip\n20,0.1\n1e5,0.4\n").expect("written");
+    refused(&table, &["points.csv", "line 3", "sinks to its axle"]);
+    std::fs::write(&rows, "load,slip,speed\n20,0.1,1\n").expect("written");
+    refused(&table, &["speed", "no input", "wheel_speed"]);
+    assert!(done(&["parameters", shown(&model)]).contains("drawbar_pull [N]"));
 }
 
 #[test]

@@ -4,45 +4,47 @@ use crate::error::{self, ModelError, SimulationError, UnknownNameError};
 use crate::experiment::Source;
 use crate::model::Model;
 use bekker::diagnosis::{
-    CalibratedParameter, Calibration, CompareError, CompareOptions, Comparison, Failure, Fit, NoiseFloor, RunFit,
-    UnansweredRows, compare as core_compare,
+    CalibratedParameter, Calibration, CompareError, CompareOptions, Comparison, Failure, Fit, Given, NoiseFloor,
+    RunFit, UnansweredRows, compare as core_compare,
 };
-use bekker::modeldescription::{Lookup, ParameterError};
+use bekker::modeldescription::ParameterError;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::collections::BTreeMap;
 
-/// Runs `model` on the inputs of an experiment, with effects added and calibrated on request, and compares.
+/// A model and the name that it was asked for by.
+pub type Asked = Option<(Py<Model>, String)>;
+
+/// What is given beside an experiment: a model, and values that are set by hand.
+pub fn given(py: Python<'_>, model: &Asked, values: &BTreeMap<String, f64>) -> Given {
+    let given = Given::default().values_by("parameters");
+    let given = match model {
+        Some((model, name)) => given.with_model(model.borrow(py).core.clone(), name),
+        None => given,
+    };
+    values.iter().fold(given, |given, (name, value)| given.with_value(name, *value))
+}
+
+/// Runs a model on the inputs of an experiment, with effects added and calibrated on request, and compares.
 #[pyfunction]
 pub fn compare<'py>(
     py: Python<'py>,
     experiment: Source,
-    model: &Model,
+    model: Asked,
+    values: BTreeMap<String, f64>,
     calibrate: bool,
     added: Vec<String>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let experiment = experiment.read(py)?;
     let options = CompareOptions { calibrate, added };
+    let given = given(py, &model, &values);
     let comparison = py
-        .detach(|| error::fenced(|| core_compare(&model.core, &experiment, &options)))?
+        .detach(|| error::fenced(|| core_compare(given, &experiment, &options)))?
         .map_err(|refused| failed(&refused))?;
     let described = described(py, &comparison)?;
-    described.set_item("model", Py::new(py, best(model, &comparison)?)?)?;
+    described.set_item("model", Py::new(py, Model { core: comparison.model.clone() })?)?;
     Ok(described)
-}
-
-/// The model of the best fit: what is known of the rig, and what the calibration found.
-fn best(model: &Model, comparison: &Comparison) -> PyResult<Model> {
-    let mut core = model.core.clone();
-    core.define_effects(comparison.experiment.effects.clone())
-        .map_err(|refused| ModelError::new_err(refused.to_string()))?;
-    let found = comparison.calibrated.iter().flat_map(|(calibration, _)| &calibration.parameters);
-    let known = comparison.experiment.parameters.iter().map(|(name, value)| (name.as_str(), *value));
-    for (name, value) in known.chain(found.map(|found| (found.variable.name.as_str(), found.value))) {
-        core.set(name, value).map_err(|refused| error::parameter(&refused))?;
-    }
-    Ok(Model { core })
 }
 
 /// The exception for a comparison or diagnosis that is impossible.
@@ -76,6 +78,7 @@ fn described<'py>(py: Python<'py>, comparison: &Comparison) -> PyResult<Bound<'p
     all.set_item("unanswered", unanswered_of(py, &comparison.unanswered)?)?;
     all.set_item("given_unanswered", unanswered_of(py, &comparison.given_unanswered)?)?;
     all.set_item("cautions", &comparison.cautions)?;
+    all.set_item("sources", &comparison.sources)?;
     Ok(all)
 }
 

@@ -1,13 +1,12 @@
 //! The diagnosis. It works in a thread of its own, which knows nothing of Python; the calling thread hands out fits,
 //! tells of progress and looks for Ctrl-C.
 
-use crate::compare::failed;
+use crate::compare::{Asked, failed, given};
 use crate::error::{self, InputError, Panic, SimulationError};
 use crate::experiment::Source;
 use crate::finding::Finding;
-use crate::model::Model;
 use bekker::diagnosis::{
-    CompareError, Control, DiagnoseOptions, Diagnosis, Noise, Outcome, Progress, Spread, Task, Threads,
+    CompareError, Control, DiagnoseOptions, Diagnosis, Given, Noise, Outcome, Progress, Spread, Task, Threads,
     diagnose as core_diagnose, fit_task as core_fit_task,
 };
 use bekker::measurement::Experiment;
@@ -28,7 +27,12 @@ const LOOK: Duration = Duration::from_millis(50);
 /// A fit for another machine: all that it needs, as JSON, in which numbers keep their bits.
 #[derive(Serialize, Deserialize)]
 struct Payload {
+    /// The model that was chosen, with the parameters that it states, and whether the experiment names it.
     model: String,
+    stated: Vec<String>,
+    by_experiment: bool,
+    /// Parameters that are set by hand.
+    values: BTreeMap<String, f64>,
     texts: BTreeMap<String, String>,
     candidates: Option<Vec<String>>,
     added: Vec<String>,
@@ -90,7 +94,8 @@ type Ended<'py> = (Option<Finding>, Option<Bound<'py, PyBaseException>>);
 pub fn diagnose<'py>(
     py: Python<'py>,
     experiment: Source,
-    model: &Model,
+    model: Asked,
+    values: BTreeMap<String, f64>,
     candidates: Option<Vec<String>>,
     added: Vec<String>,
     max_effects: usize,
@@ -104,10 +109,11 @@ pub fn diagnose<'py>(
     let read = experiment.read(py)?;
     let options = DiagnoseOptions { candidates, added, max_effects, draws };
     let texts = spread.as_ref().map(|_| experiment.texts()).transpose()?;
-    let caller = Caller { spread, progress, model: &model.core, texts: texts.unwrap_or_default(), options: &options };
+    let given = given(py, &model, &values);
+    let chosen = spread.as_ref().map(|_| given.chosen(&read)).transpose().map_err(|refused| failed(&refused))?;
+    let caller = Caller { spread, progress, chosen, values, texts: texts.unwrap_or_default(), options: &options };
     let stop = Arc::new(AtomicBool::new(false));
-    let mut events =
-        begin(model.core.clone(), read, options.clone(), caller.spread.is_some(), budget, Arc::clone(&stop));
+    let mut events = begin(given, read, options.clone(), caller.spread.is_some(), budget, Arc::clone(&stop));
     let (done, raised) = caller.attend(py, &mut events, &stop);
     let found = match done {
         None => None,
@@ -122,7 +128,7 @@ pub fn diagnose<'py>(
 
 /// Starts the working thread.
 fn begin(
-    model: CoreModel,
+    given: Given,
     experiment: Experiment,
     options: DiagnoseOptions,
     elsewhere: bool,
@@ -136,7 +142,7 @@ fn begin(
         let stopped = || stop.load(Ordering::Relaxed);
         let spread: &dyn Spread = if elsewhere { &there } else { &here };
         let control = Control { progress: &tell, stop: &stopped, spread, budget };
-        let done = error::fenced(|| core_diagnose(&model, &experiment, &options, &control));
+        let done = error::fenced(|| core_diagnose(&given, &experiment, &options, &control));
         drop(events.send(Event::Done(done.map(|found| found.map(Box::new)))));
     });
     receiver
@@ -146,7 +152,9 @@ fn begin(
 struct Caller<'a, 'py> {
     spread: Option<Bound<'py, PyAny>>,
     progress: Option<Bound<'py, PyAny>>,
-    model: &'a CoreModel,
+    /// The model and whether the experiment names it, where fits are made elsewhere.
+    chosen: Option<(CoreModel, bool)>,
+    values: BTreeMap<String, f64>,
     texts: BTreeMap<String, String>,
     options: &'a DiagnoseOptions,
 }
@@ -192,10 +200,15 @@ impl Caller<'_, '_> {
 
     fn fit(&self, py: Python<'_>, tasks: &[Task], noise: &Noise, stopped: bool) -> PyResult<Vec<Option<Outcome>>> {
         let Some(spread) = self.spread.as_ref().filter(|_| !stopped) else { return Ok(vec![None; tasks.len()]) };
-        let model = self.model.to_toml().map_err(|refused| error::model(&refused))?;
+        let Some((chosen, by_experiment)) = &self.chosen else { return Ok(vec![None; tasks.len()]) };
+        let model = chosen.to_toml().map_err(|refused| error::model(&refused))?;
+        let stated: Vec<String> = chosen.stated.names().map(str::to_owned).collect();
         let payload = |task: &Task| {
             let payload = Payload {
                 model: model.clone(),
+                stated: stated.clone(),
+                by_experiment: *by_experiment,
+                values: self.values.clone(),
                 texts: self.texts.clone(),
                 candidates: self.options.candidates.clone(),
                 added: self.options.added.clone(),
@@ -226,11 +239,13 @@ pub fn fit_task<'py>(py: Python<'py>, payload: &[u8]) -> PyResult<Bound<'py, PyB
 
 fn fitted(payload: &[u8]) -> PyResult<Option<Outcome>> {
     let payload: Payload = serde_json::from_slice(payload).map_err(|error| refused(&error))?;
-    let model = CoreModel::from_toml(&payload.model, None).map_err(|error| error::model(&error))?;
+    let mut model = CoreModel::from_toml(&payload.model, None).map_err(|error| error::model(&error))?;
+    model.stated = payload.stated.into_iter().collect();
+    let given = Given::again(model, payload.by_experiment, payload.values);
     let experiment = Experiment::from_texts(&payload.texts).map_err(|error| InputError::new_err(error.to_string()))?;
     let options =
         DiagnoseOptions { candidates: payload.candidates, added: payload.added, ..DiagnoseOptions::default() };
-    core_fit_task(&model, &experiment, &options, &payload.noise, &payload.task).map_err(|error| failed(&error))
+    core_fit_task(given, &experiment, &options, &payload.noise, &payload.task).map_err(|error| failed(&error))
 }
 
 fn refused(error: &serde_json::Error) -> PyErr {

@@ -75,6 +75,7 @@ impl Finding {
             described.set_item("effects", &suggestion.effects)?;
             Ok(described)
         })?;
+        all.set_item("sources", &core.sources)?;
         all.set_item("suggestions", suggestions)?;
         all.set_item("next_experiment", core.next_experiment())?;
         all.set_item("improved_is", core.improved_is())?;

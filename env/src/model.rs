@@ -2,23 +2,31 @@
 
 use crate::run::Run;
 use crate::{error, vocabulary};
-use bekker::model::{ControlKind, Model as CoreModel, ModelError};
+use bekker::carriage::{SetPoint, SteadyPoint};
+use bekker::model::{ControlKind, Model as CoreModel, ModelError, ModelKind};
 use bekker::modeldescription::{Lookup, Parameters, Variable, join};
 use bekker::sensors::Sensors;
 use bekker::signals::Signals;
 use bekker::terrain::{Profile, Random, TerrainSpec};
+use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 use std::path::PathBuf;
 
-/// A rover on its ground, its sensors and control, and how to run them.
+/// A rover on its ground, its sensors and control, and how to run them; or a wheel on a carriage.
 #[pyclass(module = "bekker")]
 pub struct Model {
     pub core: CoreModel,
 }
 
 /// Maker, arguments, state: what pickle takes.
-type Reduced<'py> = (Bound<'py, PyAny>, (String,), Vec<(String, f64)>);
+type Reduced<'py> = (Bound<'py, PyAny>, (String,), State);
+
+/// What a file has not: the numbers of all sensors, and which parameters the model states.
+type State = (Vec<(String, f64)>, Vec<String>);
+
+/// Drawbar pull (N), torque (N m) and sinkage (m), one value a point.
+type Columns<'py> = [Bound<'py, PyArray1<f64>>; 3];
 
 /// All sensors under their names in the vocabulary.
 struct AllSensors<'a>(&'a mut Sensors);
@@ -80,6 +88,9 @@ impl Model {
 
     /// The signals that a run computes, in order.
     fn signals<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        if self.core.kind == ModelKind::Carriage {
+            return vocabulary::list(py, &mut SteadyPoint::default());
+        }
         let rover = &self.core.rover;
         vocabulary::list(py, &mut Signals::of(rover.wheels.len(), rover.links.len()))
     }
@@ -125,9 +136,45 @@ impl Model {
         Ok(())
     }
 
-    /// Sets a parameter; nothing is changed where the value is refused.
+    /// Sets a parameter, which then counts as stated by this model; nothing is changed where the value is refused.
     fn set(&mut self, name: &str, value: f64) -> PyResult<()> {
-        self.core.set(name, value).map_err(|refused| error::parameter(&refused))
+        self.core.set(name, value).map_err(|refused| error::parameter(&refused))?;
+        self.core.stated.insert(name);
+        Ok(())
+    }
+
+    /// What a carriage measures of this model's wheel at each load (N), slip and wheel speed (rad/s), arrays of one length.
+    fn steady_points<'py>(
+        &self,
+        py: Python<'py>,
+        load: PyReadonlyArray1<'py, f64>,
+        slip: PyReadonlyArray1<'py, f64>,
+        wheel_speed: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Columns<'py>> {
+        let rows = load.as_array().into_iter().zip(slip.as_array()).zip(wheel_speed.as_array());
+        let mut sets = Vec::new();
+        for (row, ((load, slip), wheel_speed)) in rows.enumerate() {
+            let mut set = SetPoint { load: *load, slip: *slip, wheel_speed: *wheel_speed };
+            set.check().map_err(|refused| error::InputError::new_err(format!("point {row}: {refused}")))?;
+            sets.push(set);
+        }
+        let points = py.detach(|| error::fenced(|| self.core.steady_points(&sets)))?;
+        let refused = |(row, refused)| error::SimulationError::new_err(format!("point {row}: {refused}"));
+        let points = points.map_err(refused)?;
+        let column = |of: fn(&SteadyPoint) -> f64| PyArray1::from_iter(py, points.iter().map(of));
+        Ok([column(|point| point.drawbar_pull), column(|point| point.torque), column(|point| point.sinkage)])
+    }
+
+    /// Checks that a rover comes to rest and is not at its end within its first second; a wheel on a carriage passes.
+    fn check_drive(&self, py: Python<'_>) -> PyResult<()> {
+        let checked = py.detach(|| error::fenced(|| self.core.check_drive()))?;
+        checked.map_err(|unfit| error::SimulationError::new_err(unfit.to_string()))
+    }
+
+    /// This rover with gravity, wheel, soil and effects of `tested`.
+    fn with_rig_of(&self, tested: &Self) -> PyResult<Self> {
+        let refused = |refused: bekker::effects::DefinitionError| error::model(&refused.into());
+        Ok(Self { core: self.core.with_rig_of(&tested.core).map_err(refused)? })
     }
 
     /// Adds effects of the user's own, all neutral, from TOML text with `[[effect]]` tables.
@@ -154,6 +201,15 @@ impl Model {
         &self.core.name
     }
 
+    /// What the model is of: "rover", or "carriage" for a wheel on a carriage.
+    #[getter]
+    fn kind(&self) -> &'static str {
+        match self.core.kind {
+            ModelKind::Rover => "rover",
+            ModelKind::Carriage => "carriage",
+        }
+    }
+
     /// What drives the wheels: "torque", "speed", "speed_loop", "velocity", "velocity_tuned", "rtc", "slip" or
     /// "equal_torque".
     #[getter]
@@ -170,10 +226,10 @@ impl Model {
         }
     }
 
-    /// Number of wheels.
+    /// Number of wheels; 1 on a carriage.
     #[getter]
     fn wheels(&self) -> usize {
-        self.core.rover.wheels.len()
+        if self.core.kind == ModelKind::Carriage { 1 } else { self.core.rover.wheels.len() }
     }
 
     /// Number of links, the bodies besides the chassis.
@@ -182,10 +238,10 @@ impl Model {
         self.core.rover.links.len()
     }
 
-    /// Mass of chassis and links, kg.
+    /// Mass of chassis and links, kg; none of a wheel on a carriage.
     #[getter]
     fn total_mass(&self) -> f64 {
-        self.core.rover.total_mass()
+        if self.core.kind == ModelKind::Carriage { 0.0 } else { self.core.rover.total_mass() }
     }
 
     /// Inner step, s.
@@ -229,15 +285,21 @@ impl Model {
         let model = slf.borrow();
         AllSensors(&mut model.core.sensors.clone())
             .visit("", &mut |variable, value| sensors.push((variable.name, *value)));
-        Ok((slf.get_type().getattr("from_toml")?, (model.to_toml()?,), sensors))
+        let stated = model.core.stated.names().map(str::to_owned).collect();
+        Ok((slf.get_type().getattr("from_toml")?, (model.to_toml()?,), (sensors, stated)))
     }
 
-    /// The numbers of all sensors: a file has those that the control reads.
-    fn __setstate__(&mut self, sensors: Vec<(String, f64)>) -> PyResult<()> {
+    /// What a file has not: it has the numbers of those sensors that the control reads, and states all its parameters.
+    fn __setstate__(&mut self, state: State) -> PyResult<()> {
+        let (sensors, stated) = state;
+        self.core.stated = stated.into_iter().collect();
         sensors.iter().try_for_each(|(name, value)| self.set_sensor(name, *value))
     }
 
     fn __repr__(&self) -> String {
+        if self.core.kind == ModelKind::Carriage {
+            return format!("<bekker.Model {:?}: a wheel on a carriage>", self.core.name);
+        }
         format!("<bekker.Model {:?}: {} wheels, control {:?}>", self.core.name, self.wheels(), self.control())
     }
 }

@@ -26,6 +26,7 @@ fn entry<'py>(py: Python<'py>, variable: &Variable, value: f64) -> PyResult<Boun
 fn role(role: Role) -> &'static str {
     match role {
         Role::Fixed => "fixed",
+        Role::Rig => "rig",
         Role::Calibrated => "calibrated",
         Role::Effect => "effect",
         Role::Signal => "signal",

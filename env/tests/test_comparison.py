@@ -1,6 +1,7 @@
 """`compare` gives the shipped experiment's own numbers, and names what is wrong in a folder."""
 
 import csv
+import pickle
 import shutil
 from pathlib import Path
 
@@ -49,6 +50,25 @@ def test_property_calibration_brings_the_model_closer() -> None:
 def test_property_a_parameter_changes_the_prediction() -> None:
     base, softer = bekker.compare(SAND), bekker.compare(SAND, parameters={"soil.k_phi": 4e5})
     assert np.all(softer.fit.signal("sinkage").modelled > base.fit.signal("sinkage").modelled)
+
+
+def test_property_what_is_given_goes_before_the_folder_and_is_said(tmp_path: Path) -> None:
+    model = tmp_path / "m.toml"
+    model.write_text("[parameters]\nwheel.radius = 0.11\nsoil.cohesion = 700.0\n")
+    found = bekker.compare(SAND, model, parameters={"wheel.width": 0.13})
+    values = [found.model.get(name) for name in ("wheel.radius", "soil.cohesion", "wheel.width")]
+    assert values == [0.1, 700.0, 0.13], "the rig's radius holds against the model, what is given by hand against both"
+    assert any("wheel.radius: 0.1 m" in line and "m.toml" in line for line in found.sources)
+    assert any("wheel.width: 0.13 m from parameters, not 0.12 m" in line for line in found.sources)
+    # Held in a calibration; a model's value is where that starts.
+    fitted = bekker.calibrate(SAND, model, parameters={"soil.friction_angle": 0.5}).calibration
+    assert fitted is not None
+    starts = {parameter.name: parameter.start for parameter in fitted.parameters}
+    assert starts["soil.cohesion"] == 700.0 and "soil.friction_angle" not in starts
+    # A model in memory states what was set; a pickle keeps that.
+    own = bekker.Model.from_preset("two_wheeled")
+    own.set("soil.cohesion", 650.0)
+    assert bekker.compare(SAND, pickle.loads(pickle.dumps(own))).model.get("soil.cohesion") == 650.0
 
 
 def test_property_bad_folders_are_named(tmp_path: Path) -> None:

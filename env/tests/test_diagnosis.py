@@ -245,14 +245,20 @@ def test_property_the_improved_model_is_one(diagnosis: bekker.Diagnosis, tmp_pat
     n1 = next(p.value for p in diagnosis.steps[-1].parameters if p.name == "slip_sinkage.n1")
     assert n1 > 0.0 and diagnosis.improved.get("slip_sinkage.n1") == n1
     diagnosis.save_model(tmp_path / "improved.toml")
-    drive = bekker.simulate(tmp_path / "improved.toml", 1.0)
-    same, before = bekker.simulate(diagnosis.improved, 1.0), bekker.simulate("two_wheeled", 1.0)
-    assert np.array_equal(drive["wheel[1].sinkage"], same["wheel[1].sinkage"])
-    assert not np.array_equal(drive["wheel[1].sinkage"], before["wheel[1].sinkage"])
+    assert diagnosis.improved.kind == "carriage", "a single wheel was measured, and no rover is named"
+    points = bekker.steady_points(tmp_path / "improved.toml", 20.0, [0.1, 0.4], 0.5)
+    same, before = (bekker.steady_points(model, 20.0, [0.1, 0.4], 0.5) for model in (diagnosis.improved, "two_wheeled"))
+    assert np.array_equal(points["sinkage"], same["sinkage"]) and points["sinkage"].shape == (2,)
+    assert not np.any(points["sinkage"] == before["sinkage"])
+    with pytest.raises(bekker.ModelError, match="wheel on a carriage"):
+        bekker.simulate(diagnosis.improved)
+    rover = bekker.Model.from_preset("two_wheeled").with_rig_of(diagnosis.improved)
+    rover.check_drive()
+    assert rover.kind == "rover" and rover.get("slip_sinkage.n1") == n1
     # The effect lives in the model: compared again, without any fit, it leaves what the diagnosis said.
     again = bekker.compare(SAND, diagnosis.improved)
     assert again.fit.rmse == pytest.approx(diagnosis.steps[-1].rmse, rel=1e-9)
-    env = bekker.RoverEnv(model=diagnosis.improved)
+    env = bekker.RoverEnv(model=rover)
     env.reset(seed=0)
     env.close()
 

@@ -91,6 +91,32 @@ def test_property_fmpy_has_no_remark(make: Make, model: str, fmi: int) -> None:
     assert all(v.unit for v in description.modelVariables if v.type in ("Real", "Float64") and "indicator" not in v.name)
 
 
+RIG = """name = "wheel"
+[rig]
+kind = "carriage"
+[parameters]
+wheel.radius = 0.058
+wheel.width = 0.05
+soil.k_phi = 1.5e6
+"""
+
+
+def test_agreement_a_wheel_on_a_carriage_is_the_same_map_in_both_versions(tmp_path: Path) -> None:
+    model, found = tmp_path / "wheel.toml", []
+    model.write_text(RIG)
+    for fmi in VERSIONS:
+        fmu = tmp_path / f"wheel_{fmi}.fmu"
+        write_fmu(str(model), fmu, fmi, None)
+        assert validate_fmu(str(fmu)) == []
+        outputs = ["drawbar_pull", "torque", "sinkage"]
+        start = {"load": 15.0, "slip": 0.3, "wheel_speed": 0.5, "soil.cohesion": 1200.0}
+        # A step that is no whole number of the offered ones.
+        result = fmpy.simulate_fmu(str(fmu), stop_time=0.5, output_interval=0.125, start_values=start, output=outputs)
+        assert all(np.all(result[name] == result[name][0]) and np.all(result[name] != 0.0) for name in outputs)
+        found.append(bits(result))
+    assert found[0] == found[1]
+
+
 @pytest.mark.parametrize("fmi", VERSIONS)
 @pytest.mark.parametrize("kind", KINDS)
 def test_property_fmpy_has_no_remark_on_any_kind(make: Make, kind: str, fmi: int) -> None:

@@ -42,7 +42,7 @@ def test_property_the_vocabulary_is_complete(preset: str) -> None:
         assert variable["doc"] and variable["unit"] and variable["source"]
         assert variable["min"] <= variable["value"] <= variable["max"]
         assert variable["min"] <= variable["default"] <= variable["max"]
-    assert {variable["role"] for variable in model.parameters()} == {"fixed", "calibrated", "effect"}
+    assert {variable["role"] for variable in model.parameters()} == {"fixed", "rig", "calibrated", "effect"}
     run = model.start()
     assert run.signal_names == [variable["name"] for variable in model.signals()]
     assert run.input_names == [variable["name"] for variable in model.inputs()]

@@ -8,6 +8,9 @@ use std::borrow::Cow;
 pub enum Role {
     /// Taken as known unless the user frees it.
     Fixed,
+    /// A dimension or mass of the rig or vehicle, or gravity: taken as known, and what an experiment states of it holds
+    /// against a model.
+    Rig,
     /// Free in a default calibration.
     Calibrated,
     /// Of an effect: neutral unless the effect is switched on, and free where a diagnosis tries the effect.

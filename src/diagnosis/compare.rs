@@ -5,6 +5,7 @@ use super::curves::{Curves, curves_of_calibration};
 use super::diagnose::calibrated_baseline;
 use super::failure::{Failure, failures};
 use super::fit::Fit;
+use super::given::Given;
 use super::noise::{NoiseFloor, noise_floors};
 use super::prediction::PredictionError;
 use super::problem::Problem;
@@ -38,6 +39,9 @@ pub enum CompareError {
     /// The experiment adds an effect whose id the model uses otherwise.
     #[error("experiment.toml: {0}")]
     Effect(#[from] DefinitionError),
+    /// The vehicle is not known, or cannot be used.
+    #[error("{0}")]
+    Vehicle(String),
     /// The model cannot compute a measured row.
     #[error(transparent)]
     Prediction(#[from] PredictionError),
@@ -92,7 +96,7 @@ pub enum CompareError {
 }
 
 /// A model beside an experiment. Arrays are by run and signal, in SI units.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Comparison {
     /// The experiment.
     pub experiment: Experiment,
@@ -113,6 +117,12 @@ pub struct Comparison {
     pub unanswered: Vec<UnansweredRows>,
     /// What the reader of a calibration should beware of, in words.
     pub cautions: Vec<String>,
+    /// What was taken from where, in words, where two places disagree; priors of a class of soil. See [`Given`].
+    pub sources: Vec<String>,
+    /// The model of [`fit`](Self::fit), which states all its values: compared with the same experiment it gives the same
+    /// errors. A wheel on a carriage where a single wheel was measured and no rover is named. What the experiment says of
+    /// single runs is not part of it.
+    pub model: Model,
     best: Fit,
 }
 
@@ -127,25 +137,30 @@ impl Comparison {
 /// Runs the model on the inputs of an experiment, of either kind, and compares it with what was measured.
 ///
 /// With `options.calibrate` the free parameters are calibrated first: those with
-/// [`Role::Calibrated`](bekker_modeldescription::Role) unless the experiment states their value, all that have a prior, and
-/// those of the effects named in `options.added`. Noise, bad samples and the steps of the simulation are those of
-/// [`diagnose`](super::diagnose()), so that this calibration is the baseline of a diagnosis to the bit.
+/// [`Role::Calibrated`](bekker_modeldescription::Role) unless they are held, all that have a prior, and those of the effects
+/// named in `options.added`. Where values come from is said at [`Given`]; a plain model is one that is named. Noise, bad samples
+/// and the steps of the simulation are those of [`diagnose`](super::diagnose()), so that this calibration is the baseline of a
+/// diagnosis to the bit.
 ///
 /// Rows that the model cannot answer are left out and listed, see [`Comparison::unanswered`].
 ///
 /// # Errors
 /// [`CompareError`]: where the experiment does not fit the model, or too few rows have an answer.
-pub fn compare(model: &Model, experiment: &Experiment, options: &CompareOptions) -> Result<Comparison, CompareError> {
-    let problem = Problem::new(model, experiment, &options.added)?;
+pub fn compare(
+    given: impl Into<Given>,
+    experiment: &Experiment,
+    options: &CompareOptions,
+) -> Result<Comparison, CompareError> {
+    let problem = Problem::new(given, experiment, &options.added)?;
     if problem.layout.present() == 0 {
         return Err(CompareError::NothingMeasured);
     }
-    let given = given(&problem)?;
+    let given = as_it_is(&problem)?;
     if options.calibrate { calibrated(problem, given) } else { as_given(&problem, given?) }
 }
 
 /// What the given parameters give, or why they give nothing where something was measured.
-fn given(problem: &Problem) -> Result<Result<Answers, PredictionError>, CompareError> {
+fn as_it_is(problem: &Problem) -> Result<Result<Answers, PredictionError>, CompareError> {
     let start: Vec<f64> = problem.base.iter().map(|free| free.start).collect();
     let answers = problem.predict(&problem.base, |predict| predict.answers(&start))?;
     Ok(answers.and_then(|answers| match answers.unanswered.first() {
@@ -170,6 +185,8 @@ fn as_given(problem: &Problem, given: Answers) -> Result<Comparison, CompareErro
         curves: curves_of_calibration(problem, None),
         unanswered,
         cautions: Vec::new(),
+        sources: problem.sources.clone(),
+        model: problem.saved(&problem.base, &problem.base.iter().map(|free| free.start).collect::<Vec<_>>()),
         best,
     })
 }
@@ -180,6 +197,7 @@ fn calibrated(problem: Problem, given: Result<Answers, PredictionError>) -> Resu
     posed.coarsen();
     let prepared = calibrated_baseline(&mut posed)?;
     let experiment = &*problem.experiment;
+    let values = prepared.baseline.values();
     let best = Fit::new(experiment, &posed.layout, &prepared.modelled);
     let unanswered = given.as_ref().map_or_else(|_| Vec::new(), |given| listed(given.missing(&problem.layout)));
     Ok(Comparison {
@@ -192,6 +210,8 @@ fn calibrated(problem: Problem, given: Result<Answers, PredictionError>) -> Resu
         curves: curves_of_calibration(&problem, Some(&prepared.baseline)),
         unanswered: prepared.unanswered,
         cautions: prepared.cautions,
+        sources: problem.sources.clone(),
+        model: problem.saved(&problem.base, &values),
         best,
     })
 }

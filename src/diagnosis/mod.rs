@@ -14,6 +14,7 @@ mod effort;
 mod failure;
 mod fit;
 mod free;
+mod given;
 mod guide;
 mod halt;
 #[cfg(feature = "report")]
@@ -23,18 +24,19 @@ mod least_squares;
 mod linear_algebra;
 mod local_line;
 mod noise;
+mod precedence;
 mod prediction;
 mod problem;
 mod recorded;
 mod replay;
 mod sensitivity;
 mod separate;
-mod single_wheel;
 mod steady_points;
 mod traverse;
 mod unanswered;
 mod weighted;
 
+pub use crate::carriage::{Rig, SteadyError, SteadyPoint, steady_point};
 pub use calibrate::{CalibratedParameter, Calibration, STANDARD_ERROR};
 pub use compare::{CompareError, CompareOptions, Comparison, compare};
 #[cfg(feature = "report")]
@@ -48,6 +50,7 @@ pub use diagnose::{
 pub(crate) use failure::levels_of;
 pub use failure::{Failure, Level, levels};
 pub use fit::{Fit, RunFit, SignalFit};
+pub use given::Given;
 #[cfg(feature = "report")]
 pub(crate) use local_line::{LocalLine, Smoothed};
 pub use noise::{FloorSource, NoiseFloor, NoiseModel, Pooled};
@@ -58,5 +61,4 @@ pub use separate::{
     AssumedNoise, EffectSight, Likeness, NoiseSource, PairSight, PlanError, SeparateOptions, Separation,
     SingleWheelPlan, SmallestStrength, Suggestion, TraversePlan, separate,
 };
-pub use single_wheel::{Rig, SteadyError, SteadyPoint, steady_point};
 pub use unanswered::UnansweredRows;

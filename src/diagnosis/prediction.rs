@@ -1,8 +1,8 @@
 //! What the model says where something was measured, and how that depends on parameters.
 
 use super::layout::Layout;
-use super::single_wheel::SteadyError;
 use super::unanswered::Answers;
+use crate::carriage::SteadyError;
 use crate::model::RunError;
 use crate::simulation::Event;
 use crate::terrain::SamplesError;

@@ -5,17 +5,20 @@ use super::bounds::believable;
 use super::compare::CompareError;
 use super::diagnose::Task;
 use super::free::Free;
+use super::given::Given;
 use super::halt::Halt;
 use super::layout::Layout;
+use super::precedence::{Resolved, resolve};
 use super::prediction::{Predict, PredictionError};
-use super::single_wheel::Rig;
 use super::steady_points::SingleWheelPrediction;
 use super::traverse::TraversePrediction;
-use crate::measurement::{Experiment, Kind, Run};
+use crate::carriage::Rig;
+use crate::measurement::{Experiment, Kind, Prior, Run};
 use crate::model::{ControlKind, Model};
+use crate::soil_class::SoilClass;
 use bekker_modeldescription::{Lookup, Parameters, Role, Variable};
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Inner step of a diagnosis where rows allow it, s, and how far off its grid a row may lie, in steps.
 const COARSE: f64 = 0.005;
@@ -45,24 +48,25 @@ pub(crate) struct Problem<'a> {
     pub base: Vec<Free>,
     /// Effects that may be added, in the vocabulary's order.
     pub library: Vec<Candidate>,
+    /// What was taken from where, in words; see [`Given`].
+    pub sources: Vec<String>,
+    /// Whether the model that is found is a wheel on a carriage: a single wheel was measured and no rover is named.
+    carriage: bool,
+    /// Values that were set by hand.
+    set: BTreeMap<String, f64>,
 }
 
 impl<'a> Problem<'a> {
     /// `added` effects are part of the baseline: their parameters are free in it.
     ///
     /// # Errors
-    /// [`CompareError::Parameter`] where the experiment or `added` names something that the model does not have.
-    pub fn new(model: &Model, experiment: &'a Experiment, added: &[String]) -> Result<Self, CompareError> {
-        let mut model = model.clone();
-        model.define_effects(experiment.effects.clone())?;
-        let mut known = with_parameters(&model, &experiment.parameters, "experiment.toml, [parameters]")?;
-        let models = experiment
-            .runs
-            .iter()
-            .map(|run| with_parameters(&known, &run.parameters, &format!("experiment.toml, run {}", run.name)))
-            .collect::<Result<Vec<_>, _>>()?;
-        let mut base = base_parameters(&mut known, experiment)?;
-        let library = library(&mut known, experiment, &base);
+    /// [`CompareError`] where the experiment, `given` or `added` names something that the model does not have, or the model
+    /// of the experiment cannot be found.
+    pub fn new(given: impl Into<Given>, experiment: &'a Experiment, added: &[String]) -> Result<Self, CompareError> {
+        let given = given.into();
+        let Resolved { mut known, runs: models, held, priors, carriage, sources } = resolve(&given, experiment)?;
+        let mut base = base_parameters(&mut known, experiment, &held, &priors);
+        let library = library(&mut known, &held, &base);
         let mut kept = Vec::new();
         refuse_twice(added)?;
         for id in added {
@@ -87,6 +91,9 @@ impl<'a> Problem<'a> {
             halt: Halt::default(),
             base,
             library: kept,
+            sources,
+            carriage,
+            set: given.values().clone(),
         })
     }
 
@@ -209,6 +216,9 @@ impl<'a> Problem<'a> {
             models: runs.iter().map(|run| self.models[*run].clone()).collect(),
             base: self.base.clone(),
             library: self.library.clone(),
+            sources: self.sources.clone(),
+            carriage: self.carriage,
+            set: self.set.clone(),
         }
     }
 
@@ -227,7 +237,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// The model with fitted values; what the experiment says of single runs is not part of it.
+    /// The model with fitted values, all of which it states; what the experiment says of single runs is not part of it.
     pub fn improved(&self, free: &[Free], values: &[f64]) -> Model {
         let mut model = self.known.clone();
         model.visit("", &mut |variable, place| {
@@ -235,6 +245,33 @@ impl<'a> Problem<'a> {
                 *place = values[k];
             }
         });
+        model.state_all();
+        model
+    }
+
+    /// What another experiment with this rig is given: the model with fitted values, and what was set by hand.
+    pub fn again(&self, free: &[Free], values: &[f64]) -> Given {
+        let given = Given::from(&self.improved(free, values));
+        self.set.iter().fold(given, |given, (name, value)| given.with_value(name, *value))
+    }
+
+    /// What is said of a rover that was given a wheel tested on a carriage and cannot stand or drive with it.
+    pub fn unfit(&self, saved: &Model) -> Option<String> {
+        if self.experiment.kind != Kind::SingleWheel {
+            return None;
+        }
+        let unfit = saved.check_drive().err()?;
+        Some(format!("the improved model puts the measured wheel and soil on a rover that cannot use them: {unfit}"))
+    }
+
+    /// The model with fitted values as it is kept: of a single wheel that was measured without naming a
+    /// rover a wheel on a carriage, else the rover.
+    pub fn saved(&self, free: &[Free], values: &[f64]) -> Model {
+        let mut model = self.improved(free, values);
+        if self.carriage {
+            model = Model::carriage("wheel_on_carriage", model.rig());
+            model.state_all();
+        }
         model
     }
 }
@@ -258,53 +295,54 @@ fn unknown_effect(id: &str, library: &[Candidate]) -> CompareError {
     CompareError::UnknownEffect { id: id.to_owned(), known }
 }
 
-fn with_parameters(model: &Model, parameters: &BTreeMap<String, f64>, place: &str) -> Result<Model, CompareError> {
-    let mut model = model.clone();
-    for (name, value) in parameters {
-        let set = model.set(name, *value);
-        set.map_err(|source| CompareError::Parameter { place: place.to_owned(), source })?;
-    }
-    Ok(model)
+/// Priors of the soil's class for what is not known otherwise; none where the experiment names no class.
+pub(super) fn class_priors(experiment: &Experiment, held: &BTreeSet<String>) -> BTreeMap<String, Prior> {
+    let class = experiment.soil_class.as_deref().and_then(SoilClass::find);
+    let all = class.iter().flat_map(|class| class.priors);
+    let open = all.filter(|(name, ..)| !held.contains(*name) && !experiment.priors.contains_key(*name));
+    open.map(|(name, mean, deviation)| ((*name).to_owned(), Prior { mean: *mean, deviation: *deviation })).collect()
 }
 
-/// What a default calibration moves: parameters with the role, unless the experiment states their value, and all that
-/// have a prior. At a single wheel width k_c and k_phi act as one, and k_c stays.
-fn base_parameters(model: &mut Model, experiment: &Experiment) -> Result<Vec<Free>, CompareError> {
-    let listed = model.list();
-    for name in experiment.priors.keys() {
-        if !listed.iter().any(|(variable, _)| variable.name == *name) {
-            let place = "experiment.toml, [priors]".to_owned();
-            return Err(CompareError::Parameter { place, source: model.unknown(name) });
-        }
-    }
+/// What a default calibration moves: parameters with the role that are not held, and all that have a prior. At a single
+/// wheel width k_c and k_phi act as one, and k_c stays.
+fn base_parameters(
+    model: &mut Model,
+    experiment: &Experiment,
+    held: &BTreeSet<String>,
+    priors: &BTreeMap<String, Prior>,
+) -> Vec<Free> {
     let widths = experiment.runs.iter().filter_map(|run| run.parameters.get("wheel.width"));
     let many_widths = widths.collect::<Vec<_>>().windows(2).any(|pair| pair[0] != pair[1]);
     let is_free = |name: &str, role: Role| {
-        experiment.priors.contains_key(name)
-            || (role == Role::Calibrated
-                && !experiment.parameters.contains_key(name)
-                && (name != "soil.k_c" || many_widths))
+        priors.contains_key(name)
+            || (role == Role::Calibrated && !held.contains(name) && (name != "soil.k_c" || many_widths))
     };
-    let chosen = listed.into_iter().filter(|(variable, _)| is_free(&variable.name, variable.role));
-    Ok(chosen
+    let class = experiment.soil_class.as_deref().and_then(SoilClass::find);
+    let chosen = model.list().into_iter().filter(|(variable, _)| is_free(&variable.name, variable.role));
+    chosen
         .map(|(mut variable, start)| {
-            let prior = experiment.priors.get(&variable.name).copied();
-            if let Some((low, high)) = believable(&variable.name) {
-                // A value that the experiment states stays reachable.
-                variable.min = variable.min.max(low.min(start));
-                variable.max = variable.max.min(high.max(start));
+            let prior = priors.get(&variable.name).copied();
+            if let Some((mut low, mut high)) = believable(&variable.name) {
+                // What the experiment or a model states stays reachable, and so does all that the soil's class allows.
+                for value in [start, prior.map_or(start, |prior| prior.mean)] {
+                    (low, high) = (low.min(value), high.max(value));
+                }
+                if let Some(allowed) = class.and_then(|class| class.allows(&variable.name)) {
+                    (low, high) = (low.min(*allowed.start()), high.max(*allowed.end()));
+                }
+                variable.min = variable.min.max(low);
+                variable.max = variable.max.min(high);
             }
             Free { prior, variable, start }
         })
-        .collect())
+        .collect()
 }
 
-/// Effects of the vocabulary whose parameters are neither known nor free already.
-fn library(model: &mut Model, experiment: &Experiment, base: &[Free]) -> Vec<Candidate> {
+/// Effects of the vocabulary whose parameters are neither held nor free already.
+fn library(model: &mut Model, held: &BTreeSet<String>, base: &[Free]) -> Vec<Candidate> {
     let mut library: Vec<Candidate> = Vec::new();
     for (variable, value) in model.list() {
-        let known = experiment.parameters.contains_key(&variable.name)
-            || base.iter().any(|free| free.variable.name == variable.name);
+        let known = held.contains(&variable.name) || base.iter().any(|free| free.variable.name == variable.name);
         if variable.role != Role::Effect || known {
             continue;
         }

@@ -2,10 +2,10 @@
 
 use super::compare::CompareError;
 use super::free::Free;
+use super::given::Given;
 use super::prediction::{Derivatives, Predict};
 use super::problem::Problem;
 use crate::measurement::Experiment;
-use crate::model::Model;
 use bekker_modeldescription::Lookup;
 
 /// Modelled values with their derivatives, in SI units.
@@ -23,16 +23,20 @@ pub struct Sensitivity {
 ///
 /// # Errors
 /// [`CompareError`] where the experiment does not fit the model or a row cannot be computed.
-pub fn modelled(model: &Model, experiment: &Experiment) -> Result<Vec<f64>, CompareError> {
-    predicting(model, experiment, &[], |predict, free| Ok(predict.values(free)?))
+pub fn modelled(given: impl Into<Given>, experiment: &Experiment) -> Result<Vec<f64>, CompareError> {
+    predicting(given, experiment, &[], |predict, free| Ok(predict.values(free)?))
 }
 
 /// The modelled values of an experiment of either kind and their derivatives in the `parameters`, by name.
 ///
 /// # Errors
 /// [`CompareError`] where the experiment does not fit the model, a parameter is unknown or a row cannot be computed.
-pub fn sensitivity(model: &Model, experiment: &Experiment, parameters: &[&str]) -> Result<Sensitivity, CompareError> {
-    predicting(model, experiment, parameters, |predict, free| {
+pub fn sensitivity(
+    given: impl Into<Given>,
+    experiment: &Experiment,
+    parameters: &[&str],
+) -> Result<Sensitivity, CompareError> {
+    predicting(given, experiment, parameters, |predict, free| {
         let (values, slopes) = predict.slopes(free)?;
         Ok(Sensitivity { values, slopes, derivatives: predict.derivatives() })
     })
@@ -40,12 +44,12 @@ pub fn sensitivity(model: &Model, experiment: &Experiment, parameters: &[&str]) 
 
 /// Calls `f` with the prediction of either kind and the present values of the `parameters`.
 fn predicting<R>(
-    model: &Model,
+    given: impl Into<Given>,
     experiment: &Experiment,
     parameters: &[&str],
     f: impl Fn(&dyn Predict, &[f64]) -> Result<R, CompareError>,
 ) -> Result<R, CompareError> {
-    let mut problem = Problem::new(model, experiment, &[])?;
+    let mut problem = Problem::new(given, experiment, &[])?;
     let listed = problem.known.list();
     let mut free = Vec::new();
     for name in parameters {

@@ -3,8 +3,8 @@
 use super::halt::Halt;
 use super::layout::Layout;
 use super::prediction::{Predict, PredictionError};
-use super::single_wheel::{Rig, SteadyError, SteadyPoint, partial, share_not_carried, steady_point};
 use super::unanswered::{Answers, MISSED_BY, Unanswered, all_answered};
+use crate::carriage::{Rig, SteadyError, SteadyPoint, partial, share_not_carried, steady_point};
 use crate::measurement::Experiment;
 use crate::scalar::{Dual, Scalar};
 use bekker_modeldescription::Parameters;

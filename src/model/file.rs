@@ -39,9 +39,19 @@
 //! expression = "-k * max(travelled, 0)"
 //! parameters = { k = { neutral = 0.0, min = 0.0, max = 10.0, unit = "N/m" } }
 //! ```
+//!
+//! A wheel on a carriage, as a single-wheel experiment tests it, has gravity, wheel, soil and effects, and no more:
+//! ```toml
+//! name = "wheel_on_carriage"
+//! [rig]
+//! kind = "carriage"
+//! [parameters]
+//! wheel.radius = 0.058
+//! soil.cohesion = 170.0
+//! ```
 
 use super::obstacles::ObstacleSpec;
-use super::{ContactAngleSource, Control, ControlKind, Model, PRESETS, SoilSource, Stepping};
+use super::{ContactAngleSource, Control, ControlKind, Model, ModelKind, PRESETS, SoilSource, Stepping};
 use crate::control::{Criterion, Solver, Strength};
 use crate::effects::{DefinitionError, EffectDefinition};
 use crate::rover::{Link, LinkParameters, MAX_COORDINATES, MAX_WHEELS, Mount, Rover, WheelMount};
@@ -98,6 +108,23 @@ pub enum ModelError {
         "{0} [[obstacle]] given, but the plant is in joint coordinates; expected simulation.plant = \"rigid_bodies\""
     )]
     Obstacles(usize),
+    /// A wheel on a carriage with something that only a rover has.
+    #[error("[rig]: a wheel on a carriage has no [{0}]; expected [parameters] and [[effect]] beside it")]
+    Rig(&'static str),
+    /// A name of neither a file nor a built-in model.
+    #[error("`{name}` is neither a file nor a built-in model ({})", preset_names())]
+    Neither {
+        /// The name.
+        name: String,
+    },
+    /// A model file is refused.
+    #[error("in `{file}`: {source}")]
+    File {
+        /// The file.
+        file: String,
+        /// Why.
+        source: Box<ModelError>,
+    },
     /// A number of `[simulation]` is out of range.
     #[error("simulation.{name} = {value}: expected {expected}")]
     Simulation {
@@ -123,6 +150,8 @@ struct File {
     preset: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     vehicle: Option<Vehicle>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rig: Option<RigSpec>,
     #[serde(default)]
     parameters: toml::Table,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -147,6 +176,19 @@ struct Vehicle {
     wheels: Vec<usize>,
     #[serde(default)]
     links: Vec<usize>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RigSpec {
+    kind: RigKind,
+}
+
+/// Rigs that a model may be of.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum RigKind {
+    Carriage,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -208,6 +250,11 @@ impl Model {
             Some(preset) => Self::preset(preset)?,
             None => Self::new("rover", Rover::two_wheeled()),
         };
+        if file.rig.is_some() {
+            file.refuse_rover()?;
+            model.kind = ModelKind::Carriage;
+            "wheel_on_carriage".clone_into(&mut model.name);
+        }
         if let Some(name) = file.name {
             model.name = name;
         }
@@ -253,7 +300,7 @@ impl Model {
         Self::from_toml(&text, path.parent())
     }
 
-    /// Sets parameters from a table, nested or with dotted names.
+    /// Sets parameters from a table, nested or with dotted names; they count as stated ([`Model::stated`]).
     ///
     /// # Errors
     /// [`ModelError::Parameter`] or [`ModelError::NotANumber`] for the first that is refused.
@@ -262,6 +309,7 @@ impl Model {
         flatten("", table, &mut flat)?;
         for (name, value) in flat {
             self.set(&name, value)?;
+            self.stated.insert(&name);
         }
         Ok(())
     }
@@ -281,9 +329,20 @@ impl Model {
                 parameters.insert(variable.name, toml::Value::Float(*value));
             }
         });
+        if self.kind == ModelKind::Carriage {
+            let file = File {
+                name: Some(self.name.clone()),
+                rig: Some(RigSpec { kind: RigKind::Carriage }),
+                parameters,
+                effect: self.rover.effects.custom.iter().map(|effect| effect.definition().clone()).collect(),
+                ..File::default()
+            };
+            return Ok(toml::to_string(&file)?);
+        }
         let file = File {
             name: Some(self.name.clone()),
             preset: None,
+            rig: None,
             vehicle: Some(Vehicle {
                 wheels: self.rover.wheels.iter().map(|wheel| wheel.body).collect(),
                 links: self.rover.links.iter().map(|link| link.parent).collect(),
@@ -297,6 +356,20 @@ impl Model {
             effect: self.rover.effects.custom.iter().map(|effect| effect.definition().clone()).collect(),
         };
         Ok(toml::to_string(&file)?)
+    }
+}
+
+impl File {
+    /// Refuses the sections that describe a rover.
+    fn refuse_rover(&self) -> Result<(), ModelError> {
+        let sections = [
+            ("vehicle", self.vehicle.is_some()),
+            ("terrain", self.terrain.is_some()),
+            ("control", self.control.is_some()),
+            ("simulation", self.simulation.is_some()),
+            ("[obstacle]", !self.obstacle.is_empty()),
+        ];
+        sections.iter().find(|(_, given)| *given).map_or(Ok(()), |(section, _)| Err(ModelError::Rig(section)))
     }
 }
 

@@ -1,6 +1,7 @@
 //! What a run takes in.
 
-use super::{ControlKind, Model, RunError};
+use super::{ControlKind, Model, ModelKind, RunError};
+use crate::carriage::SetPoint;
 use bekker_modeldescription::{Lookup, Parameters, Unit, Variable, join, parameters};
 
 /// Commands of wheels within this are taken, in SI units.
@@ -39,10 +40,15 @@ pub enum Inputs {
     Speed(Vec<SpeedCommand>),
     /// `velocity_command`, m/s.
     Velocity(VelocityCommand),
+    /// `load` (N), `slip` and `wheel_speed` (rad/s) of a wheel on a carriage.
+    Carriage(SetPoint),
 }
 
 impl Inputs {
     pub(super) fn new(model: &Model) -> Self {
+        if model.kind == ModelKind::Carriage {
+            return Self::Carriage(SetPoint::default());
+        }
         let wheels = model.rover.wheels.len();
         match model.control.kind {
             ControlKind::Torque => Self::Torque(vec![TorqueCommand::default(); wheels]),
@@ -66,7 +72,8 @@ impl Inputs {
         if values.len() != expected {
             return Err(RunError::InputLength { got: values.len(), expected });
         }
-        if values.iter().all(|value| value.is_finite() && value.abs() <= *ANY.end()) {
+        let plain = !matches!(self, Self::Carriage(_));
+        if plain && values.iter().all(|value| value.is_finite() && value.abs() <= *ANY.end()) {
             let mut next = values.iter();
             let mut put = |place: &mut f64| {
                 if let Some(value) = next.next() {
@@ -77,6 +84,7 @@ impl Inputs {
                 Self::Torque(wheels) => wheels.iter_mut().for_each(|w| put(&mut w.torque_command)),
                 Self::Speed(wheels) => wheels.iter_mut().for_each(|w| put(&mut w.speed_command)),
                 Self::Velocity(command) => put(&mut command.velocity_command),
+                Self::Carriage(_) => {}
             }
             return Ok(());
         }
@@ -95,6 +103,7 @@ impl Parameters<f64> for Inputs {
             Self::Torque(wheels) => wheels.iter_mut().enumerate().for_each(|(k, w)| w.visit(&wheel(k), f)),
             Self::Speed(wheels) => wheels.iter_mut().enumerate().for_each(|(k, w)| w.visit(&wheel(k), f)),
             Self::Velocity(command) => command.visit(prefix, f),
+            Self::Carriage(set) => set.visit(prefix, f),
         }
     }
 
@@ -103,6 +112,7 @@ impl Parameters<f64> for Inputs {
             Self::Torque(wheels) => wheels.iter().for_each(|w| w.values(f)),
             Self::Speed(wheels) => wheels.iter().for_each(|w| w.values(f)),
             Self::Velocity(command) => command.values(f),
+            Self::Carriage(set) => set.values(f),
         }
     }
 }

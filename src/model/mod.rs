@@ -5,14 +5,17 @@ mod controller;
 mod effects;
 mod estimating;
 mod file;
+mod find;
 mod inputs;
 mod obstacles;
 mod ordinary;
 mod origin;
 mod plant;
 mod presets;
+mod rig;
 mod run;
 mod saving;
+mod stated;
 mod summary;
 mod tuning;
 mod variation;
@@ -24,7 +27,9 @@ pub use file::ModelError;
 pub use inputs::Inputs;
 pub use plant::{AnyPlant, Plant};
 pub use presets::PRESETS;
+pub use rig::{ModelKind, UnfitRover};
 pub use run::{Run, RunError};
+pub use stated::Stated;
 pub use summary::{Summary, SummaryBuilder};
 pub use variation::{Distribution, Variation, VariationError};
 
@@ -61,11 +66,15 @@ impl Default for Stepping {
     }
 }
 
-/// A rover on its ground, its sensors and control, and how to run them.
+/// A rover on its ground, its sensors and control, and how to run them; or a wheel on a carriage, see [`ModelKind`].
 #[derive(Clone, Debug)]
 pub struct Model {
     /// Name for people.
     pub name: String,
+    /// What the model is of.
+    pub kind: ModelKind,
+    /// Parameters that the model states: those of its file. They hold against an experiment's `[parameters]`.
+    pub stated: Stated,
     /// Rover, soil, terrain, effects.
     pub rover: Rover,
     /// Start.
@@ -88,6 +97,8 @@ impl Model {
     pub fn new(name: &str, rover: Rover) -> Self {
         Self {
             name: name.to_owned(),
+            kind: ModelKind::Rover,
+            stated: Stated::default(),
             rover,
             start: Start::default(),
             sensors: Sensors::default(),
@@ -125,6 +136,9 @@ const JOINT_FRICTION: &str = "suspension_friction.moment";
 /// where the plant feels them.
 impl Parameters<f64> for Model {
     fn visit(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut f64)) {
+        if self.kind == ModelKind::Carriage {
+            return self.visit_rig(prefix, f);
+        }
         let limited = self.control.kind != ControlKind::Speed;
         let jointed = !self.rover.links.is_empty();
         self.rover.visit("", &mut |variable, place| {
@@ -183,6 +197,14 @@ impl Parameters<f64> for Model {
 }
 
 impl Model {
+    /// What a wheel on a carriage has, as [`Rig`](crate::carriage::Rig) lists it.
+    fn visit_rig(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut f64)) {
+        self.rover.environment.visit(prefix, f);
+        self.rover.wheel.visit(&join(prefix, "wheel"), f);
+        self.rover.soil.visit(&join(prefix, "soil"), f);
+        self.rover.effects.visit(prefix, f);
+    }
+
     /// The sensors of joints, and what rough-terrain control's estimators read beyond them.
     fn visit_estimators(&mut self, jointed: bool, prefix: &str, f: &mut dyn FnMut(Variable, &mut f64)) {
         let sensor = join(prefix, "sensor");

@@ -2,7 +2,7 @@
 
 use super::closed_loop::AtWork;
 use super::origin::Origin;
-use super::{AnyPlant, ControlKind, Inputs, Model};
+use super::{AnyPlant, ControlKind, Inputs, Model, ModelKind};
 use crate::control::{ControlError, Rtc};
 use crate::sensors::SensorSuite;
 use crate::signals::{Command, Drive, Measurement, Reference, Signals};
@@ -56,6 +56,14 @@ pub enum RunError {
     ObstaclesWithoutBodies {
         /// Obstacles of the model.
         obstacles: usize,
+    },
+    /// A wheel on a carriage.
+    #[error(
+        "the model `{name}` is a wheel on a carriage, which has steady points and no motion in time; expected a rover"
+    )]
+    Carriage {
+        /// Name of the model.
+        name: String,
     },
     /// A parameter that a run under way cannot change.
     #[error("`{name}` cannot change while a run is under way; expected a change of soil, effects, sensors or gains")]
@@ -255,7 +263,7 @@ impl Run {
                     .command(&self.measurement, self.simulation.signals(), &goal, &mut self.command)
                     .map_err(|source| RunError::Control { time, source })?;
             }
-            (Inputs::Velocity(_), None) => {}
+            (Inputs::Velocity(_) | Inputs::Carriage(_), None) | (Inputs::Carriage(_), Some(_)) => {}
         }
         Ok(())
     }
@@ -317,6 +325,9 @@ impl Run {
 impl Model {
     /// Checks what [`Model::start`] needs: every parameter within its bounds, a vehicle that the control can drive.
     pub(crate) fn check_start(&self) -> Result<(), RunError> {
+        if self.kind == ModelKind::Carriage {
+            return Err(RunError::Carriage { name: self.name.clone() });
+        }
         self.check_plant()?;
         self.clone().check()?;
         check_vehicle(self)

@@ -41,7 +41,7 @@ many together (:class:`RoverEnv`, :class:`RoverVectorEnv`)::
     diagnosis = bekker.diagnose("examples/sand_wheel", progress=print)
     print(diagnosis)                           # verdict, the error falling step by step, probabilities, cautions
     diagnosis.plot_overlay()                   # and plot_residuals, plot_steps, plot_candidates ... (matplotlib)
-    diagnosis.save_model("improved.toml")      # bekker.simulate(diagnosis.improved) takes it as it is
+    diagnosis.save_model("improved.toml")      # bekker.steady_points(diagnosis.improved, 20.0, 0.2, 0.5) takes it as it is
 
 Data that are not on disk come as :class:`Experiment`, from data frames or arrays.
 
@@ -62,7 +62,7 @@ from .errors import BekkerError, DiagnosisInterrupted, InputError, ModelError, S
 from .experiment import Experiment, MeasuredRun
 from .models import effects, export_fmu, presets
 from .registration import register
-from .simulation import Result, simulate
+from .simulation import Result, simulate, steady_points
 from .tasks import TASKS, Task
 from .vector_env import RoverVectorEnv
 
@@ -102,6 +102,7 @@ __all__ = [
     "randomise",
     "rewards",
     "simulate",
+    "steady_points",
 ]
 
 register()

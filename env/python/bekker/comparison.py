@@ -14,7 +14,7 @@ from ._bekker import Model
 from .curves import Curves, curves_from
 from .errors import InputError
 from .experiment import ExperimentLike, source
-from .models import ModelLike, as_model, names_of, save_model
+from .models import ModelLike, given, names_of, save_model
 from .vocabulary import unknown
 
 __all__ = [
@@ -159,9 +159,12 @@ class Comparison:
     """Rows that the given parameters leave without an answer: left out of the errors of ``given``."""
     cautions: list[str]
     """What the reader of a calibration should beware of."""
+    sources: list[str]
+    """What was taken from where, where two places disagree; priors of a class of soil."""
     model: Model
-    """The model of ``fit``: with what is known of the rig and, after a calibration, with what that found. What the
-    experiment says of single runs is not part of it."""
+    """The model of ``fit``: with what is known of the rig and, after a calibration, with what that found; compared with the
+    same experiment it gives the same errors. A wheel on a carriage (``model.kind``) where a single wheel was measured and no
+    rover is named. What the experiment says of single runs is not part of it."""
 
     def save_model(self, path: str | os.PathLike[str]) -> None:
         """Writes the model of ``fit`` as TOML, which ``simulate``, the FMU builder and the environment take.
@@ -198,7 +201,7 @@ class Comparison:
 
 def compare(
     experiment: ExperimentLike,
-    model: ModelLike = "two_wheeled",
+    model: ModelLike | None = None,
     *,
     calibrate: bool = False,
     added: Iterable[str] | None = None,
@@ -209,13 +212,20 @@ def compare(
     With ``calibrate`` the fit is the baseline of :func:`bekker.diagnose`, to the bit. Rows that the model cannot answer, for
     example where the wheel sinks to its axle, are left out and listed in ``unanswered``.
 
+    For each parameter the first that gives a value holds: a run's own ``parameters``; ``parameters`` here; what the model
+    states (in its file, or by ``Model.set``; a built-in model states nothing); the experiment's ``parameters``; the mean of a
+    prior; the built-in model. Dimensions and masses of the rig are taken from the experiment rather than from the model. Where
+    two disagree, ``sources`` says so.
+
     Args:
         experiment: the folder with ``experiment.toml``, or a :class:`bekker.Experiment`; a wheel on a carriage takes
             wheel, soil and effects of the model, a traverse the whole rover.
-        model: a Model, the name of a preset, TOML text, or the path of a TOML file.
+        model: a Model, the name of a preset, TOML text, or the path of a TOML file; where None, the one that the experiment
+            names, or else a plain wheel, or a rover with as many wheels as the commands name.
         calibrate: whether to calibrate the soil first.
         added: ids of effects (:func:`bekker.effects`) whose parameters a calibration frees too.
-        parameters: values by name that replace the model's, before those that the experiment states.
+        parameters: values by name that go before the model and the experiment's ``parameters``, though not before a run's own;
+            a calibration leaves them as they are unless they have a prior.
 
     Raises:
         UnknownNameError, ModelError: as :func:`bekker.models.as_model`; a ModelError too where the folder is refused
@@ -227,7 +237,7 @@ def compare(
     effects = names_of("added", added or ())
     if effects and not calibrate:
         raise InputError(f"added = {effects}: expected calibrate=True; an effect is neutral until it is calibrated")
-    found = _bekker.compare(source(experiment), as_model(model, parameters), calibrate, effects)
+    found = _bekker.compare(source(experiment), *given(model, parameters), calibrate, effects)
     return Comparison(
         experiment=found["experiment"],
         given=fit_from(found["given"]),
@@ -240,13 +250,14 @@ def compare(
         unanswered=unanswered_from(found["unanswered"]),
         given_unanswered=unanswered_from(found["given_unanswered"]),
         cautions=found["cautions"],
+        sources=found["sources"],
         model=found["model"],
     )
 
 
 def calibrate(
     experiment: ExperimentLike,
-    model: ModelLike = "two_wheeled",
+    model: ModelLike | None = None,
     *,
     added: Iterable[str] | None = None,
     parameters: Mapping[str, float] | None = None,

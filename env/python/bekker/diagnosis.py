@@ -37,7 +37,7 @@ from .findings import (
     Step,
     Suggestion,
 )
-from .models import ModelLike, as_model, names_of, save_model
+from .models import ModelLike, given, names_of, save_model
 from .spread import through
 from .vocabulary import unknown
 
@@ -143,8 +143,12 @@ class Diagnosis:
     not_tried: list[str]
     """What was not tried, because the work was cut short or ``time_budget`` had no time for it: one line a kind of work."""
     improved: Model
-    """The final model, calibrated and with its effects on: for simulate, RoverEnv and export_fmu. What the experiment
-    says of single runs is not part of it."""
+    """The final model, calibrated and with its effects on: for compare, export_fmu and, where it is a rover, simulate and
+    RoverEnv. Compared with the same experiment it gives the same errors. A wheel on a carriage (``improved.kind``), for
+    :func:`bekker.steady_points`, where a single wheel was measured and no rover is named: ``rover.with_rig_of(improved)`` puts
+    it on one. What the experiment says of single runs is not part of it."""
+    sources: list[str]
+    """What was taken from where, where two places disagree; priors of a class of soil."""
     _json: str = field(repr=False)
     _finding: "_bekker.Finding | None" = field(repr=False)
 
@@ -283,7 +287,7 @@ class Diagnosis:
 
 def diagnose(
     experiment: ExperimentLike,
-    model: ModelLike = "two_wheeled",
+    model: ModelLike | None = None,
     *,
     parameters: Mapping[str, float] | None = None,
     candidates: Iterable[str] | None = None,
@@ -296,13 +300,21 @@ def diagnose(
 ) -> Diagnosis:
     """Compares a model with an experiment and finds out which physical effect is missing from it, if any.
 
+    For each parameter the first that gives a value holds: a run's own ``parameters``; ``parameters`` here; what the model
+    states (in its file, or by ``Model.set``; a built-in model states nothing); the experiment's ``parameters``; the mean of a
+    prior; the built-in model. Dimensions and masses of the rig are taken from the experiment rather than from the model. Where
+    two disagree, ``sources`` says so.
+    An effect that the model has switched on is part of the baseline, held at its value.
+
     Without a ``time_budget`` the result depends neither on the number of threads nor on the executor nor on the clock. The
     interpreter is free for other threads meanwhile; Ctrl-C ends the work within a second or two and leaves what was found.
 
     Args:
         experiment: the folder with ``experiment.toml``, or an :class:`bekker.Experiment`.
-        model: a Model, the name of a preset, TOML text, or the path of a TOML file.
-        parameters: values by name that replace the model's, before those that the experiment states.
+        model: a Model, the name of a preset, TOML text, or the path of a TOML file; where None, the one that the experiment
+            names, or else a plain wheel, or a rover with as many wheels as the commands name.
+        parameters: values by name that go before the model and the experiment's ``parameters``, though not before a run's own;
+            a calibration leaves them as they are unless they have a prior.
         candidates: ids of the effects to try (:func:`bekker.effects`); all where None.
         added: ids of effects that are part of the baseline, with free parameters.
         max_effects: most effects that are added.
@@ -329,7 +341,7 @@ def diagnose(
     _whole("draws", draws, 100)
     finding, raised = _bekker.diagnose(
         source(experiment),
-        as_model(model, parameters),
+        *given(model, parameters),
         None if candidates is None else names_of("candidates", candidates),
         names_of("added", added or ()),
         max_effects,

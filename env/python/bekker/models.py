@@ -9,10 +9,15 @@ from ._bekker import Model
 from .errors import InputError
 from .vocabulary import unknown
 
-__all__ = ["ModelLike", "as_model", "effects", "export_fmu", "names_of", "presets", "save_model"]
+__all__ = ["Given", "ModelLike", "as_model", "effects", "export_fmu", "given", "names_of", "presets", "save_model"]
 
 ModelLike = Model | str | os.PathLike[str]
 """A :class:`Model`, the name of a preset, TOML text, or the path of a TOML file."""
+
+
+Given = tuple[tuple[Model, str] | None, dict[str, float]]
+"""What is given beside an experiment: a model with the name that it was asked for by (None for the experiment's own, or one
+that is built in), and parameters that are set by hand."""
 
 
 def presets() -> dict[str, str]:
@@ -39,6 +44,17 @@ def as_model(model: ModelLike, parameters: Mapping[str, float] | None = None) ->
     return own
 
 
+def given(model: ModelLike | None, parameters: Mapping[str, float] | None) -> Given:
+    """What is given beside an experiment. Errors as :func:`as_model`; the names of ``parameters`` are checked later."""
+    values = {name: float(value) for name, value in (parameters or {}).items()}
+    if model is None:
+        return None, values
+    own = _read(model)
+    # A model in memory has its own name, and TOML text is none.
+    asked = own.name if isinstance(model, Model) else os.fspath(model)
+    return (own, own.name if "\n" in asked or "=" in asked else asked), values
+
+
 def export_fmu(
     model: ModelLike,
     path: str | os.PathLike[str],
@@ -57,8 +73,8 @@ def export_fmu(
         path: Where to write.
         parameters: Changes to the model's parameters.
         fmi: Version of the standard: 2 (2.0, which nearly every tool reads) or 3 (3.0).
-        kind: What of the model it offers: ``rover`` (the plant alone), ``controller`` or ``closed-loop`` (both); what
-            the model file says where missing.
+        kind: What of the model it offers: ``rover`` (the plant alone), ``controller`` or ``closed-loop`` (both), or
+            ``carriage`` of a wheel on a carriage; what the model file says where missing.
         windows: A library for 64 bit Windows, packed besides the one for this system.
         arrays: Whether FMI 3.0 shows the same quantity of every wheel, link or obstacle as one array, ``wheels.slip``.
 

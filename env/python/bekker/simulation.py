@@ -8,11 +8,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _bekker
 from ._bekker import Model
-from .errors import InputError
+from .errors import InputError, ModelError
 from .models import ModelLike, as_model
 from .vocabulary import unknown
 
-__all__ = ["Inputs", "Result", "simulate"]
+__all__ = ["Inputs", "Result", "simulate", "steady_points"]
 
 Floats: TypeAlias = NDArray[np.float64]
 Inputs: TypeAlias = Mapping[str, ArrayLike] | Callable[[float], Mapping[str, float] | Sequence[float] | Floats]
@@ -86,6 +86,8 @@ def simulate(
         SimulationError: the rover finds no rest on the ground, or the equations or the controller failed.
     """
     own = as_model(model, parameters)
+    if own.kind == "carriage":
+        raise ModelError(f"`{own.name}` is a wheel on a carriage, which has no motion in time; see bekker.steady_points")
     seconds = own.step_size if period is None else period
     steps = whole("period", seconds, "inner steps", own.step_size)
     intervals = whole("duration", own.duration if duration is None else duration, "periods", seconds)
@@ -94,6 +96,41 @@ def simulate(
     described = own.signals()
     columns = {"time": instants} | {v["name"]: np.ascontiguousarray(signals[:, k]) for k, v in enumerate(described)}
     return Result(columns, {"time": "s"} | {v["name"]: v["unit"] for v in described}, status, event)
+
+
+def steady_points(
+    model: ModelLike,
+    load: ArrayLike,
+    slip: ArrayLike,
+    wheel_speed: ArrayLike,
+    parameters: Mapping[str, float] | None = None,
+) -> dict[str, Floats]:
+    """What a carriage measures of a model's wheel: the steady points at a load, a slip and a wheel speed.
+
+    Args:
+        model: a wheel on a carriage, or a rover, of which its wheel, soil and effects count.
+        load: vertical load, N.
+        slip: 1 - V/(r omega) driving, r omega/V - 1 in skid, where -1 is a locked wheel.
+        wheel_speed: rad/s; negative backward. All three are numbers or arrays, broadcast against each other.
+        parameters: values by name that replace the model's.
+
+    Returns:
+        ``drawbar_pull`` (N), ``torque`` (N m, of the drive, its losses included) and ``sinkage`` (m), arrays of the common
+        shape.
+
+    Raises:
+        UnknownNameError, ModelError: as :func:`bekker.models.as_model`.
+        InputError: a value is out of range, or the shapes do not go together.
+        SimulationError: the wheel sinks to its axle, or slip and wheel speed contradict each other.
+    """
+    own = as_model(model, parameters)
+    try:
+        points = np.broadcast_arrays(*(np.asarray(given, dtype=np.float64) for given in (load, slip, wheel_speed)))
+    except ValueError as refused:
+        raise InputError(f"load, slip, wheel_speed: expected numbers or arrays of one shape: {refused}") from None
+    found = own.steady_points(*(np.ascontiguousarray(points[k]).ravel() for k in range(3)))
+    names = ("drawbar_pull", "torque", "sinkage")
+    return {name: values.reshape(points[0].shape) for name, values in zip(names, found, strict=True)}
 
 
 def whole(name: str, seconds: float, what: str, unit: float) -> int:

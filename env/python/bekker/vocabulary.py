@@ -26,7 +26,7 @@ class Variable(TypedDict):
     """Smallest allowed value."""
     max: float
     """Largest allowed value."""
-    role: Literal["fixed", "calibrated", "effect", "signal"]
+    role: Literal["fixed", "rig", "calibrated", "effect", "signal"]
     """Whether a default calibration may move it."""
     source: str
     """Where the default, the bounds or the equation come from."""

@@ -10,14 +10,23 @@ table{border-collapse:collapse}td,th{text-align:left;vertical-align:top;padding:
 /// `documentation/index.html`.
 pub fn html(description: &Description) -> String {
     let name = escape(&description.name);
+    let ends = description.entries.iter().any(|entry| entry.variable.name == "event");
+    let steps = if ends {
+        format!(
+            "Any communication step is allowed; the inner steps lie at whole multiples of {:?} s, and points between two of \
+             them are interpolated. Where the simulation ends on the way, the FMU asks to terminate it and the output \
+             <code>event</code> says why.",
+            description.inner_step
+        )
+    } else {
+        "Outputs are those of the inputs and parameters at the end of a communication step, whatever its length."
+            .to_owned()
+    };
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{name}</title>\n\
-         <style>{STYLE}</style>\n</head>\n<body>\n<h1>{name}</h1>\n<p>{}</p>\n<p>Made by {}. Any communication step is \
-         allowed; the inner steps lie at whole multiples of {:?} s, and points between two of them are interpolated. Where \
-         the simulation ends on the way, the FMU asks to terminate it and the output <code>event</code> says why.</p>\n",
+         <style>{STYLE}</style>\n</head>\n<body>\n<h1>{name}</h1>\n<p>{}</p>\n<p>Made by {}. {steps}</p>\n",
         escape(&description.description),
         escape(&description.generation_tool),
-        description.inner_step,
     );
     for (title, causality) in [
         ("Inputs", Causality::Input),

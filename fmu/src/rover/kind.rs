@@ -1,6 +1,6 @@
 //! What of a model an FMU offers.
 
-use bekker::model::{ControlKind, Model};
+use bekker::model::{ControlKind, Model, ModelKind};
 use std::str::FromStr;
 
 /// What of a model an FMU offers: `kind` in the section `[fmu]` of the packed model file.
@@ -13,6 +13,9 @@ pub enum Kind {
     Controller,
     /// The model as it is.
     RoverWithController,
+    /// A wheel on a carriage: load, slip and wheel speed in; drawbar pull, torque and sinkage out. The only kind of such a
+    /// model, and of no other.
+    Carriage,
 }
 
 /// The words of the doors, for people.
@@ -24,7 +27,8 @@ impl FromStr for Kind {
             "rover" => Ok(Self::Rover),
             "controller" => Ok(Self::Controller),
             "closed-loop" => Ok(Self::RoverWithController),
-            _ => Err("expected rover, controller or closed-loop".into()),
+            "carriage" => Ok(Self::Carriage),
+            _ => Err("expected rover, controller, closed-loop or carriage".into()),
         }
     }
 }
@@ -37,11 +41,12 @@ impl Kind {
             Self::Rover => "rover",
             Self::Controller => "controller",
             Self::RoverWithController => "rover_with_controller",
+            Self::Carriage => "carriage",
         }
     }
 
     fn from_word(word: &str) -> Result<Self, String> {
-        let all = [Self::Rover, Self::Controller, Self::RoverWithController];
+        let all = [Self::Rover, Self::Controller, Self::RoverWithController, Self::Carriage];
         let found = all.into_iter().find(|kind| kind.word() == word);
         found.ok_or_else(|| format!("`fmu.kind` = `{word}`: expected one of {}", all.map(Self::word).join(", ")))
     }
@@ -52,12 +57,16 @@ impl Kind {
             Self::Rover => "a rover on deformable soil",
             Self::Controller => "control of a rover on rough terrain",
             Self::RoverWithController => "a rover on deformable soil",
+            Self::Carriage => "a wheel on a carriage on deformable soil",
         }
     }
 
     /// The usual kind: a model without a controller is a plant.
     #[must_use]
     pub fn usual(model: &Model) -> Self {
+        if model.kind == ModelKind::Carriage {
+            return Self::Carriage;
+        }
         match model.control.kind {
             ControlKind::Torque | ControlKind::Speed => Self::Rover,
             _ => Self::RoverWithController,

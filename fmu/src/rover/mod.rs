@@ -5,8 +5,10 @@
 //! | [`Kind::Rover`] | torques or speeds of the wheels | signals; `measured.*`, what sensors make of them |
 //! | [`Kind::Controller`] | measurements, by the names of the signals, and `velocity_command` | `wheel[k].torque_command` |
 //! | [`Kind::RoverWithController`] | those of the model | signals |
+//! | [`Kind::Carriage`] | `load`, `slip`, `wheel_speed` | `drawbar_pull`, `torque`, `sinkage` |
 //!
-//! Without a key `[fmu] kind` in the model file, a model without a controller is a rover, any other the third. With
+//! Without a key `[fmu] kind` in the model file, a wheel on a carriage is itself, a model without a controller a rover, any
+//! other the third. With
 //! `[fmu] arrays = true` FMI 3.0 has `wheels.slip[2]` in the place of `wheel[1].slip` and `wheel[2].slip`.
 //!
 //! A rover and a controller of the same model file, wired name by name and stepped by the control period, the controller
@@ -24,6 +26,7 @@
 //! were set when it was begun; inputs set at the point between act from the next whole inner step on. At whole multiples
 //! every value is the core's, bit for bit.
 
+mod carriage;
 mod continuous;
 mod controller;
 mod derivatives;
@@ -38,9 +41,10 @@ mod tuning;
 pub use kind::{Kind, Offer};
 
 use crate::model::Model;
-use bekker::model::Model as RoverModel;
+use bekker::model::{Model as RoverModel, ModelKind};
 use bekker_modeldescription::Lookup;
 use bekker_modeldescription::xml::{Arrays, Description, Entry, Experiment, identifier};
+use carriage::Carriage;
 use controller::Controller;
 use plant::Rover;
 use std::path::Path;
@@ -69,7 +73,12 @@ pub fn parse(text: &str) -> Result<Box<dyn Model>, String> {
     let model = RoverModel::from_toml(text, None).map_err(|error| error.to_string())?;
     let offer = Offer::of(text)?;
     let packed = Packed { text, kind: offer.kind.unwrap_or_else(|| Kind::usual(&model)), arrays: offer.arrays };
+    if model.kind == ModelKind::Carriage && packed.kind != Kind::Carriage {
+        let (name, kind) = (&model.name, packed.kind.word());
+        return Err(format!("`{name}` is a wheel on a carriage and no `{kind}`; expected the kind `carriage`"));
+    }
     Ok(match packed.kind {
+        Kind::Carriage => Box::new(Carriage::new(model, packed)?),
         Kind::Controller => Box::new(Controller::new(model, packed)?),
         _ => Box::new(Rover::new(model, packed)?),
     })

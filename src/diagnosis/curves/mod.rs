@@ -22,7 +22,7 @@ mod set_points;
 use super::calibrate::{CalibratedParameter, Calibration};
 use super::diagnose::Step;
 use super::problem::Problem;
-use super::single_wheel::{Rig, steady_point};
+use crate::carriage::{Rig, steady_point};
 use crate::measurement::{Kind, Sample};
 use inputs::{Held, Inputs, LEAST_SHARE, LEAST_SLIP, Row, rows};
 use serde::Serialize;

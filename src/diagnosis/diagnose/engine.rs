@@ -13,10 +13,10 @@ use super::untried::Untried;
 use super::verdict::Judgement;
 use super::watch::{Phase, Watch};
 use crate::diagnosis::compare::CompareError;
+use crate::diagnosis::given::Given;
 use crate::diagnosis::noise::Whitening;
 use crate::diagnosis::problem::Problem;
 use crate::measurement::Experiment;
-use crate::model::Model;
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 
@@ -41,8 +41,12 @@ impl Default for DiagnoseOptions {
 
 impl DiagnoseOptions {
     /// What is diagnosed, with the candidates that are asked for.
-    pub(crate) fn problem<'a>(&self, model: &Model, experiment: &'a Experiment) -> Result<Problem<'a>, CompareError> {
-        let mut problem = Problem::new(model, experiment, &self.added)?;
+    pub(crate) fn problem<'a>(
+        &self,
+        given: impl Into<Given>,
+        experiment: &'a Experiment,
+    ) -> Result<Problem<'a>, CompareError> {
+        let mut problem = Problem::new(given, experiment, &self.added)?;
         if let Some(candidates) = &self.candidates {
             problem.keep_candidates(candidates)?;
         }
@@ -53,6 +57,9 @@ impl DiagnoseOptions {
 
 /// Compares the model with an experiment and looks for the effect that is missing.
 ///
+/// Where values come from is said at [`Given`]; a plain model is one that is named. An effect that the model has switched on
+/// is part of the baseline, held at its value.
+///
 /// Without a budget of time the result depends neither on the number of threads nor on the clock. Once `control.stop` says
 /// yes, the work in hand is cut short and what is known by then is returned, marked as interrupted. What was not tried for
 /// that reason, or because `control.budget` had no time for it, is listed in [`Diagnosis::not_tried`].
@@ -61,12 +68,12 @@ impl DiagnoseOptions {
 /// [`CompareError`] where the experiment does not fit the model, or the model cannot compute it;
 /// [`CompareError::Interrupted`] where there was a stop before the baseline and its noise were known.
 pub fn diagnose(
-    model: &Model,
+    given: impl Into<Given>,
     experiment: &Experiment,
     options: &DiagnoseOptions,
     control: &Control,
 ) -> Result<Diagnosis, CompareError> {
-    let mut problem = options.problem(model, experiment)?;
+    let mut problem = options.problem(given, experiment)?;
     let watch = Watch::new(control, experiment.kind);
     problem.halt = watch.halt();
     let free: Vec<&str> = problem.base.iter().map(|free| free.variable.name.as_str()).collect();

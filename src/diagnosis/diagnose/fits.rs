@@ -4,13 +4,13 @@ use super::engine::DiagnoseOptions;
 use crate::diagnosis::calibrate::{Calibration, calibrate, calibrate_from, settled};
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::effort::Effort;
+use crate::diagnosis::given::Given;
 use crate::diagnosis::least_squares::Pace;
 use crate::diagnosis::noise::{NoiseModel, Whitening};
 use crate::diagnosis::prediction::Predict;
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::weighted::Weighted;
 use crate::measurement::Experiment;
-use crate::model::Model;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -126,13 +126,13 @@ fn with_problem(
 /// # Errors
 /// [`CompareError`] where the experiment does not fit the model.
 pub fn fit_task(
-    model: &Model,
+    given: impl Into<Given>,
     experiment: &Experiment,
     options: &DiagnoseOptions,
     noise: &Noise,
     task: &Task,
 ) -> Result<Option<Outcome>, CompareError> {
-    let mut problem = options.problem(model, experiment)?;
+    let mut problem = options.problem(given, experiment)?;
     problem.layout.leave_out(&task.unanswered);
     Ok(outcome(&problem, noise, task))
 }

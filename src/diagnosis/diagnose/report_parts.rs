@@ -99,6 +99,8 @@ pub(crate) fn assemble(
     search.watch.begin(Phase::Next, "");
     let suggestions = suggestions(inputs, &judgement, chosen, fitted, &left_over);
     let interrupted = search.watch.stopped();
+    let improved = problem.saved(&problem.free(chosen), &fitted.values());
+    cautions.extend(problem.unfit(&improved));
     Ok(Diagnosis {
         experiment: (*problem.experiment).clone(),
         verdict: judgement.verdict,
@@ -125,7 +127,8 @@ pub(crate) fn assemble(
         failures_left: left_over,
         suggestions,
         cautions,
-        improved: problem.improved(&problem.free(chosen), &fitted.values()),
+        improved,
+        sources: problem.sources.clone(),
         effects: judgement.effects,
         candidates,
         profiles,

@@ -196,7 +196,11 @@ pub struct Diagnosis {
     /// What the reader should beware of, in words.
     pub cautions: Vec<String>,
     /// The final model: calibrated, effects switched on; what the experiment says of single runs is not part of it.
+    /// It states all its values: compared with the same experiment it gives the same errors. A wheel on a carriage where a
+    /// single wheel was measured and no rover is named.
     pub improved: Model,
+    /// What was taken from where, in words, where two places disagree; priors of a class of soil.
+    pub sources: Vec<String>,
     /// Whether the work was cut short; what was not done is missing from the lists.
     pub interrupted: bool,
     /// What was not tried, because the work was cut short or a budget had no time for it: one line a kind of work, for

@@ -79,7 +79,7 @@ pub(super) fn answers(question: &Question) -> Vec<Answer> {
 
 /// Calls `f` with the variation's problem and what it would see of the question's effects.
 fn with_look<R>(question: &Question, variation: &Variation, f: impl FnOnce(&Problem, &Look) -> R) -> Option<R> {
-    let model = question.problem.improved(&question.problem.base, question.values);
+    let given = question.problem.again(&question.problem.base, question.values);
     let mut added: Vec<String> = Vec::new();
     for free in question.problem.base.iter().filter(|free| free.variable.role == Role::Effect) {
         let id = free.variable.name.split('.').next().unwrap_or_default().to_owned();
@@ -87,7 +87,7 @@ fn with_look<R>(question: &Question, variation: &Variation, f: impl FnOnce(&Prob
             added.push(id);
         }
     }
-    let mut problem = Problem::new(&model, &variation.experiment, &added).ok()?;
+    let mut problem = Problem::new(given, &variation.experiment, &added).ok()?;
     problem.halt = question.problem.halt;
     let asked = |id: &String| {
         question.blind.contains(id)

@@ -30,6 +30,7 @@ impl Separation {
                 })).collect::<Vec<_>>(),
             })).collect::<Vec<_>>(),
             "invisible": self.invisible,
+            "sources": self.sources,
             "pairs": self.pairs.iter().map(|pair| json!({
                 "effects": pair.effects, "cosine": pair.cosine, "likeness": pair.likeness.name(),
             })).collect::<Vec<_>>(),

@@ -5,11 +5,11 @@ use super::noise::{AssumedNoise, NoiseSource, planned};
 use super::strength::{SmallestStrength, smallest};
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::diagnose::{ALIKE, DETECTABLE, prepare, prune};
+use crate::diagnosis::given::Given;
 use crate::diagnosis::linear_algebra::norm;
 use crate::diagnosis::noise::{FloorSource, NoiseModel};
 use crate::diagnosis::problem::Problem;
 use crate::measurement::Experiment;
-use crate::model::Model;
 use crate::parallel::map_in_order;
 use std::collections::BTreeMap;
 
@@ -108,6 +108,8 @@ pub struct Separation {
     pub invisible: Vec<String>,
     /// Pairs of visible effects, the most alike first.
     pub pairs: Vec<PairSight>,
+    /// What was taken from where, in words, where two places disagree; priors of a class of soil.
+    pub sources: Vec<String>,
 }
 
 impl Separation {
@@ -138,8 +140,12 @@ impl Separation {
 ///
 /// # Errors
 /// [`CompareError`] where the experiment does not fit the model, or the model cannot compute it.
-pub fn separate(model: &Model, experiment: &Experiment, options: &SeparateOptions) -> Result<Separation, CompareError> {
-    let mut problem = Problem::new(model, experiment, &options.added)?;
+pub fn separate(
+    given: impl Into<Given>,
+    experiment: &Experiment,
+    options: &SeparateOptions,
+) -> Result<Separation, CompareError> {
+    let mut problem = Problem::new(given, experiment, &options.added)?;
     if let Some(candidates) = &options.candidates {
         problem.keep_candidates(candidates)?;
     }
@@ -160,7 +166,8 @@ pub fn separate(model: &Model, experiment: &Experiment, options: &SeparateOption
     pairs.sort_by(|a, b| b.cosine.total_cmp(&a.cosine));
     let absorbing = problem.base.iter().zip(&values).map(|(free, value)| (free.variable.name.clone(), *value));
     let (name, absorbing) = (experiment.name.clone(), absorbing.collect());
-    Ok(Separation { name, calibrated, noise, absorbing, effects, invisible, pairs })
+    let sources = problem.sources.clone();
+    Ok(Separation { name, calibrated, noise, absorbing, effects, invisible, pairs, sources })
 }
 
 type Ground = (Vec<f64>, BTreeMap<String, AssumedNoise>, Vec<String>);

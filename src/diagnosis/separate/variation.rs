@@ -1,9 +1,9 @@
 //! Variations of an experiment that can be simulated: more loads, wider slips, other speeds, slopes, masses, signals.
 
 use super::plan::{PlanError, SingleWheelPlan, TraversePlan, all_signals, carried, handy, reach};
+use crate::carriage::Rig;
 use crate::diagnosis::halt::Halt;
 use crate::diagnosis::problem::Problem;
-use crate::diagnosis::single_wheel::Rig;
 use crate::measurement::{Experiment, Kind, Run};
 use crate::model::Model;
 use bekker_modeldescription::Lookup;

@@ -7,7 +7,7 @@ use crate::rover::{Environment, Rover};
 use crate::scalar::{Dual, Scalar};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
-use bekker_modeldescription::{Parameters, Variable, join};
+use bekker_modeldescription::{Parameters, Unit, Variable, join, parameters};
 
 /// The normal force meets the load within this share of it: far below any measurement, above rounding.
 const LOAD_TOLERANCE: f64 = 1e-12;
@@ -28,15 +28,28 @@ pub struct Rig<S = f64> {
     pub effects: Effects<S>,
 }
 
-/// What a carriage measures at a steady point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SteadyPoint<S = f64> {
-    /// Drawbar pull as the carriage feels it, N.
-    pub drawbar_pull: S,
-    /// Torque of the drive as it is recorded, wheel side of the gear, its losses included, N m.
-    pub torque: S,
-    /// Sinkage of the soil, m.
-    pub sinkage: S,
+parameters! {
+    /// What a carriage is set to.
+    pub struct SetPoint {
+        /// Vertical load on the wheel.
+        load: [Unit::NEWTON] = 10.0, 1e-3..=1e6, Signal, "input; a small rover's wheel";
+        /// Slip: 1 - V/(r omega) driving, r omega/V - 1 in skid; -1 is a locked wheel.
+        slip: [Unit::ONE] = 0.2, -1.0..=1.0, Signal, "input";
+        /// Speed of the wheel; negative backward, 0 with slip -1 alone.
+        wheel_speed: [Unit::RADIAN_PER_SECOND] = 0.5, -1e4..=1e4, Signal, "input; 5 cm/s at the rim of a wheel of 10 cm";
+    }
+}
+
+parameters! {
+    /// What a carriage measures at a steady point.
+    pub struct SteadyPoint {
+        /// Drawbar pull as the carriage feels it.
+        drawbar_pull: [Unit::NEWTON] = 0.0, -1e9..=1e9, Signal, "steady point";
+        /// Torque of the drive as it is recorded, wheel side of the gear, its losses included.
+        torque: [Unit::NEWTON_METRE] = 0.0, -1e9..=1e9, Signal, "steady point";
+        /// Sinkage of the soil.
+        sinkage: [Unit::METRE] = 0.0, 0.0..=10.0, Signal, "steady point";
+    }
 }
 
 /// Why there is no steady point.
@@ -77,12 +90,20 @@ pub enum SteadyError {
 
 impl SteadyError {
     /// Whether it is the row that asks for what the rig cannot do, rather than an effect that is defined wrongly.
-    pub(super) fn is_of_the_row(&self) -> bool {
+    pub(crate) fn is_of_the_row(&self) -> bool {
         !matches!(self, Self::Effect(_))
     }
 }
 
 impl Rig {
+    /// The steady point at a set-point, see [`steady_point`].
+    ///
+    /// # Errors
+    /// [`SteadyError`] where the wheel sinks to its axle or the inputs contradict each other.
+    pub fn at(&self, set: &SetPoint) -> Result<SteadyPoint, SteadyError> {
+        steady_point(self, set.load, set.slip, set.wheel_speed)
+    }
+
     /// The wheel, soil and effects of a rover.
     #[must_use]
     pub fn of(rover: &Rover) -> Self {
@@ -196,7 +217,7 @@ pub fn steady_point<S: Scalar>(
 
 /// Share of the load, 0 to 1, that the soil does not carry at a sinkage of one radius; 0 where there is no steady point for
 /// another reason.
-pub(super) fn share_not_carried<S: Scalar>(rig: &Rig<S>, load: f64, slip: f64, wheel_speed: f64) -> S {
+pub(crate) fn share_not_carried<S: Scalar>(rig: &Rig<S>, load: f64, slip: f64, wheel_speed: f64) -> S {
     let spin = S::from(wheel_speed);
     let Ok(speed) = carriage_speed_over_radius(slip, wheel_speed) else { return S::from(0.0) };
     let velocity = rig.wheel.radius * speed;
@@ -260,6 +281,6 @@ fn balance(rig: &Rig, load: f64, slip: f64, velocity: f64, spin: f64) -> Result<
 }
 
 /// The `k`-th partial derivative.
-pub(super) fn partial<const N: usize>(x: &Dual<N>, k: usize) -> f64 {
+pub(crate) fn partial<const N: usize>(x: &Dual<N>, k: usize) -> f64 {
     x.eps.0.map_or(0.0, |all| all[k])
 }

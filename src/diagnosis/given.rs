@@ -1,0 +1,109 @@
+//! What a comparison is given beside the experiment: a model and values.
+
+use super::compare::CompareError;
+use super::precedence;
+use crate::effects::EffectDefinition;
+use crate::measurement::Experiment;
+use crate::model::Model;
+use std::collections::BTreeMap;
+
+/// A model, where one is named, and values that are set by hand.
+///
+/// For each parameter the first that gives a value holds: a run's own `parameters`, a value set here, what the named model
+/// states ([`Model::stated`]), the experiment's `[parameters]`, the mean of a prior, the built-in model. The dimensions and
+/// masses of the rig ([`Role::Rig`](bekker_modeldescription::Role::Rig)) are the exception: those in `[parameters]` hold
+/// against the model's. What is set here, or stands in `[parameters]`, stays as it is in a calibration unless it has a
+/// prior; a model's value of a free parameter is where the search starts, and never moves the mean of a prior.
+///
+/// A plain [`&Model`](Model) given in its place is a model that is named: a model that was read from a file, or an improved
+/// one, states its parameters; a built-in model states none, so that the experiment's `[parameters]` hold against it.
+/// `Given::default()` names no model: the experiment's own is taken or, where it names none, the built-in one.
+#[derive(Clone, Debug)]
+pub struct Given {
+    pub(super) named: Option<Named>,
+    pub(super) set: BTreeMap<String, f64>,
+    /// How the values that are set are called in messages.
+    pub(super) set_by: &'static str,
+    pub(super) effects: Vec<EffectDefinition>,
+}
+
+/// A model and the name that it was given by.
+#[derive(Clone, Debug)]
+pub(super) struct Named {
+    pub model: Model,
+    /// For people: the name of a file or of a built-in model.
+    pub name: String,
+    /// Whether the experiment names it, so that its values rank below `[parameters]`.
+    pub by_experiment: bool,
+}
+
+impl Default for Given {
+    fn default() -> Self {
+        Self { named: None, set: BTreeMap::new(), set_by: "--set", effects: Vec::new() }
+    }
+}
+
+impl Given {
+    /// How the values that are set are called in messages: the option or the argument; `--set` unless said otherwise.
+    #[must_use]
+    pub fn values_by(mut self, name: &'static str) -> Self {
+        self.set_by = name;
+        self
+    }
+
+    /// Names a model; `name` is how it was asked for, a file or a built-in model.
+    #[must_use]
+    pub fn with_model(mut self, model: Model, name: &str) -> Self {
+        self.named = Some(Named { model, name: name.to_owned(), by_experiment: false });
+        self
+    }
+
+    /// Sets a parameter by its name.
+    #[must_use]
+    pub fn with_value(mut self, name: &str, value: f64) -> Self {
+        self.set.insert(name.to_owned(), value);
+        self
+    }
+
+    /// Adds effects of the user's own to whichever model is taken.
+    #[must_use]
+    pub fn with_effects(mut self, effects: Vec<EffectDefinition>) -> Self {
+        self.effects.extend(effects);
+        self
+    }
+
+    /// The values that are set.
+    #[must_use]
+    pub fn values(&self) -> &BTreeMap<String, f64> {
+        &self.set
+    }
+
+    /// The same with the model that is taken for `experiment` in its place, so that nothing has to be looked up any more:
+    /// the model, and whether the experiment names it. For sending the work to another machine.
+    ///
+    /// # Errors
+    /// [`CompareError`] where the experiment's model cannot be found or does not fit.
+    pub fn chosen(&self, experiment: &Experiment) -> Result<(Model, bool), CompareError> {
+        let choice = precedence::choose(self, experiment)?;
+        Ok((choice.model, choice.rank != precedence::Rank::Command))
+    }
+
+    /// Puts together what [`chosen`](Self::chosen) gave and the values that are set.
+    #[must_use]
+    pub fn again(model: Model, by_experiment: bool, values: BTreeMap<String, f64>) -> Self {
+        let name = model.name.clone();
+        Self { named: Some(Named { model, name, by_experiment }), set: values, ..Self::default() }
+    }
+}
+
+impl From<&Model> for Given {
+    fn from(model: &Model) -> Self {
+        Self::default().with_model(model.clone(), &model.name)
+    }
+}
+
+impl From<&Self> for Given {
+    fn from(given: &Self) -> Self {
+        given.clone()
+    }
+}

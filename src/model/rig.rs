@@ -1,0 +1,123 @@
+//! A wheel on a carriage as a model, and a tested wheel on a rover.
+
+use super::{Model, RunError};
+use crate::carriage::{Rig, SetPoint, SteadyError, SteadyPoint};
+use crate::effects::DefinitionError;
+use crate::simulation::{Event, Status};
+use bekker_modeldescription::{Parameters, Role};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// What a model is of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ModelKind {
+    /// A rover on its ground, which moves in time.
+    #[default]
+    Rover,
+    /// A wheel on a carriage: gravity, wheel, soil and effects; a steady point for each load, slip and wheel speed. What
+    /// else a [`Model`] holds is not used.
+    Carriage,
+}
+
+/// Time for which a rover with a tested wheel has to stand or drive, s.
+const FIRST: f64 = 1.0;
+
+/// Why a rover cannot be used as it is.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum UnfitRover {
+    /// It does not start.
+    #[error("the rover `{name}` does not start: {source}")]
+    Start {
+        /// Name of the model.
+        name: String,
+        /// Why.
+        source: RunError,
+    },
+    /// Its run ends at once.
+    #[error("the rover `{name}` does not drive: its run ends after {time:.2} s: {event}")]
+    Ended {
+        /// Name of the model.
+        name: String,
+        /// When, s.
+        time: f64,
+        /// What happened.
+        event: Event,
+    },
+    /// Its equations or its controller fail.
+    #[error("the rover `{name}` fails within its first second: {source}")]
+    Failed {
+        /// Name of the model.
+        name: String,
+        /// Why.
+        source: RunError,
+    },
+}
+
+impl Model {
+    /// A wheel on a carriage.
+    #[must_use]
+    pub fn carriage(name: &str, rig: Rig) -> Self {
+        let mut model = Self::new(name, crate::rover::Rover::two_wheeled());
+        model.kind = ModelKind::Carriage;
+        let Rig { environment, wheel, soil, effects } = rig;
+        (model.rover.environment, model.rover.wheel) = (environment, wheel);
+        (model.rover.soil, model.rover.effects) = (soil, effects);
+        model
+    }
+
+    /// Gravity, wheel, soil and effects of this model, for steady points on a carriage.
+    #[must_use]
+    pub fn rig(&self) -> Rig {
+        Rig::of(&self.rover)
+    }
+
+    /// This rover with gravity, wheel, soil and effects of `tested`, which count as stated. Effects that `tested` has switched
+    /// off stay as this rover has them: a carriage does not see all of them.
+    ///
+    /// # Errors
+    /// [`DefinitionError`] where both define effects of the user's own with one id in different ways.
+    pub fn with_rig_of(&self, tested: &Self) -> Result<Self, DefinitionError> {
+        let mut rover = self.clone();
+        let custom = &tested.rover.effects.custom;
+        rover.define_effects(custom.iter().map(|effect| effect.definition().clone()).collect())?;
+        let mut values = BTreeMap::new();
+        tested.rig().visit("", &mut |variable, value| {
+            if variable.role != Role::Effect || *value != variable.default {
+                values.insert(variable.name, *value);
+            }
+        });
+        rover.visit("", &mut |variable, place| {
+            values.get(&variable.name).into_iter().for_each(|value| *place = *value);
+        });
+        values.keys().for_each(|name| rover.stated.insert(name));
+        Ok(rover)
+    }
+
+    /// Whether a rover comes to rest on its ground and is not at its end within its first second: belly on the ground,
+    /// stuck, sunk to an axle. Its inputs have their starting values. A wheel on a carriage always passes.
+    ///
+    /// # Errors
+    /// [`UnfitRover`] says what happens instead.
+    pub fn check_drive(&self) -> Result<(), UnfitRover> {
+        if self.kind == ModelKind::Carriage {
+            return Ok(());
+        }
+        let name = || self.name.clone();
+        let mut run = self.start().map_err(|source| UnfitRover::Start { name: name(), source })?;
+        let steps = (FIRST / run.step_size()).ceil() as u64;
+        match run.advance(steps).map_err(|source| UnfitRover::Failed { name: name(), source })? {
+            Status::Running => Ok(()),
+            Status::Ended(event) => Err(UnfitRover::Ended { name: name(), time: run.time(), event }),
+        }
+    }
+
+    /// Steady points by load (N), slip and wheel speed (rad/s), see [`Rig::at`].
+    ///
+    /// # Errors
+    /// [`SteadyError`] of the first that does not exist, with its number in the list, from 0.
+    pub fn steady_points(&self, points: &[SetPoint]) -> Result<Vec<SteadyPoint>, (usize, SteadyError)> {
+        let rig = self.rig();
+        points.iter().enumerate().map(|(k, set)| rig.at(set).map_err(|source| (k, source))).collect()
+    }
+}
