@@ -37,20 +37,36 @@
 //! A [`Table`] holds the columns; [`Record`] fills one from a running simulation.
 
 mod columns;
+mod convert;
+mod derive;
+mod dialect;
 mod error;
 mod experiment;
 mod files;
+mod filter;
+mod grid;
+mod import;
+mod mapping;
+mod reading;
+mod recognise;
 mod record;
 mod replicates;
 mod settings;
 mod sheet;
+mod stamps;
+mod suggestion;
+mod suspicion;
 mod table;
 mod table_file;
+mod vocabulary;
 mod write;
+mod written;
 
 pub use error::{ExperimentError, Problem};
 pub use experiment::{Experiment, Kind, Prior, Run};
+pub use import::{ImportError, Imported, Proposal};
 pub use record::Record;
 pub use replicates::Sample;
 pub use table::{Table, TableError};
+pub use vocabulary::summands;
 pub use write::WriteError;

@@ -1,0 +1,148 @@
+//! Signs, units and sizes that cannot be right, or hardly, by the physics.
+//!
+//! What cannot be right is an error. What is unlikely is a doubt: the experiment is read as it is, and
+//! [`Experiment::doubts`] says what may be mistaken and which line would mend it.
+
+mod single_wheel;
+mod traverse;
+
+use super::columns::mend_sign;
+use super::error::{ExperimentError, Problem};
+use super::experiment::{Experiment, Kind, Prior};
+use super::grid::Grid;
+use super::vocabulary;
+use crate::effects::EffectDefinition;
+use bekker_modeldescription::{Unit, Variable};
+
+/// Sinkages above the ground by less than this, m, may be a sensor's zero; rows that are needed to say all.
+const ZERO_OF_SINKAGE: f64 = 5e-4;
+const ALL_ROWS: usize = 3;
+
+/// Smallest positive cohesion, Pa, and modulus, N/m^(n+2), that are believed without a word: published soils have at
+/// least 100 Pa where they have any, and 1e4; a tenth of the first, and less of the second, is a value in kPa or kN.
+const LEAST_COHESION: f64 = 10.0;
+const LEAST_MODULUS: f64 = 1e4;
+
+/// Looks at the rows of one run; `radius` and `width` of the wheel (m) are `None` where the experiment does not state them.
+pub(super) fn look(
+    kind: Kind,
+    grid: &Grid,
+    radius: Option<f64>,
+    width: Option<f64>,
+    doubts: &mut Vec<String>,
+) -> Result<(), ExperimentError> {
+    let found = match kind {
+        Kind::SingleWheel => {
+            sinkage(grid, "sinkage")?;
+            single_wheel::look(grid, radius, width)?
+        }
+        Kind::Traverse => {
+            let own = grid.names();
+            own.iter().filter(|name| name.ends_with("].sinkage")).try_for_each(|name| sinkage(grid, name))?;
+            traverse::look(grid, radius)
+        }
+    };
+    doubts.extend(found.into_iter().map(|doubt| format!("{}: {doubt}", grid.file.display())));
+    Ok(())
+}
+
+/// Fails where a wheel is said to stand above the ground in every row.
+fn sinkage(grid: &Grid, name: &str) -> Result<(), ExperimentError> {
+    let Some(column) = grid.column(name) else { return Ok(()) };
+    let present: Vec<f64> = present(&column.values).collect();
+    let all_negative = present.len() >= ALL_ROWS && present.iter().all(|value| *value < 0.0);
+    if all_negative && median(&present) < -ZERO_OF_SINKAGE {
+        let problem = Problem::Suspicious(format!(
+            "all values are negative; a sinkage is positive downward: write under [columns]: {}",
+            mend_sign(&column.source, name)
+        ));
+        return Err(grid.error(problem).at_column(&column.source));
+    }
+    Ok(())
+}
+
+/// Fails where a parameter's value lies outside what the model allows, with the unit that would bring it inside. Unknown
+/// parameters are left to the model.
+pub(super) fn parameter(name: &str, value: f64, effects: &[EffectDefinition]) -> Result<(), String> {
+    let Ok(variable) = vocabulary::parameter(name, effects) else { return Ok(()) };
+    if variable.allows(value) {
+        return Ok(());
+    }
+    let mend = likely_unit(&variable, value).map_or_else(String::new, |unit| {
+        format!("; if it is in {unit}, write {{ value = {value}, unit = \"{unit}\" }}")
+    });
+    Err(format!("{value} {} cannot be right: expected {}{mend}", variable.unit.symbol, variable.range()))
+}
+
+/// The same for a prior; a deviation wider than the whole range says nothing.
+pub(super) fn prior(name: &str, prior: Prior, effects: &[EffectDefinition]) -> Result<(), String> {
+    let Ok(variable) = vocabulary::parameter(name, effects) else { return Ok(()) };
+    let Prior { mean, deviation } = prior;
+    let wide = deviation > variable.max - variable.min;
+    if variable.allows(mean) && !wide {
+        return Ok(());
+    }
+    let (what, value) = if wide { ("a standard deviation of", deviation) } else { ("a mean of", mean) };
+    let mend = likely_unit(&variable, value).map_or_else(String::new, |unit| {
+        format!("; if it is in {unit}, write {{ mean = {mean}, sd = {deviation}, unit = \"{unit}\" }}")
+    });
+    Err(format!("{what} {value} {} cannot be right: expected {}{mend}", variable.unit.symbol, variable.range()))
+}
+
+/// The first of the other units in which the value lies within the bounds.
+fn likely_unit(variable: &Variable, value: f64) -> Option<&'static str> {
+    let inside =
+        |symbol: &&'static str| variable.unit.factor_of(symbol).is_ok_and(|factor| variable.allows(value * factor));
+    variable.unit.symbols().into_iter().skip(1).find(inside)
+}
+
+/// Doubts about parameters and priors.
+pub(super) fn of_parameters(experiment: &Experiment) -> Vec<String> {
+    let stated = experiment.parameters.iter().map(|(name, value)| (name, *value, "parameters"));
+    let runs = experiment.runs.iter().flat_map(|run| &run.parameters);
+    let own = runs.map(|(name, value)| (name, *value, "parameters of a run"));
+    let priors = experiment.priors.iter().map(|(name, prior)| (name, prior.mean, "priors"));
+    let mut doubts: Vec<String> = Vec::new();
+    for (name, value, table) in stated.chain(own).chain(priors) {
+        let (least, unit) = match name.as_str() {
+            "soil.cohesion" => (LEAST_COHESION, "kPa"),
+            "soil.k_phi" => (LEAST_MODULUS, "kN/m^(n+2)"),
+            _ => continue,
+        };
+        let si = vocabulary::parameter(name, &[]).map_or(Unit::ONE, |variable| variable.unit);
+        if value > 0.0 && value < least {
+            let key = if table == "priors" { "mean" } else { "value" };
+            let doubt = format!(
+                "{table}: `{name}` is {value} {}, less than any published soil; in {unit} it would be written {{ {key} = {value}, unit = \"{unit}\" }}",
+                si.symbol
+            );
+            if !doubts.contains(&doubt) {
+                doubts.push(doubt);
+            }
+        }
+    }
+    doubts
+}
+
+/// Values that are there.
+fn present(values: &[f64]) -> impl Iterator<Item = f64> + '_ {
+    values.iter().copied().filter(|value| !value.is_nan())
+}
+
+/// The largest size of the values that are there; `None` where there is none.
+fn largest(values: &[f64]) -> Option<f64> {
+    present(values).map(f64::abs).reduce(f64::max)
+}
+
+/// The value in the middle; 0 of none.
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// The mean; `None` of none.
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values.fold((0.0, 0_usize), |(sum, count), value| (sum + value, count + 1));
+    (count > 0).then(|| sum / count as f64)
+}
