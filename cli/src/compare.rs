@@ -1,15 +1,16 @@
 //! `bekker compare`.
 
+use crate::import;
 use crate::model::ModelArguments;
 use crate::output::{check_writable, say};
 use anyhow::{Context, Result};
 use bekker::diagnosis::{Calibration, CompareOptions, Comparison, compare};
-use bekker::measurement::Experiment;
 use bekker::report::comparison_page;
 use std::path::{Path, PathBuf};
 
 /// Run a model on the inputs of an experiment and see where it fails.
 #[derive(clap::Args)]
+#[command(after_help = import::FORMAT)]
 pub struct Compare {
     /// Folder of the experiment, with `experiment.toml` and CSV files.
     experiment: PathBuf,
@@ -28,7 +29,7 @@ pub struct Compare {
 
 impl Compare {
     pub fn run(self) -> Result<()> {
-        let experiment = Experiment::read(&self.experiment)?;
+        let experiment = import::read(&self.experiment)?;
         let model = self.model.load()?;
         if let Some(path) = &self.html {
             check_writable(path)?;

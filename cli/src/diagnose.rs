@@ -3,15 +3,15 @@
 use crate::diagnosis_text::print;
 use crate::model::ModelArguments;
 use crate::output::{check_all_writable, say, write, write_json};
-use crate::{interrupt, progress};
+use crate::{import, interrupt, progress};
 use anyhow::{Context, Result};
 use bekker::diagnosis::{Control, DiagnoseOptions, Progress, diagnose};
-use bekker::measurement::Experiment;
 use bekker::report::diagnosis_page;
 use std::path::PathBuf;
 
 /// Find out which physical effect is missing from the model.
 #[derive(clap::Args)]
+#[command(after_help = import::FORMAT)]
 pub struct Diagnose {
     /// Folder of the experiment, with `experiment.toml` and CSV files.
     experiment: PathBuf,
@@ -45,7 +45,7 @@ pub struct Diagnose {
 
 impl Diagnose {
     pub fn run(self) -> Result<()> {
-        let experiment = Experiment::read(&self.experiment)?;
+        let experiment = import::read(&self.experiment)?;
         let model = self.model.load()?;
         check_all_writable([&self.json, &self.html, &self.save])?;
         if let Some(threads) = self.threads {

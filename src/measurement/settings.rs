@@ -263,6 +263,9 @@ impl Checker<'_> {
                 Written::Plain(deviation) => (None, *deviation, None),
                 Written::Table(table) => (table.mean, table.sd, table.unit.as_deref()),
             };
+            if !deviation.is_finite() || deviation <= 0.0 {
+                return Err(refused(format!("a standard deviation is positive and finite, not {deviation}")));
+            }
             let factor = parameter_factor(name, unit, self.effects).map_err(refused)?;
             let missing = || {
                 refused(format!(
@@ -276,9 +279,6 @@ impl Checker<'_> {
             };
             if !prior.mean.is_finite() {
                 return Err(refused(format!("the mean {} is not a finite number", prior.mean)));
-            }
-            if !prior.deviation.is_finite() || prior.deviation <= 0.0 {
-                return Err(refused(format!("a standard deviation is positive and finite, not {}", prior.deviation)));
             }
             suspicion::prior(name, prior, self.effects).map_err(refused)?;
             Ok((name.clone(), prior))
