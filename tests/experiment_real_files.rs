@@ -7,8 +7,8 @@ use bekker::measurement::{Experiment, Kind, Proposal};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Speeds in the file are printed to six digits and more, recorded slip to as many.
-const PRINTED: f64 = 1e-5;
+/// The file gives means over a trial, and the mean of a ratio is not the ratio of the means.
+const OF_MEANS: f64 = 1e-3;
 
 fn data(name: &str) -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(name);
@@ -52,7 +52,7 @@ fn agreement_cmu_speeds_give_the_recorded_slip() {
     assert_eq!((a.rows(), recorded.signals()), (27, vec!["drawbar_pull".to_owned(), "sinkage".to_owned()]));
     for row in 0..a.rows() {
         let (recorded, computed) = (a.value("slip", row).unwrap(), b.value("slip", row).unwrap());
-        assert!((recorded - computed).abs() < PRINTED, "row {row}: {recorded}, {computed}");
+        assert!((recorded - computed).abs() < OF_MEANS, "row {row}: {recorded}, {computed}");
     }
     assert_eq!(recorded.doubts, [] as [String; 0]);
     assert!(a.column("sinkage").unwrap().iter().all(|sinkage| (0.005..0.05).contains(sinkage)));

@@ -62,14 +62,22 @@ impl Limits {
     }
 }
 
-/// The line of `[columns]` that gives a column another unit.
+/// What gives a column another unit: the whole line of `[columns]`, or a key for the entry that is there already.
 pub(super) fn mend(source: &str, signal: &str, unit: &str) -> String {
-    format!("{} = {{ signal = \"{signal}\", unit = \"{unit}\" }}", quoted(source))
+    mend_by(source, signal, &format!("unit = \"{unit}\""))
 }
 
-/// The line of `[columns]` that turns the sign of a column.
+/// What turns the sign of a column.
 pub(super) fn mend_sign(source: &str, signal: &str) -> String {
-    format!("{} = {{ signal = \"{signal}\", sign = -1 }}", quoted(source))
+    mend_by(source, signal, "sign = -1")
+}
+
+fn mend_by(source: &str, signal: &str, key: &str) -> String {
+    if source == signal {
+        format!("{} = {{ signal = \"{signal}\", {key} }}", quoted(source))
+    } else {
+        format!("`{key}` in the entry of {}", quoted(source))
+    }
 }
 
 /// A key of TOML in quotes.

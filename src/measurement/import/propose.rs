@@ -1,5 +1,6 @@
 //! Columns to entries: by name first, then by the sizes of the values.
 
+use super::super::columns::quoted;
 use super::super::experiment::Kind;
 use super::super::suggestion::{self, Suggested};
 use super::super::vocabulary::{numbered, signal_unit};
@@ -10,6 +11,9 @@ use super::{Plan, ranges};
 
 /// A column that is left out and has no more different values than this may tell rows apart that do not belong together.
 const FEW: usize = 10;
+
+/// Longer texts are remarks, not labels.
+const LABEL: usize = 24;
 
 /// What becomes of all columns.
 pub(super) fn plan(survey: &Survey, kind: Kind) -> Plan {
@@ -230,12 +234,15 @@ fn few_values(survey: &Survey, kind: Kind, plan: &mut Plan) {
     let rows: usize = survey.sheets.iter().map(|sheet| sheet.rows.len()).sum();
     for (name, _) in plan.ignored.iter().filter(|_| kind == Kind::SingleWheel) {
         let Some(column) = survey.columns.iter().find(|column| column.name == *name) else { continue };
-        if let Some(values) = column.distinct(FEW).filter(|values| values.len() > 1 && rows > 2 * values.len()) {
-            let value = if column.is_numeric() { values[0].to_owned() } else { format!("\"{}\"", values[0]) };
+        let short = |values: &Vec<&str>| values.iter().all(|value| value.len() <= LABEL);
+        let distinct = column.distinct(FEW).filter(|values| values.len() > 1 && rows > 2 * values.len());
+        if let Some(values) = distinct.filter(short) {
+            let zero = values.iter().find(|value| value.parse() == Ok(0.0));
+            let value = if column.is_numeric() { (*zero.unwrap_or(&values[0])).to_owned() } else { quoted(values[0]) };
             plan.unsure.push(format!(
                 "`{name}` is left out and has {} different values: where only some of the rows belong to this experiment, write under [file]: where = {{ {} = {value} }}",
                 values.len(),
-                super::super::columns::quoted(name)
+                quoted(name)
             ));
         }
     }

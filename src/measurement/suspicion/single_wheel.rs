@@ -11,8 +11,8 @@ const SLIP_RANGE: f64 = 0.2;
 /// A pull within this share of the load over such a range is no pull on soil; a pull in kN under a load in N stays below it.
 const NO_PULL: f64 = 0.01;
 
-/// Largest tangential force over the load that published soils give, with room: tan phi and adhesion of lugs come to about
-/// 1. Above it the load is likely to be in kg.
+/// Largest tangential force over the load that published soils give a driven wheel, with room: tan phi and adhesion of lugs
+/// come to about 1. Above it the load is likely to be in kg. A skidding wheel may plough against much more.
 const LARGEST_PULL: f64 = 1.5;
 
 /// Least mean pressure under a wheel over its sinkage, Pa/m, that anybody calls soil: ten times that of water. Freely
@@ -129,7 +129,7 @@ fn light_load(rows: &Rows, radius: Option<f64>, width: Option<f64>) -> Option<St
     let Rows { grid, load, .. } = rows;
     let over = |name: &str, arm: f64| {
         let column = grid.column(name)?;
-        largest(&rows.ratios(column, |_| true)).map(|ratio| ratio / arm)
+        largest(&rows.ratios(column, |slip| slip > 0.0)).map(|ratio| ratio / arm)
     };
     let reason = match (over("drawbar_pull", 1.0), radius.and_then(|radius| over("torque", radius))) {
         (Some(pull), _) if pull > LARGEST_PULL => format!("a pull of up to {pull:.1} times the load"),

@@ -20,7 +20,7 @@ pub(super) fn look(grid: &Grid, radius: Option<f64>) -> Vec<String> {
         let field = column.name.rsplit('.').next().unwrap_or_default();
         match field {
             "pitch" | "contact_angle" => doubts.extend(steep(column)),
-            "torque" | "current" => doubts.extend(against_the_speed(grid, column)),
+            "torque" | "current" | "speed" => doubts.extend(against_the_speed(grid, column)),
             "speed_command" => doubts.extend(radius.and_then(|radius| unlike_the_rover(grid, column, radius))),
             _ => {}
         }
@@ -37,18 +37,20 @@ fn steep(column: &GridColumn) -> Option<String> {
     ))
 }
 
-/// A drive takes power: torque and current have the sign of the wheel's speed, but for a wheel that is braked downhill.
+/// A drive takes power: torque and current have the sign of the wheel's speed, but for a wheel that is braked downhill; and a
+/// wheel turns as it is told.
 fn against_the_speed(grid: &Grid, column: &GridColumn) -> Option<String> {
     let wheel = column.name.split_once('[')?.1.split(['+', ']']).next()?;
     let of = |field: &str| grid.values(&format!("wheel[{wheel}].{field}"));
-    let speed = of("speed").or_else(|| of("speed_command"))?;
+    let turning = of("speed").filter(|_| !column.name.ends_with("].speed"));
+    let speed = turning.or_else(|| of("speed_command"))?;
     let rows = column.values.iter().zip(speed).filter(|(value, speed)| !value.is_nan() && !speed.is_nan());
     let products = rows.map(|(value, speed)| value * speed.signum() * f64::from(u8::from(*speed != 0.0)));
     let (with, size) = (mean(products)?, mean(present(&column.values).map(f64::abs))?);
     // Half of its mean size against the motion is more than braking downhill and noise come to.
     (with < -0.5 * size).then(|| {
         format!(
-            "`{}` acts against the wheel's speed nearly everywhere; if its sign is turned, write under [columns]: {}",
+            "`{}` has the opposite sign of the wheel's speed nearly everywhere; if its sign is turned, write under [columns]: {}",
             column.source,
             mend_sign(&column.source, &column.name)
         )
