@@ -154,3 +154,21 @@ fn property_units_and_signs_of_a_drive_are_doubted() {
         assert!(doubts.len() == 1 && doubts[0].contains(words), "{words}: {doubts:?}");
     }
 }
+
+#[test]
+fn property_the_same_doubt_about_several_files_is_said_once() {
+    let rows = |degrees: f64| {
+        let row = |k: usize| format!("{k},1,{}\n", degrees + k as f64 * 0.01);
+        "time,wheel[1].speed_command,pitch\n".to_owned() + &(0..10).map(row).collect::<String>()
+    };
+    let runs = ["a", "b", "c"].map(|name| format!("[[run]]\nfile = \"{name}.csv\"\n")).concat();
+    let settings = ("experiment.toml".to_owned(), format!("name = \"t\"\nkind = \"traverse\"\n{runs}"));
+    let files = [("a", 2.0), ("b", 2.5), ("c", 0.1)].map(|(name, degrees)| (format!("{name}.csv"), rows(degrees)));
+    let experiment = Experiment::from_texts(&[settings].into_iter().chain(files).collect()).unwrap();
+    assert_eq!(experiment.doubts.len(), 1, "{:?}", experiment.doubts);
+    assert!(
+        experiment.doubts[0].starts_with("a.csv and 1 more file: `pitch` reaches 2.09 rad"),
+        "{:?}",
+        experiment.doubts
+    );
+}

@@ -1,6 +1,7 @@
 //! Inputs that follow from speeds that were recorded in their place.
 
 use super::columns::Use;
+use super::doubts::Doubts;
 use super::error::{ExperimentError, Problem};
 use super::grid::{Grid, GridColumn};
 use crate::contact;
@@ -38,7 +39,7 @@ fn rim_to_wheel(name: &str) -> Option<String> {
 /// Puts wheel speeds in the place of rim speeds, and slip or wheel speed in the place of a carriage speed.
 ///
 /// `radius` is the wheel's, m, where the experiment states it.
-pub(super) fn derive(grid: &mut Grid, radius: Option<f64>, doubts: &mut Vec<String>) -> Result<(), ExperimentError> {
+pub(super) fn derive(grid: &mut Grid, radius: Option<f64>, doubts: &mut Doubts) -> Result<(), ExperimentError> {
     for k in 0..grid.columns.len() {
         let Some(name) = rim_to_wheel(&grid.columns[k].name) else { continue };
         if let Some(other) = grid.column(&name) {
@@ -112,20 +113,20 @@ fn spin(speed: f64, slip: f64, radius: f64) -> Option<f64> {
 }
 
 /// Doubts a recorded slip that the recorded speeds contradict.
-fn compare(grid: &Grid, carriage: &GridColumn, slips: &[f64], spin: &[f64], radius: f64, doubts: &mut Vec<String>) {
+fn compare(grid: &Grid, carriage: &GridColumn, slips: &[f64], spin: &[f64], radius: f64, doubts: &mut Doubts) {
     let differences = carriage.values.iter().zip(slips.iter().zip(spin)).filter_map(|(speed, (recorded, spin))| {
         let computed = slip(*speed, radius * spin)?;
         ((recorded - computed).abs() > SLIP_TOLERANCE).then_some((*recorded, computed))
     });
     let differences: Vec<(f64, f64)> = differences.collect();
     if let Some((recorded, computed)) = differences.first() {
-        doubts.push(format!(
-            "{}: the recorded slip differs from that of the recorded speeds in {} of {} rows ({recorded:.3} where they give \
+        let doubt = format!(
+            "the recorded slip differs from that of the recorded speeds in {} of {} rows ({recorded:.3} where they give \
              {computed:.3}): slip is 1 - V/(r omega) driving and r omega/V - 1 in skid; is \"wheel.radius\" right, or slip \
              defined otherwise? Without the recorded slip, under `ignore`, it is computed",
-            grid.file.display(),
             differences.len(),
             grid.lines.len()
-        ));
+        );
+        doubts.add(&grid.file, doubt);
     }
 }

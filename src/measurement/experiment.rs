@@ -1,5 +1,6 @@
 //! An experiment folder, read and checked.
 
+use super::doubts::Doubts;
 use super::error::{ExperimentError, Problem};
 use super::files::Files;
 use super::reading::read_runs;
@@ -124,7 +125,7 @@ impl Experiment {
 
     pub(super) fn read_from(files: &Files, planned: bool) -> Result<Self, ExperimentError> {
         let settings = Settings::read(files)?;
-        let mut doubts = Vec::new();
+        let mut doubts = Doubts::default();
         let runs = read_runs(files, &settings, planned, &mut doubts)?;
         let mut experiment = Self {
             name: settings.name,
@@ -139,8 +140,8 @@ impl Experiment {
             runs,
             doubts: Vec::new(),
         };
-        doubts.extend(suspicion::of_parameters(&experiment));
-        experiment.doubts = doubts;
+        experiment.doubts = doubts.texts();
+        experiment.doubts.extend(suspicion::of_parameters(&experiment));
         let measured = experiment.signals();
         for (name, (_, line)) in &settings.noise {
             if !measured.contains(name) {

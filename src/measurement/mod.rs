@@ -37,6 +37,7 @@ mod columns;
 mod convert;
 mod derive;
 mod dialect;
+mod doubts;
 mod error;
 mod experiment;
 mod files;

@@ -4,6 +4,7 @@ use super::columns::{Use, known, under_load};
 use super::convert::{Part, conditions, grid, parts};
 use super::derive::{derive, derived_names};
 use super::dialect::Dialect;
+use super::doubts::Doubts;
 use super::error::{ExperimentError, Problem};
 use super::experiment::{Kind, Run};
 use super::files::Files;
@@ -24,7 +25,7 @@ pub(super) fn read_runs(
     files: &Files,
     settings: &Settings,
     planned: bool,
-    doubts: &mut Vec<String>,
+    doubts: &mut Doubts,
 ) -> Result<Vec<Run>, ExperimentError> {
     let mut runs = Vec::new();
     let mut headers = BTreeSet::new();
@@ -66,7 +67,7 @@ fn read_file(
     run: &RunSettings,
     sheet: &Sheet,
     planned: bool,
-    doubts: &mut Vec<String>,
+    doubts: &mut Doubts,
 ) -> Result<Vec<Run>, ExperimentError> {
     let columns = recognised(sheet, settings, run, doubts)?;
     let given: Vec<String> = columns.iter().flat_map(|column| names(&column.target)).cloned().collect();
@@ -129,7 +130,7 @@ fn checked(
     radius: Option<f64>,
     width: Option<f64>,
     planned: bool,
-    doubts: &mut Vec<String>,
+    doubts: &mut Doubts,
 ) -> Result<(Table, Used), ExperimentError> {
     let assumed = radius.unwrap_or(Wheel::<f64>::default().radius);
     if grid.lines.len() < kind.least_rows() {

@@ -1,6 +1,7 @@
 //! What the columns of a file are: by the settings, or by their own names.
 
 use super::columns::{mend, quoted};
+use super::doubts::Doubts;
 use super::error::{ExperimentError, Problem};
 use super::experiment::Kind;
 use super::mapping::{Factor, Scale, Target};
@@ -25,7 +26,7 @@ pub(super) fn recognised(
     sheet: &Sheet,
     settings: &Settings,
     run: &RunSettings,
-    doubts: &mut Vec<String>,
+    doubts: &mut Doubts,
 ) -> Result<Vec<Recognised>, ExperimentError> {
     let mut found = Vec::new();
     let mut unknown: Vec<(usize, &String)> = Vec::new();
@@ -88,7 +89,7 @@ fn unknown_columns(sheet: &Sheet, kind: Kind, unknown: &[(usize, &String)], know
 
 /// Fails where the file names a unit, in a row of units or in brackets after the column's name, that is not the one with
 /// which the column is read; where the settings say another one outright, that is a doubt.
-fn check_unit(sheet: &Sheet, kind: Kind, column: &Recognised, doubts: &mut Vec<String>) -> Result<(), ExperimentError> {
+fn check_unit(sheet: &Sheet, kind: Kind, column: &Recognised, doubts: &mut Doubts) -> Result<(), ExperimentError> {
     let Target::Signals(signals, scale) = &column.target else { return Ok(()) };
     let name = &sheet.header[column.position];
     let in_row = sheet.units.get(column.position).cloned().filter(|unit| !unit.is_empty());
@@ -106,11 +107,8 @@ fn check_unit(sheet: &Sheet, kind: Kind, column: &Recognised, doubts: &mut Vec<S
     match &scale.symbol {
         _ if same => Ok(()),
         Some(symbol) => {
-            doubts.push(format!(
-                "{}: column {} is read in {symbol}, where the file itself says {found}",
-                sheet.file.display(),
-                quoted(name)
-            ));
+            let doubt = format!("column {} is read in {symbol}, where the file itself says {found}", quoted(name));
+            doubts.add(&sheet.file, doubt);
             Ok(())
         }
         None => {

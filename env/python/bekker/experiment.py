@@ -231,8 +231,13 @@ def _priors(priors: Mapping[str, Any]) -> Mapping[str, Any]:
     """With pairs as tables of mean and standard deviation."""
     if not isinstance(priors, Mapping):
         return priors
-    pair = lambda value: isinstance(value, (tuple, list)) and len(value) == 2  # noqa: E731
-    return {name: dict(zip(("mean", "sd"), value, strict=True)) if pair(value) else value for name, value in priors.items()}
+    return {name: _prior(prior) for name, prior in priors.items()}
+
+
+def _prior(prior: Any) -> Any:
+    if isinstance(prior, (tuple, list)) and len(prior) == 2:
+        return {"mean": prior[0], "sd": prior[1]}
+    return prior
 
 
 def _mapped(columns: Mapping[str, str | Mapping[str, Any]]) -> list[str]:

@@ -7,6 +7,7 @@ mod single_wheel;
 mod traverse;
 
 use super::columns::mend_sign;
+use super::doubts::Doubts;
 use super::error::{ExperimentError, Problem};
 use super::experiment::{Experiment, Kind, Prior};
 use super::grid::Grid;
@@ -29,7 +30,7 @@ pub(super) fn look(
     grid: &Grid,
     radius: Option<f64>,
     width: Option<f64>,
-    doubts: &mut Vec<String>,
+    doubts: &mut Doubts,
 ) -> Result<(), ExperimentError> {
     let found = match kind {
         Kind::SingleWheel => {
@@ -42,7 +43,7 @@ pub(super) fn look(
             traverse::look(grid, radius)
         }
     };
-    doubts.extend(found.into_iter().map(|doubt| format!("{}: {doubt}", grid.file.display())));
+    found.into_iter().for_each(|doubt| doubts.add(&grid.file, doubt));
     Ok(())
 }
 
