@@ -33,6 +33,7 @@
 //!
 //! A [`Table`] holds the columns; [`Record`] fills one from a running simulation.
 
+mod checker;
 mod columns;
 mod convert;
 mod derive;

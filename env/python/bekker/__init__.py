@@ -60,7 +60,8 @@ from .comparison import Comparison, calibrate, compare
 from .diagnosis import Diagnosis, Progress, diagnose
 from .env import RoverEnv
 from .errors import BekkerError, DiagnosisInterrupted, InputError, ModelError, SimulationError, UnknownNameError
-from .experiment import Experiment, Imported, MeasuredRun, import_experiment
+from .experiment import Experiment, MeasuredRun
+from .importing import Imported, import_experiment
 from .models import effects, export_fmu, presets
 from .registration import register
 from .simulation import Result, simulate

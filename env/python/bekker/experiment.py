@@ -2,7 +2,6 @@
 
 import csv
 import io
-import json
 import os
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -12,10 +11,10 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _bekker
+from . import _bekker, toml_text
 from .errors import InputError
 
-__all__ = ["Columns", "Experiment", "ExperimentLike", "Imported", "MeasuredRun", "Quantity", "import_experiment"]
+__all__ = ["Columns", "Experiment", "ExperimentLike", "MeasuredRun", "Quantity"]
 
 Columns: TypeAlias = Any
 """A pandas or polars frame, a mapping from name to array, or a structured numpy array: named columns of one length."""
@@ -121,56 +120,18 @@ def source(experiment: ExperimentLike) -> str | dict[str, str]:
     raise InputError(f"experiment: expected a folder or a bekker.Experiment, found {type(experiment).__name__}")
 
 
-@dataclass(frozen=True)
-class Imported:
-    """What :func:`import_experiment` made."""
-
-    folder: Path
-    kind: Literal["single_wheel", "traverse"]
-    unsure: tuple[str, ...]
-    """What is a guess: to be checked."""
-    missing: tuple[str, ...]
-    """What the files do not say: to be filled in."""
-    doubts: tuple[str, ...]
-    """What is unlikely, as of an :class:`Experiment`."""
-    problem: str | None
-    """What keeps the folder from being read until it is filled in; None where it is an experiment."""
-
-
-def import_experiment(
-    files: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
-    folder: str | os.PathLike[str],
-    kind: Literal["single_wheel", "traverse"] | None = None,
-) -> Imported:
-    """Proposes an experiment folder for CSV files: which column is which signal, in which unit, as ``bekker import`` does.
-
-    The folder gets copies of the files and an ``experiment.toml`` whose comments say what is a guess.
-
-    Raises:
-        InputError: a file cannot be read, or its columns do not tell the kind.
-        FileExistsError: the folder is there already.
-        OSError: a file cannot be written.
-    """
-    several = [files] if isinstance(files, (str, os.PathLike)) else files
-    root = Path(folder)
-    found, unsure, missing, doubts, problem = _bekker.import_experiment(
-        [os.fspath(file) for file in several], os.fspath(root), kind
-    )
-    return Imported(root, found, tuple(unsure), tuple(missing), tuple(doubts), problem)
-
-
 def _files(experiment: Experiment) -> dict[str, str]:
-    lines = [f"name = {_text(experiment.name)}", f"kind = {_text(experiment.kind)}"]
-    lines.append(f"ignore = [{', '.join(_text(name) for name in experiment.ignore)}]")
+    lines = [f"name = {toml_text.text(experiment.name)}", f"kind = {toml_text.text(experiment.kind)}"]
+    lines.append(f"ignore = [{', '.join(toml_text.text(name) for name in experiment.ignore)}]")
     if experiment.model is not None:
-        lines.append(f"model = {_text(experiment.model)}")
+        lines.append(f"model = {toml_text.text(experiment.model)}")
     if experiment.soil_class is not None:
-        lines.append(f"soil.class = {_text(experiment.soil_class)}")
+        lines.append(f"soil.class = {toml_text.text(experiment.soil_class)}")
     # Frames are written out plainly: nothing is to be found out, and no label is a comment.
     lines += ["[file]", 'separator = ","', 'decimal = "."', "comment = []"]
     for table in ("parameters", "noise", "inputs"):
-        lines += [f"[{table}]", *_numbers(table, getattr(experiment, table))]
-    lines += ["[priors]", *_numbers("priors", _priors(experiment.priors))]
+        lines += [f"[{table}]", *toml_text.numbers(table, getattr(experiment, table))]
+    lines += ["[priors]", *toml_text.numbers("priors", _priors(experiment.priors))]
     lines += ["[columns]", *_mapped(experiment.columns)]
     labels = {"condition"} | {name for name, entry in experiment.columns.items() if _is_label(entry)}
     files: dict[str, str] = {}
@@ -183,16 +144,16 @@ def _files(experiment: Experiment) -> dict[str, str]:
         if f"{name}.csv" in files:
             raise InputError(f"two runs are called `{name}`")
         files[f"{name}.csv"] = _csv(name, _columns(name, run.data), experiment.ignore, labels)
-        lines += ["[[run]]", f"file = {_text(f'{name}.csv')}"]
+        lines += ["[[run]]", f"file = {toml_text.text(f'{name}.csv')}"]
         if run.group is not None:
-            lines.append(f"group = {_text(str(run.group))}")
+            lines.append(f"group = {toml_text.text(str(run.group))}")
         if run.terrain is not None:
             x, z = _ground(name, run.terrain)
             files[f"{name}.terrain.csv"] = _csv(f"{name}` terrain", {"x": x, "z": z}, (), ())
-            lines.append(f"terrain = {_text(f'{name}.terrain.csv')}")
+            lines.append(f"terrain = {toml_text.text(f'{name}.terrain.csv')}")
         if run.x0 is not None:
-            lines.append(f"x0 = {_number(f'run `{name}`, x0', run.x0)}")
-        own = _numbers(f"run `{name}`, parameters", run.parameters)
+            lines.append(f"x0 = {toml_text.number(f'run `{name}`, x0', run.x0)}")
+        own = toml_text.numbers(f"run `{name}`, parameters", run.parameters)
         lines.append(f"parameters = {{ {', '.join(own)} }}")
     return {"experiment.toml": "\n".join(lines) + "\n"} | files
 
@@ -201,30 +162,6 @@ def _ground(name: str, terrain: tuple[ArrayLike, ArrayLike]) -> tuple[ArrayLike,
     if isinstance(terrain, tuple) and len(terrain) == 2:
         return terrain
     raise InputError(f"run `{name}`, terrain: expected a pair of arrays (x, z), m")
-
-
-def _text(text: object) -> str:
-    """A TOML string; JSON's is one but for the character DEL."""
-    if not isinstance(text, str):
-        raise InputError(f"expected a text, found {text!r}")
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
-
-
-def _number(place: str, value: object) -> str:
-    try:
-        return repr(float(value))  # type: ignore[arg-type]
-    except (TypeError, ValueError):
-        raise InputError(f"{place}: expected a number, found {value!r}") from None
-
-
-def _numbers(place: str, values: Mapping[str, Any]) -> list[str]:
-    if not isinstance(values, Mapping):
-        raise InputError(f"{place}: expected a mapping from name to number, found {type(values).__name__}")
-    return [f"{_text(name)} = {_quantity(f'{place}, `{name}`', value)}" for name, value in values.items()]
-
-
-def _quantity(place: str, value: object) -> str:
-    return _value(place, value) if isinstance(value, Mapping) else _number(place, value)
 
 
 def _priors(priors: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -243,7 +180,7 @@ def _prior(prior: Any) -> Any:
 def _mapped(columns: Mapping[str, str | Mapping[str, Any]]) -> list[str]:
     if not isinstance(columns, Mapping):
         raise InputError(f"columns: expected a mapping from column to signal, found {type(columns).__name__}")
-    return [f"{_text(name)} = {_value(f'columns, `{name}`', entry)}" for name, entry in columns.items()]
+    return [f"{toml_text.text(name)} = {toml_text.value(f'columns, `{name}`', entry)}" for name, entry in columns.items()]
 
 
 def _is_label(entry: object) -> bool:
@@ -251,21 +188,6 @@ def _is_label(entry: object) -> bool:
     if isinstance(entry, Mapping):
         return entry.get("signal") == "condition" or entry.get("time_stamp") is True or entry.get("run") is True
     return entry == "condition"
-
-
-def _value(place: str, value: object) -> str:
-    """A value of TOML on one line."""
-    if isinstance(value, Mapping):
-        return f"{{ {', '.join(f'{_text(key)} = {_value(place, inner)}' for key, inner in value.items())} }}"
-    if isinstance(value, (list, tuple)):
-        return f"[{', '.join(_value(place, inner) for inner in value)}]"
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        return _text(value)
-    if isinstance(value, (int, np.integer)):
-        return str(int(value))
-    return _number(place, value)
 
 
 def _columns(run: str, data: Columns) -> dict[str, Any]:
