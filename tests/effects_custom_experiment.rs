@@ -45,7 +45,7 @@ fn folder(name: &str, effects: &str, extra: &str) -> PathBuf {
 #[test]
 fn property_an_effect_of_the_experiment_is_calibrated() {
     // A prior frees it; this one is too wide to hold it.
-    let free = folder("free", SOFTENING, "[priors]\n\"softening.a\" = 1000.0\n");
+    let free = folder("free", SOFTENING, "[priors]\n\"softening.a\" = { mean = 0.0, sd = 1000.0 }\n");
     let experiment = Experiment::read(free).unwrap();
     let model = Model::preset("two_wheeled").unwrap();
     let comparison =

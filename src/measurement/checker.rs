@@ -7,7 +7,7 @@ use super::mapping::{ColumnEntry, Factor, Target};
 use super::settings::{File, Priors, Quantities, RunSettings, RunTable};
 use super::suspicion;
 use super::vocabulary;
-use super::written::{Place, Quantity, Written, parameter_factor};
+use super::written::{Place, PriorEntry, Quantity, Written, parameter_factor};
 use crate::effects::EffectDefinition;
 use crate::soil_class::SoilClass;
 use bekker_modeldescription::Unit;

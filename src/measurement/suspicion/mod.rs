@@ -75,19 +75,39 @@ pub(super) fn parameter(name: &str, value: f64, effects: &[EffectDefinition]) ->
     Err(format!("{value} {} cannot be right: expected {}{mend}", variable.unit.symbol, variable.range()))
 }
 
-/// The same for a prior; a deviation wider than the whole range says nothing.
+/// The same for the mean of a prior.
 pub(super) fn prior(name: &str, prior: Prior, effects: &[EffectDefinition]) -> Result<(), String> {
     let Ok(variable) = vocabulary::parameter(name, effects) else { return Ok(()) };
-    let Prior { mean, deviation } = prior;
-    let wide = deviation > variable.max - variable.min;
-    if variable.allows(mean) && !wide {
+    if variable.allows(prior.mean) {
         return Ok(());
     }
-    let (what, value) = if wide { ("a standard deviation of", deviation) } else { ("a mean of", mean) };
-    let mend = likely_unit(&variable, value).map_or_else(String::new, |unit| {
+    let (unit, range) = (variable.unit.symbol, variable.range());
+    Err(format!(
+        "a mean of {} {unit} cannot be right: expected {range}{}",
+        prior.mean,
+        mend_prior(&variable, prior, prior.mean)
+    ))
+}
+
+/// Doubts a deviation that is wider than all that the model allows: it says nothing, or is in another unit.
+fn wide(name: &str, prior: Prior, effects: &[EffectDefinition]) -> Option<String> {
+    let variable = vocabulary::parameter(name, effects).ok()?;
+    let deviation = prior.deviation;
+    (deviation > variable.max - variable.min).then(|| {
+        let mend = mend_prior(&variable, prior, deviation);
+        format!(
+            "priors: the standard deviation {deviation} {} of `{name}` is wider than its range {}{mend}",
+            variable.unit.symbol,
+            variable.range()
+        )
+    })
+}
+
+/// The prior in the unit in which `value`, its mean or its deviation, would be within the bounds.
+fn mend_prior(variable: &Variable, Prior { mean, deviation }: Prior, value: f64) -> String {
+    likely_unit(variable, value).map_or_else(String::new, |unit| {
         format!("; if it is in {unit}, write {{ mean = {mean}, sd = {deviation}, unit = \"{unit}\" }}")
-    });
-    Err(format!("{what} {value} {} cannot be right: expected {}{mend}", variable.unit.symbol, variable.range()))
+    })
 }
 
 /// The first of the other units in which the value lies within the bounds.
@@ -103,7 +123,8 @@ pub(super) fn of_parameters(experiment: &Experiment) -> Vec<String> {
     let runs = experiment.runs.iter().flat_map(|run| &run.parameters);
     let own = runs.map(|(name, value)| (name, *value, "parameters of a run"));
     let priors = experiment.priors.iter().map(|(name, prior)| (name, prior.mean, "priors"));
-    let mut doubts: Vec<String> = Vec::new();
+    let too_wide = |(name, prior): (&String, &Prior)| wide(name, *prior, &experiment.effects);
+    let mut doubts: Vec<String> = experiment.priors.iter().filter_map(too_wide).collect();
     for (name, value, table) in stated.chain(own).chain(priors) {
         let (least, unit) = match name.as_str() {
             "soil.cohesion" => (LEAST_COHESION, "kPa"),
