@@ -103,7 +103,6 @@ fn property_parameters_and_priors_in_other_units() {
             "[priors]\n\"soil.friction_angle\" = { mean = 3.0, sd = 0.1 }",
             "write { mean = 3, sd = 0.1, unit = \"deg\" }",
         ),
-        ("[priors]\n\"soil.friction_angle\" = { mean = 0.5, sd = 3.0 }",),
         ("[parameters]\n\"soil.friction_angle\" = 30", "write { value = 30, unit = \"deg\" }"),
         ("[parameters]\n\"wheel.radius\" = 58", "write { value = 58, unit = \"mm\" }"),
         ("[priors]\n\"soil.shear_modulus\" = { mean = 15, sd = 5 }", "unit = \"mm\""),
