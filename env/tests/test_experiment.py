@@ -9,8 +9,8 @@ import pytest
 
 import bekker
 
-RIG = {"wheel.radius": {"value": 58, "unit": "mm"}, "wheel.width": 0.05}
-COLUMNS = {
+RIG: dict[str, Any] = {"wheel.radius": {"value": 58, "unit": "mm"}, "wheel.width": 0.05}
+COLUMNS: dict[str, Any] = {
     "DP [kN]": {"signal": "drawbar_pull", "unit": "kN"},
     "W": {"signal": "load", "unit": "kg"},
     "z": {"signal": "sinkage", "unit": "mm", "sign": -1},
@@ -69,7 +69,7 @@ def test_property_dates_become_seconds_and_commands_go_to_several_wheels() -> No
             "I": np.full(12, 900.0),
         }
     )
-    columns = {
+    columns: dict[str, Any] = {
         "stamp": {"time_stamp": True},
         "command": {"signal": "speed_command", "wheels": [1, 2], "unit": "deg/s"},
         "I": {"signal": "current", "wheels": [1, 2], "unit": "mA"},
@@ -87,7 +87,8 @@ def test_property_dates_become_seconds_and_commands_go_to_several_wheels() -> No
 
 def test_property_what_is_wrong_or_doubtful_is_said() -> None:
     with pytest.raises(bekker.InputError, match="expected one of N, kN"):
-        bekker.Experiment("single_wheel", [TRIALS], columns=COLUMNS | {"DP [kN]": {"signal": "drawbar_pull", "unit": "m"}})
+        metres = COLUMNS | {"DP [kN]": {"signal": "drawbar_pull", "unit": "m"}}
+        bekker.Experiment("single_wheel", [TRIALS], ignore=["note"], columns=metres)
     with pytest.raises(bekker.InputError, match="columns: expected a mapping"):
         bekker.Experiment("single_wheel", [TRIALS], columns=["DP"])  # type: ignore[arg-type]
     kilonewtons = COLUMNS | {"DP [kN]": {"signal": "drawbar_pull", "unit": "N"}}
