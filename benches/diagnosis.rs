@@ -69,6 +69,7 @@ fn experiment() -> Experiment {
         model: None,
         noise: BTreeMap::new(),
         runs: (0..18).map(run).collect(),
+        doubts: Vec::new(),
     }
 }
 

@@ -251,6 +251,7 @@ fn experiment() -> Experiment {
         model: None,
         noise: BTreeMap::new(),
         runs,
+        doubts: Vec::new(),
     }
 }
 

@@ -1,6 +1,7 @@
 //! `bekker calibrate`.
 
 use crate::compare::{print_errors, print_parameters};
+use crate::import;
 use crate::model::ModelArguments;
 use crate::output::{check_all_writable, say, write_json};
 use crate::progress::Reporter;
@@ -13,6 +14,7 @@ use std::path::PathBuf;
 
 /// Fit a model's free parameters to an experiment, within their bounds.
 #[derive(clap::Args)]
+#[command(after_help = import::FORMAT)]
 pub struct Calibrate {
     /// Folder of the experiment, with `experiment.toml` and CSV files.
     experiment: PathBuf,
@@ -30,7 +32,7 @@ pub struct Calibrate {
 
 impl Calibrate {
     pub fn run(self) -> Result<()> {
-        let experiment = Experiment::read(&self.experiment)?;
+        let experiment = import::read(&self.experiment)?;
         let given = self.model.given()?;
         let saving = self.saving.prepare(&experiment)?;
         check_all_writable([&self.json])?;

@@ -1,17 +1,18 @@
 //! `bekker compare`.
 
+use crate::import;
 use crate::model::ModelArguments;
 use crate::output::{check_writable, say};
 use crate::progress::Reporter;
 use crate::saving::{Saving, print_sources};
 use anyhow::{Context, Result};
 use bekker::diagnosis::{Calibration, CompareOptions, Comparison, STANDARD_ERROR, UnansweredRows, compare};
-use bekker::measurement::Experiment;
 use bekker::report::comparison_page;
 use std::path::{Path, PathBuf};
 
 /// Run a model on the inputs of an experiment and see where it fails.
 #[derive(clap::Args)]
+#[command(after_help = import::FORMAT)]
 pub struct Compare {
     /// Folder of the experiment, with `experiment.toml` and CSV files.
     experiment: PathBuf,
@@ -32,7 +33,7 @@ pub struct Compare {
 
 impl Compare {
     pub fn run(self) -> Result<()> {
-        let experiment = Experiment::read(&self.experiment)?;
+        let experiment = import::read(&self.experiment)?;
         let given = self.model.given()?;
         let saving = self.saving.prepare(&experiment)?;
         if let Some(path) = &self.html {

@@ -1,20 +1,20 @@
 //! `bekker diagnose`.
 
 use crate::diagnosis_text::print;
-use crate::interrupt;
 use crate::model::ModelArguments;
 use crate::output::{check_all_writable, say, write, write_json};
 use crate::progress::Reporter;
 use crate::saving::{Saving, print_sources};
+use crate::{import, interrupt};
 use anyhow::{Context, Result, bail};
 use bekker::diagnosis::{CompareError, Control, DiagnoseOptions, diagnose};
-use bekker::measurement::Experiment;
 use bekker::report::diagnosis_page;
 use std::path::PathBuf;
 use std::time::Duration;
 
 /// Find out which physical effect is missing from the model.
 #[derive(clap::Args)]
+#[command(after_help = import::FORMAT)]
 pub struct Diagnose {
     /// Folder of the experiment, with `experiment.toml` and CSV files.
     experiment: PathBuf,
@@ -51,7 +51,7 @@ pub struct Diagnose {
 
 impl Diagnose {
     pub fn run(self) -> Result<()> {
-        let experiment = Experiment::read(&self.experiment)?;
+        let experiment = import::read(&self.experiment)?;
         let given = self.model.given()?;
         let saving = self.saving.prepare(&experiment)?;
         check_all_writable([&self.json, &self.html])?;

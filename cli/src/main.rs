@@ -9,6 +9,7 @@ mod diagnose;
 mod diagnosis_text;
 mod experiment;
 mod fmu;
+mod import;
 mod interrupt;
 mod model;
 mod output;
@@ -49,6 +50,8 @@ enum Command {
     Separate(separate::Separate),
     /// Plan an experiment: a run list to be recorded, and what it will be able to tell apart.
     Experiment(experiment::Experiment),
+    /// Propose an experiment folder for CSV files: which column is which signal, in which unit.
+    Import(import::Import),
     /// Drive scripted tests and compare what comes with what they expect: in the core, an FMU, the environment.
     Check(check::Check),
     /// Write a model as an FMU for other simulation tools.
@@ -69,6 +72,7 @@ fn main() -> ExitCode {
         Command::Calibrate(command) => command.run(),
         Command::Separate(command) => command.run(),
         Command::Experiment(command) => command.run(),
+        Command::Import(command) => command.run(),
         // Its exit codes are its own.
         Command::Check(command) => return command.run(),
         Command::Fmu(command) => command.run(),

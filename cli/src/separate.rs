@@ -1,16 +1,17 @@
 //! `bekker separate`.
 
+use crate::import;
 use crate::model::ModelArguments;
 use crate::output::{check_all_writable, say, write_json};
 use crate::progress::Reporter;
 use crate::saving::print_sources;
 use anyhow::Result;
 use bekker::diagnosis::{EffectSight, NoiseSource, SeparateOptions, Separation, SmallestStrength, separate};
-use bekker::measurement::Experiment;
 use std::path::PathBuf;
 
 /// See what an experiment, made or planned, can tell apart.
 #[derive(clap::Args)]
+#[command(after_help = import::FORMAT)]
 pub struct Separate {
     /// Folder of the experiment, with `experiment.toml` and CSV files; measured columns may be empty.
     experiment: PathBuf,
@@ -32,7 +33,7 @@ pub struct Separate {
 
 impl Separate {
     pub fn run(self) -> Result<()> {
-        let experiment = Experiment::read_plan(&self.experiment)?;
+        let experiment = import::read_plan(&self.experiment)?;
         let given = self.model.given()?;
         check_all_writable([&self.json])?;
         let options = SeparateOptions { candidates: self.candidates, added: self.with, calibrate: !self.as_given };

@@ -153,6 +153,30 @@ fn property_compare_writes_a_page() {
 }
 
 #[test]
+fn property_import_proposes_a_folder_that_the_other_commands_read() {
+    let (csv, folder) = (file("rig.csv"), file("imported"));
+    let _ = std::fs::remove_dir_all(&folder);
+    let rows = (0..6).map(|k| format!("{};{};30;{};3\n", 10 * k, 2 * k - 2, 12 + k)).collect::<String>();
+    std::fs::write(&csv, format!("slip_percent;DP [N];W [N];z [mm];rpm\n{rows}")).expect("the file can be written");
+    let out = done(&["import", shown(&csv), "--output", shown(&folder)]);
+    for words in ["a single_wheel experiment", "to be checked:", "wheel.radius", "it can be read: 1 runs, 6 rows"] {
+        assert!(out.contains(words), "`{words}` is not in {out}");
+    }
+    assert!(done(&["compare", shown(&folder)]).contains("drawbar_pull"));
+    refused(&["import", shown(&csv), "--output", shown(&folder)], &["imported", "give a new folder"]);
+    for command in ["import", "diagnose", "compare", "calibrate", "separate"] {
+        assert!(done(&[command, "--help"]).contains("examples/experiments.md"), "{command}");
+    }
+    // What is doubtful is said by every command, beside its result.
+    let settings = folder.join("experiment.toml");
+    let text = std::fs::read_to_string(&settings).expect("the settings are there");
+    let text = text.replace("[parameters]", "[parameters]\n\"soil.cohesion\" = 1.2");
+    std::fs::write(&settings, text).expect("the file can be written");
+    let output = call(&["compare", shown(&folder)]);
+    assert!(self::text(&output.stderr).contains("doubt: parameters: `soil.cohesion` is 1.2 Pa"), "{output:?}");
+}
+
+#[test]
 fn property_fmu_is_a_zip() {
     let path = file("x.fmu");
     done(&["fmu", "two_wheeled", "-o", shown(&path)]);

@@ -1,7 +1,8 @@
 //! Experiments: a folder, or the texts of its files where the data come from Python.
 
 use crate::error::{self, InputError, ModelError};
-use bekker::measurement::{Experiment, ExperimentError};
+use bekker::measurement::{Experiment, ExperimentError, Kind, Proposal, WriteError};
+use pyo3::exceptions::PyFileExistsError;
 use pyo3::prelude::*;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -41,10 +42,43 @@ impl Source {
     }
 }
 
-/// Checks the texts of an experiment; returns the names of its measured signals.
+/// Checks the texts of an experiment; returns the names of its measured signals, and what is doubtful.
 #[pyfunction]
-pub fn check_experiment(py: Python<'_>, texts: BTreeMap<String, String>) -> PyResult<Vec<String>> {
-    Ok(Source::Texts(texts).read(py)?.signals())
+pub fn check_experiment(py: Python<'_>, texts: BTreeMap<String, String>) -> PyResult<(Vec<String>, Vec<String>)> {
+    let experiment = Source::Texts(texts).read(py)?;
+    Ok((experiment.signals(), experiment.doubts))
+}
+
+/// Makes an experiment folder for CSV files; returns its kind, what is to be checked, what is to be filled in, what is
+/// doubtful, and what keeps it from being read.
+#[pyfunction]
+#[pyo3(signature = (files, folder, kind=None))]
+pub fn import_experiment(
+    py: Python<'_>,
+    files: Vec<PathBuf>,
+    folder: PathBuf,
+    kind: Option<&str>,
+) -> PyResult<(&'static str, Vec<String>, Vec<String>, Vec<String>, Option<String>)> {
+    let kind = match kind {
+        None => None,
+        Some(name) => {
+            let found = [Kind::SingleWheel, Kind::Traverse].into_iter().find(|kind| kind.name() == name);
+            let message = || format!("kind is `{name}`, expected single_wheel, traverse or None");
+            Some(found.ok_or_else(|| InputError::new_err(message()))?)
+        }
+    };
+    let proposal = py.detach(|| error::fenced(|| Proposal::of(&files, kind)))?;
+    let proposal = proposal.map_err(|refused| InputError::new_err(refused.to_string()))?;
+    let imported = proposal.write(&folder).map_err(|failed| match &failed {
+        WriteError::File { source, .. } => error::unreachable_file(source, failed.to_string()),
+        WriteError::Exists { .. } => PyFileExistsError::new_err(failed.to_string()),
+        WriteError::Settings { .. } => InputError::new_err(failed.to_string()),
+    })?;
+    let (doubts, problem) = match imported.read {
+        Ok(experiment) => (experiment.doubts, None),
+        Err(refused) => (Vec::new(), Some(refused.to_string())),
+    };
+    Ok((proposal.kind.name(), proposal.unsure, proposal.missing, doubts, problem))
 }
 
 /// Names run, row (counted from 0, as in arrays) and column where an error of a folder names file and line.

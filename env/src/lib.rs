@@ -39,6 +39,8 @@ mod _bekker {
     #[pymodule_export]
     use super::experiment::check_experiment;
     #[pymodule_export]
+    use super::experiment::import_experiment;
+    #[pymodule_export]
     use super::export::export_fmu;
     #[pymodule_export]
     use super::finding::Finding;

@@ -5,10 +5,12 @@
 //! border checks, `modelDescription.xml`, the Python and Markdown tables and the calibration vector.
 
 mod parameters;
+mod recorded_unit;
 mod unit;
 mod variable;
 pub mod xml;
 
-pub use parameters::{Lookup, ParameterError, Parameters, join};
+pub use parameters::{Lookup, ParameterError, Parameters, join, nearest};
+pub use recorded_unit::{STANDARD_GRAVITY, UnitError};
 pub use unit::{DisplayUnit, Exponents, Unit};
 pub use variable::{Role, Variable};

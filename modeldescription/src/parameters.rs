@@ -111,15 +111,21 @@ pub trait Lookup: Parameters<f64> {
 
     /// The error for a name that does not exist, with the nearest names.
     fn unknown(&mut self, name: &str) -> ParameterError {
-        let mut near: Vec<(usize, String)> = Vec::new();
-        self.visit("", &mut |variable, _| near.push((distance(name, &variable.name), variable.name)));
-        near.sort();
-        let suggestions = near.into_iter().filter(|(d, n)| *d <= 2 + n.len() / 4).take(3).map(|(_, n)| n).collect();
-        ParameterError::Unknown { name: name.to_owned(), suggestions }
+        let mut known = Vec::new();
+        self.visit("", &mut |variable, _| known.push(variable.name));
+        ParameterError::Unknown { name: name.to_owned(), suggestions: nearest(name, known) }
     }
 }
 
 impl<P: Parameters<f64> + ?Sized> Lookup for P {}
+
+/// Up to three of the known names that look like `name`, the most alike first.
+#[must_use]
+pub fn nearest(name: &str, known: impl IntoIterator<Item = String>) -> Vec<String> {
+    let mut near: Vec<(usize, String)> = known.into_iter().map(|other| (distance(name, &other), other)).collect();
+    near.sort();
+    near.into_iter().filter(|(d, n)| *d <= 2 + n.len() / 4).take(3).map(|(_, n)| n).collect()
+}
 
 /// Levenshtein distance, for suggestions only.
 fn distance(a: &str, b: &str) -> usize {

@@ -5,7 +5,7 @@ use super::halt::Halt;
 use super::layout::Block;
 use super::prediction::PredictionError;
 use super::replay::{Replay, ReplayError};
-use crate::measurement::Run as Measured;
+use crate::measurement::{Run as Measured, summands};
 use crate::model::{ControlKind, Model, RunError};
 use crate::rover::Rover;
 use crate::scalar::Scalar;
@@ -47,9 +47,12 @@ pub(super) struct Recorded {
     /// For each signal, in the order of [`Signals`], whether it is traced, and as which of them.
     columns: Vec<Option<usize>>,
     traced: usize,
-    /// For each measured block the signal, in the order of [`Signals`], and where its values start in the layout.
-    targets: Vec<(usize, usize)>,
+    /// For each measured block what it is the sum of, and where its values start in the layout.
+    targets: Vec<(Summed, usize)>,
 }
+
+/// The signals, in the order of [`Signals`], that a measured one is the sum of: mostly one.
+type Summed = Vec<usize>;
 
 impl Recorded {
     pub fn new<'a>(
@@ -62,7 +65,8 @@ impl Recorded {
         let mut signals = Signals::<f64>::of(run.inputs.len(), model.rover.links.len());
         let names: Vec<String> = signals.list().into_iter().map(|(variable, _)| variable.name).collect();
         let target = |block: &Block| {
-            let at = names.iter().position(|name| *name == block.signal);
+            let parts = summands(&block.signal);
+            let at: Option<Summed> = parts.iter().map(|part| names.iter().position(|name| name == part)).collect();
             let unknown = || PredictionError::Signal { run: run.name.clone(), signal: block.signal.clone() };
             at.map(|at| (at, block.range.start)).ok_or_else(unknown)
         };
@@ -81,8 +85,8 @@ impl Recorded {
         Ok(recorded)
     }
 
-    fn add_targets(&mut self, targets: &[(usize, usize)]) {
-        for (signal, _) in targets {
+    fn add_targets(&mut self, targets: &[(Summed, usize)]) {
+        for signal in targets.iter().flat_map(|(summed, _)| summed) {
             if self.columns[*signal].is_none() {
                 self.columns[*signal] = Some(self.traced);
                 self.traced += 1;
@@ -175,10 +179,10 @@ impl Recorded {
 
     /// Puts a trace where it was measured.
     pub fn store(&self, trace: &[f64], layout: &mut [f64]) {
-        for (signal, start) in &self.targets {
-            let Some(column) = self.columns[*signal] else { continue };
+        for (summed, start) in &self.targets {
+            let columns: Vec<usize> = summed.iter().filter_map(|signal| self.columns[*signal]).collect();
             for row in 0..self.time.len() {
-                layout[start + row] = trace[row * self.traced + column];
+                layout[start + row] = columns.iter().map(|column| trace[row * self.traced + column]).sum();
             }
         }
     }

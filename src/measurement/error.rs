@@ -27,22 +27,55 @@ pub enum Problem {
     #[error("{0}")]
     Setting(String),
     /// A required column is missing.
-    #[error("a `{kind}` experiment needs this column; found {found}")]
+    #[error("a `{kind}` experiment needs this column{instead}; found {found}")]
     MissingColumn {
         /// The experiment's kind.
         kind: &'static str,
+        /// What may stand in its place; empty, or ` or ..`.
+        instead: &'static str,
         /// The columns that are there.
         found: String,
     },
-    /// A column is neither known nor ignored.
-    #[error("unknown column; known are {known} (list others under `ignore = [..]`)")]
-    UnknownColumn {
+    /// Columns are neither known nor ignored.
+    #[error("unknown {unknown}; known are {known} (map others under [columns], or list them under `ignore = [..]`)")]
+    UnknownColumns {
+        /// The columns, each with what it may be meant for.
+        unknown: String,
         /// Columns known for this kind of experiment.
         known: String,
     },
     /// A column appears twice, or has no name.
     #[error("{0}")]
     Header(&'static str),
+    /// Two columns, or a column and a constant input, give one signal.
+    #[error("gives {signal}, as {other} does; list one of them under `ignore = [..]`")]
+    Twice {
+        /// The signal.
+        signal: String,
+        /// What else gives it.
+        other: String,
+    },
+    /// The file says itself that a column has another unit than the one it is read with.
+    #[error("the file gives its unit as `{found}`, and it is read in {read}; write under [columns]: {mend}")]
+    OtherUnit {
+        /// The unit in the file.
+        found: String,
+        /// The unit with which it is read.
+        read: &'static str,
+        /// The line that says so.
+        mend: String,
+    },
+    /// A cell is no time stamp, or not one like that of the first row.
+    #[error("`{text}` is not a time stamp: expected {expected}")]
+    NotAStamp {
+        /// The cell.
+        text: String,
+        /// What was expected.
+        expected: String,
+    },
+    /// A value cannot be computed from others.
+    #[error("{0}")]
+    Derived(String),
     /// A row has more or fewer cells than the header.
     #[error("{found} cells where the header has {expected}")]
     Ragged {
@@ -52,10 +85,12 @@ pub enum Problem {
         expected: usize,
     },
     /// A cell is not a finite number.
-    #[error("`{text}` is not a finite number (a missing value is an empty cell)")]
+    #[error("`{text}` is not a finite number (a missing value is an empty cell){understood}")]
     NotANumber {
         /// The cell.
         text: String,
+        /// How the file was read, where that may be the reason.
+        understood: String,
     },
     /// An input is missing; inputs cannot be.
     #[error("an input may not be missing")]
@@ -84,6 +119,9 @@ pub enum Problem {
         /// Unit and range that were expected, and the likely mistake.
         expected: String,
     },
+    /// All values of a signal have a sign or size that it cannot have.
+    #[error("{0}")]
+    Suspicious(String),
     /// No column of the run is a measured signal with a value.
     #[error("nothing is measured yet: expected values in at least one of {known}")]
     NothingMeasured {

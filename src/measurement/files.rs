@@ -35,12 +35,27 @@ impl Files<'_> {
 
     pub fn text(&self, name: &str) -> Result<String, ExperimentError> {
         let path = self.path(name);
-        let read = match self {
-            Self::Folder(_) => std::fs::read_to_string(&path).map_err(|error| error.to_string()),
-            Self::Memory(texts) => texts.get(name).cloned().ok_or_else(|| "there is no such file".to_owned()),
-        };
-        read.map_err(|message| ExperimentError::in_file(&path, Problem::Unreadable(message)))
+        match self {
+            Self::Folder(_) => read_text(&path),
+            Self::Memory(texts) => texts.get(name).cloned().ok_or_else(|| {
+                ExperimentError::in_file(&path, Problem::Unreadable("there is no such file".to_owned()))
+            }),
+        }
     }
+}
+
+/// The text of a file in UTF-8.
+pub(super) fn read_text(path: &Path) -> Result<String, ExperimentError> {
+    let refused = |message: String| ExperimentError::in_file(path, Problem::Unreadable(message));
+    let bytes = std::fs::read(path).map_err(|error| refused(error.to_string()))?;
+    String::from_utf8(bytes).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        let before = &error.as_bytes()[..at];
+        let line = before.iter().filter(|byte| **byte == b'\n').count() as u64 + 1;
+        let message =
+            "a character is not in UTF-8 (a degree or micro sign of an older program?); save the file as UTF-8";
+        refused(message.to_owned()).at_line(line)
+    })
 }
 
 impl Experiment {

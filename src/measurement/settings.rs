@@ -1,61 +1,69 @@
 //! `experiment.toml`: strict, with the line of whatever is wrong.
 
+use super::checker::Checker;
+use super::dialect::{Dialect, Filters};
 use super::error::{ExperimentError, Problem};
 use super::experiment::{Kind, Prior};
 use super::files::{Files, SETTINGS};
+use super::filter::Filter;
+use super::mapping::{ColumnEntry, Factor, Target};
+use super::written::{Place, PriorEntry, Quantity};
 use crate::effects::EffectDefinition;
-use crate::soil_class::SoilClass;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 
-type Numbers = BTreeMap<String, Spanned<f64>>;
+pub(super) type Quantities = BTreeMap<String, Spanned<Quantity>>;
+pub(super) type Priors = BTreeMap<String, Spanned<PriorEntry>>;
 
 /// The file as it stands.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File {
-    name: String,
-    kind: Kind,
+pub(super) struct File {
+    pub name: String,
+    pub kind: Kind,
     #[serde(default)]
-    ignore: Vec<String>,
+    pub ignore: Vec<String>,
     #[serde(default)]
-    parameters: Numbers,
+    pub file: Dialect,
     #[serde(default)]
-    priors: BTreeMap<String, Spanned<PriorEntry>>,
-    soil: Option<SoilTable>,
-    model: Option<String>,
+    pub columns: BTreeMap<String, Spanned<ColumnEntry>>,
     #[serde(default)]
-    noise: Numbers,
+    pub inputs: Quantities,
     #[serde(default)]
-    effect: Vec<Spanned<EffectDefinition>>,
-    run: Vec<RunTable>,
-}
-
-/// A prior as it is written: with its mean, or as a deviation about the value in `[parameters]`.
-#[derive(Deserialize)]
-#[serde(untagged, expecting = "expected { mean = number, sd = number }, or a standard deviation alone")]
-enum PriorEntry {
-    Deviation(f64),
-    Whole(Prior),
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SoilTable {
-    class: Spanned<String>,
+    pub parameters: Quantities,
+    #[serde(default)]
+    pub priors: Priors,
+    pub soil: Option<SoilTable>,
+    pub model: Option<String>,
+    #[serde(default)]
+    pub noise: Quantities,
+    #[serde(default)]
+    pub effect: Vec<Spanned<EffectDefinition>>,
+    pub run: Vec<RunTable>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct RunTable {
-    file: String,
-    group: Option<String>,
-    terrain: Option<Spanned<String>>,
-    x0: Option<Spanned<f64>>,
+pub(super) struct SoilTable {
+    pub class: Spanned<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RunTable {
+    pub file: String,
+    pub name: Option<Spanned<String>>,
+    pub group: Option<String>,
+    pub terrain: Option<Spanned<String>>,
+    pub x0: Option<Spanned<f64>>,
+    #[serde(default, rename = "where")]
+    pub filters: Filters,
     #[serde(default)]
-    parameters: Numbers,
+    pub inputs: Quantities,
+    #[serde(default)]
+    pub parameters: Quantities,
 }
 
 /// The checked settings of an experiment.
@@ -64,6 +72,9 @@ pub(super) struct Settings {
     pub name: String,
     pub kind: Kind,
     pub ignore: Vec<String>,
+    pub dialect: Dialect,
+    /// Column, what it becomes, and the line on which that stands.
+    pub columns: Vec<(String, Target, u64)>,
     pub parameters: BTreeMap<String, f64>,
     pub priors: BTreeMap<String, Prior>,
     pub soil_class: Option<String>,
@@ -78,10 +89,24 @@ pub(super) struct Settings {
 /// The checked settings of one run.
 pub(super) struct RunSettings {
     pub file: String,
+    pub name: Option<String>,
     pub group: Option<String>,
     pub terrain: Option<String>,
     pub x0: Option<f64>,
+    pub filters: Vec<Filter>,
+    /// Inputs that stay the same in all rows, those of the whole experiment included: name, number and its unit.
+    pub inputs: Vec<(String, f64, Factor)>,
     pub parameters: BTreeMap<String, f64>,
+}
+
+impl Settings {
+    /// Whether a column is not for the model; a `*` at the end of an entry stands for any end of a name.
+    pub fn ignores(&self, column: &str) -> bool {
+        self.ignore.iter().any(|entry| match entry.strip_suffix('*') {
+            Some(start) => column.starts_with(start),
+            None => entry == column,
+        })
+    }
 }
 
 impl Settings {
@@ -92,144 +117,39 @@ impl Settings {
             let problem = Problem::Setting("at least one [[run]] is needed".to_owned());
             return Err(ExperimentError::in_file(&path, problem));
         }
-        let check = Checker { path: &path, text: &text };
-        let noise = file.noise.iter().map(|(name, sd)| {
-            Ok((name.clone(), (check.positive("noise", name, sd)?, line_of(&text, sd.span().start))))
-        });
-        let priors = check.priors(&file)?;
+        let effects: Vec<_> = file.effect.iter().map(Spanned::get_ref).cloned().collect();
+        let check = Checker { place: Place { path: &path, text: &text }, kind: file.kind, effects: &effects };
+        file.effect.iter().try_for_each(|effect| check.effect(effect))?;
+        let parameters = check.parameters(&file.parameters)?;
+        let priors = check.priors(&file.priors, &parameters)?;
+        let runs: Vec<_> = file.run.iter().map(|run| check.run(run, &file)).collect::<Result<_, _>>()?;
         Ok(Self {
+            columns: check.columns(&file)?,
+            parameters,
+            priors,
+            soil_class: file.soil.as_ref().map(|soil| check.soil_class(&soil.class)).transpose()?,
+            noise: file.noise.iter().map(|(name, sd)| check.noise(name, sd)).collect::<Result<_, _>>()?,
+            runs,
             name: file.name,
             kind: file.kind,
             ignore: file.ignore,
-            parameters: check.numbers("parameters", &file.parameters)?,
-            priors,
-            soil_class: file.soil.as_ref().map(|soil| check.soil_class(&soil.class)).transpose()?,
+            dialect: file.file,
             model: file.model,
-            noise: noise.collect::<Result<_, _>>()?,
-            effects: file.effect.into_iter().map(|effect| check.effect(effect)).collect::<Result<_, _>>()?,
-            runs: file.run.into_iter().map(|run| check.run(file.kind, run)).collect::<Result<_, _>>()?,
+            effects,
             file: path.clone(),
         })
     }
 }
 
-struct Checker<'a> {
-    path: &'a Path,
-    text: &'a str,
-}
-
-impl Checker<'_> {
-    fn run(&self, kind: Kind, run: RunTable) -> Result<RunSettings, ExperimentError> {
-        let parameters = self.numbers("parameters", &run.parameters)?;
-        let only_traverse = |key: &str, at: usize| {
-            self.error(key, at, format!("only a `traverse` run has `{key}`; this is a `{}`", kind.name()))
-        };
-        if kind == Kind::SingleWheel {
-            if let Some(terrain) = &run.terrain {
-                return Err(only_traverse("terrain", terrain.span().start));
-            }
-            if let Some(x0) = &run.x0 {
-                return Err(only_traverse("x0", x0.span().start));
-            }
-        }
-        Ok(RunSettings {
-            file: run.file,
-            group: run.group,
-            terrain: run.terrain.map(Spanned::into_inner),
-            x0: run.x0.map(|x0| self.finite("x0", &x0)).transpose()?,
-            parameters,
-        })
-    }
-
-    fn effect(&self, effect: Spanned<EffectDefinition>) -> Result<EffectDefinition, ExperimentError> {
-        let at = effect.span().start;
-        let definition = effect.into_inner();
-        match definition.clone().build() {
-            Ok(_) => Ok(definition),
-            Err(refused) => Err(self.error("effect", at, refused.to_string())),
-        }
-    }
-
-    fn numbers(&self, table: &str, numbers: &Numbers) -> Result<BTreeMap<String, f64>, ExperimentError> {
-        numbers
-            .iter()
-            .map(|(name, value)| Ok((name.clone(), self.finite(&format!("{table}.{name}"), value)?)))
-            .collect()
-    }
-
-    fn finite(&self, key: &str, value: &Spanned<f64>) -> Result<f64, ExperimentError> {
-        let number = *value.get_ref();
-        if number.is_finite() {
-            return Ok(number);
-        }
-        Err(self.error(key, value.span().start, format!("{number} is not a finite number")))
-    }
-
-    /// Priors with their means: a deviation alone stands about the value in `[parameters]`.
-    fn priors(&self, file: &File) -> Result<BTreeMap<String, Prior>, ExperimentError> {
-        let prior = |(name, entry): (&String, &Spanned<PriorEntry>)| {
-            let (key, at) = (format!("priors.{name}"), entry.span().start);
-            let prior = match entry.get_ref() {
-                PriorEntry::Whole(prior) => *prior,
-                PriorEntry::Deviation(deviation) => {
-                    let mean = file.parameters.get(name).map(|value| *value.get_ref());
-                    let missing = || {
-                        let message = format!(
-                            "a standard deviation alone needs the mean under [parameters]; or write {{ mean = .., sd = {deviation} }}"
-                        );
-                        self.error(&key, at, message)
-                    };
-                    Prior { mean: mean.ok_or_else(missing)?, deviation: *deviation }
-                }
-            };
-            if !prior.mean.is_finite() {
-                return Err(self.error(&key, at, format!("the mean {} is not a finite number", prior.mean)));
-            }
-            if !prior.deviation.is_finite() || prior.deviation <= 0.0 {
-                let message = format!("a standard deviation is positive and finite, not {}", prior.deviation);
-                return Err(self.error(&key, at, message));
-            }
-            Ok((name.clone(), prior))
-        };
-        file.priors.iter().map(prior).collect()
-    }
-
-    fn soil_class(&self, class: &Spanned<String>) -> Result<String, ExperimentError> {
-        let name = class.get_ref();
-        if SoilClass::find(name).is_some() {
-            return Ok(name.clone());
-        }
-        let message = format!("no class of soil is called `{name}`; expected one of {}", SoilClass::names());
-        Err(self.error("soil.class", class.span().start, message))
-    }
-
-    fn positive(&self, table: &str, name: &str, value: &Spanned<f64>) -> Result<f64, ExperimentError> {
-        let key = format!("{table}.{name}");
-        let number = self.finite(&key, value)?;
-        if number > 0.0 {
-            return Ok(number);
-        }
-        Err(self.error(&key, value.span().start, format!("a standard deviation is positive, not {number}")))
-    }
-
-    fn error(&self, key: &str, at: usize, message: String) -> ExperimentError {
-        ExperimentError::in_file(self.path, Problem::Setting(message)).at_line(line_of(self.text, at)).at_column(key)
-    }
-}
-
 fn not_toml(path: &Path, text: &str, error: &toml::de::Error) -> ExperimentError {
     let mut message = error.message().to_owned();
-    if message.contains("invalid type: map") {
+    // `wheel.radius = 0.1` is a table `wheel` with a key `radius`.
+    if message.contains("invalid type: map") || message.contains("expected `value` or `unit`") {
         message.push_str(" (names with a dot are quoted: \"wheel.radius\" = 0.1)");
     }
     let place = ExperimentError::in_file(path, Problem::Setting(message));
     match error.span() {
-        Some(span) => place.at_line(line_of(text, span.start)),
+        Some(span) => place.at_line(Place { path, text }.line(span.start)),
         None => place,
     }
-}
-
-/// Line of a byte offset, counted from 1.
-fn line_of(text: &str, at: usize) -> u64 {
-    text.as_bytes()[..at.min(text.len())].iter().filter(|byte| **byte == b'\n').count() as u64 + 1
 }

@@ -1,20 +1,21 @@
 //! Reading a table of numbers.
 
+use super::dialect::Dialect;
 use super::error::{ExperimentError, Problem};
+use super::files::read_text;
 use super::sheet::Sheet;
 use super::table::Table;
 use std::path::Path;
 
 impl Table {
-    /// Reads a CSV file of numbers: one header line, then rows; an empty cell is missing. A column `time`
+    /// Reads a CSV file of numbers: one header line, then rows; an empty cell is missing. Separator and decimal mark are found
+    /// out, lines that begin with `#`, `%` or `//` are left out. A column `time`
     /// must be complete and increase.
     ///
     /// # Errors
     /// [`ExperimentError`] naming file, line and column, and what was expected.
     pub fn read(file: &Path) -> Result<Self, ExperimentError> {
-        let text = std::fs::read_to_string(file)
-            .map_err(|error| ExperimentError::in_file(file, Problem::Unreadable(error.to_string())))?;
-        let sheet = Sheet::parse(file, &text)?;
+        let sheet = Sheet::parse(file, &read_text(file)?, &Dialect::default())?;
         let refused =
             |error: super::table::TableError| ExperimentError::in_file(file, Problem::Unreadable(error.to_string()));
         let mut table = Self::new(sheet.header.iter().cloned()).map_err(refused)?;

@@ -134,12 +134,12 @@ fn write_run(run: &Run, file: &Path) -> Result<(), WriteError> {
     let broken = |error: csv::Error| failed(error.into());
     let mut csv = csv::Writer::from_path(file).map_err(broken)?;
     let names = run.data.names();
-    let header = std::iter::once("condition").chain(names.iter().map(String::as_str));
-    csv.write_record(header).map_err(broken)?;
+    // The labels stand last: at the start of a line some of them would make a comment of it.
+    csv.write_record(names.iter().map(String::as_str).chain(["condition"])).map_err(broken)?;
     for (row, condition) in run.conditions.iter().enumerate() {
         let number = |name: &String| run.data.value(name, row).map_or_else(String::new, |value| format!("{value:?}"));
         let label = std::iter::once(condition.clone().unwrap_or_default());
-        csv.write_record(label.chain(names.iter().map(number))).map_err(broken)?;
+        csv.write_record(names.iter().map(number).chain(label)).map_err(broken)?;
     }
     csv.flush().map_err(failed)
 }

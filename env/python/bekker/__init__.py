@@ -43,7 +43,8 @@ many together (:class:`RoverEnv`, :class:`RoverVectorEnv`)::
     diagnosis.plot_overlay()                   # and plot_residuals, plot_steps, plot_candidates ... (matplotlib)
     diagnosis.save_model("improved.toml")      # bekker.steady_points(diagnosis.improved, 20.0, 0.2, 0.5) takes it as it is
 
-Data that are not on disk come as :class:`Experiment`, from data frames or arrays.
+Data that are not on disk come as :class:`Experiment`, from data frames or arrays; :func:`import_experiment` proposes a
+folder for CSV files in columns and units of their own.
 
 *Take it elsewhere*: ``bekker.export_fmu(model, "rover.fmu")`` writes it for any tool that knows FMI 3.0.
 
@@ -60,6 +61,7 @@ from .diagnosis import Diagnosis, Progress, diagnose
 from .env import RoverEnv
 from .errors import BekkerError, DiagnosisInterrupted, InputError, ModelError, SimulationError, UnknownNameError
 from .experiment import Experiment, MeasuredRun
+from .importing import Imported, import_experiment
 from .models import effects, export_fmu, presets
 from .registration import register
 from .simulation import Result, simulate, steady_points
@@ -75,6 +77,7 @@ __all__ = [
     "Diagnosis",
     "DiagnosisInterrupted",
     "Experiment",
+    "Imported",
     "InputError",
     "MeasuredRun",
     "Model",
@@ -98,6 +101,7 @@ __all__ = [
     "effects",
     "export_fmu",
     "goals",
+    "import_experiment",
     "presets",
     "randomise",
     "rewards",

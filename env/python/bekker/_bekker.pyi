@@ -28,6 +28,7 @@ __all__ = [
     "effects",
     "export_fmu",
     "fit_task",
+    "import_experiment",
     "presets",
     "record",
 ]
@@ -36,7 +37,10 @@ __version__: str
 
 def presets() -> list[tuple[str, str]]: ...
 def effects() -> list[tuple[str, str]]: ...
-def check_experiment(texts: dict[str, str]) -> list[str]: ...
+def check_experiment(texts: dict[str, str]) -> tuple[list[str], list[str]]: ...
+def import_experiment(
+    files: list[str], folder: str, kind: str | None = None
+) -> tuple[Literal["single_wheel", "traverse"], list[str], list[str], list[str], str | None]: ...
 def compare(
     experiment: dict[str, str] | str | os.PathLike[str],
     model: tuple[Model, str] | None,

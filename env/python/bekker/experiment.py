@@ -2,9 +2,8 @@
 
 import csv
 import io
-import json
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
@@ -12,20 +11,23 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _bekker
+from . import _bekker, toml_text
 from .errors import InputError
 
-__all__ = ["Columns", "Experiment", "ExperimentLike", "MeasuredRun"]
+__all__ = ["Columns", "Experiment", "ExperimentLike", "MeasuredRun", "Quantity"]
 
 Columns: TypeAlias = Any
 """A pandas or polars frame, a mapping from name to array, or a structured numpy array: named columns of one length."""
+
+Quantity: TypeAlias = float | Mapping[str, float | str]
+"""A number in SI units, or ``{"value": 3.0, "unit": "kPa"}``."""
 
 
 @dataclass(frozen=True, eq=False)
 class MeasuredRun:
     """One recording. Columns carry the model's own names, SI units; NaN (or None, NA) where nothing was measured.
 
-    A single wheel needs ``load`` (N), ``slip`` and ``wheel_speed`` (rad/s) and any of ``drawbar_pull`` (N), ``torque``
+    Other names and units are mapped by ``columns`` of the :class:`Experiment`. A single wheel needs ``load`` (N), ``slip`` and ``wheel_speed`` (rad/s) and any of ``drawbar_pull`` (N), ``torque``
     (N m), ``sinkage`` (m), one steady point a row; ``condition`` may label rows that repeat one set-point. A traverse
     needs ``time`` (s), ``wheel[k].speed_command`` (rad/s) or ``wheel[k].torque_command`` (N m), and any signals.
     """
@@ -39,7 +41,7 @@ class MeasuredRun:
     """Traverse: the ground, x (increasing) and z, m; flat where None."""
     x0: float | None = None
     """Traverse: where the rover starts, m."""
-    parameters: Mapping[str, float] = field(default_factory=dict)
+    parameters: Mapping[str, Quantity] = field(default_factory=dict)
     """What was changed for this run, by the model's names."""
 
 
@@ -55,23 +57,39 @@ class Experiment:
     runs: Sequence[MeasuredRun | Columns]
     """Runs, or their columns alone."""
     name: str = "experiment"
-    parameters: Mapping[str, float] = field(default_factory=dict)
+    parameters: Mapping[str, Quantity] = field(default_factory=dict)
     """What is known of the rig, by the model's names; the rest keeps the model's value or is calibrated."""
-    priors: Mapping[str, float] = field(default_factory=dict)
-    """Standard deviation of a parameter known from a separate test."""
-    noise: Mapping[str, float] = field(default_factory=dict)
+    priors: Mapping[str, float | tuple[float, float] | Mapping[str, float | str]] = field(default_factory=dict)
+    """What a separate test says of a parameter: (mean, standard deviation), ``{"mean": 31.0, "sd": 2.0, "unit": "deg"}``,
+    or a standard deviation alone about the value in ``parameters``."""
+    noise: Mapping[str, Quantity] = field(default_factory=dict)
     """Standard deviation of one sample by signal, where repeats do not tell it."""
     ignore: Sequence[str] = ()
-    """Columns that are not for the model."""
+    """Columns that are not for the model; a ``*`` at the end stands for any end of a name."""
+    columns: Mapping[str, str | Mapping[str, Any]] = field(default_factory=dict)
+    """Columns that are called otherwise, or are not in SI units: the name of a signal, or a table such as
+    ``{"signal": "drawbar_pull", "unit": "kN", "sign": -1}``, ``{"signal": "current", "wheels": [1, 2]}``,
+    ``{"parameter": "grousers.height", "unit": "mm"}``, ``{"time_stamp": True}``, ``{"run": True}``; the keys are those of
+    ``[columns]`` on the page ``examples/experiments.md``."""
+    inputs: Mapping[str, Quantity] = field(default_factory=dict)
+    """Inputs that no column gives since they are the same in all rows."""
+    soil_class: str | None = None
+    """Class of the soil, whose priors stand in for tests that were not made."""
+    model: str | None = None
+    """The vehicle: a built-in model or a model file."""
     signals: tuple[str, ...] = field(init=False)
     """Names of the measured signals."""
+    doubts: tuple[str, ...] = field(init=False)
+    """Signs, units and sizes that are allowed but unlikely, each with what would mend it."""
     _texts: dict[str, str] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         # As the files of a folder, so that one set of checks serves both, here and on any machine that makes fits.
         texts = _files(self)
+        signals, doubts = _bekker.check_experiment(texts)
         object.__setattr__(self, "_texts", texts)
-        object.__setattr__(self, "signals", tuple(_bekker.check_experiment(texts)))
+        object.__setattr__(self, "signals", tuple(signals))
+        object.__setattr__(self, "doubts", tuple(doubts))
 
     def save(self, folder: str | os.PathLike[str]) -> None:
         """Writes the experiment as a folder, for the command line; numbers keep their bits.
@@ -103,10 +121,19 @@ def source(experiment: ExperimentLike) -> str | dict[str, str]:
 
 
 def _files(experiment: Experiment) -> dict[str, str]:
-    lines = [f"name = {_text(experiment.name)}", f"kind = {_text(experiment.kind)}"]
-    lines.append(f"ignore = [{', '.join(_text(name) for name in experiment.ignore)}]")
-    for table in ("parameters", "priors", "noise"):
-        lines += [f"[{table}]", *_numbers(table, getattr(experiment, table))]
+    lines = [f"name = {toml_text.text(experiment.name)}", f"kind = {toml_text.text(experiment.kind)}"]
+    lines.append(f"ignore = [{', '.join(toml_text.text(name) for name in experiment.ignore)}]")
+    if experiment.model is not None:
+        lines.append(f"model = {toml_text.text(experiment.model)}")
+    if experiment.soil_class is not None:
+        lines.append(f"soil.class = {toml_text.text(experiment.soil_class)}")
+    # Frames are written out plainly: nothing is to be found out, and no label is a comment.
+    lines += ["[file]", 'separator = ","', 'decimal = "."', "comment = []"]
+    for table in ("parameters", "noise", "inputs"):
+        lines += [f"[{table}]", *toml_text.numbers(table, getattr(experiment, table))]
+    lines += ["[priors]", *toml_text.numbers("priors", _priors(experiment.priors))]
+    lines += ["[columns]", *_mapped(experiment.columns)]
+    labels = {"condition"} | {name for name, entry in experiment.columns.items() if _is_label(entry)}
     files: dict[str, str] = {}
     for k, given in enumerate(experiment.runs):
         run = given if isinstance(given, MeasuredRun) else MeasuredRun(given)
@@ -116,17 +143,17 @@ def _files(experiment: Experiment) -> dict[str, str]:
             raise InputError(f"run `{name}`: expected a name, or a path below the experiment's folder")
         if f"{name}.csv" in files:
             raise InputError(f"two runs are called `{name}`")
-        files[f"{name}.csv"] = _csv(name, _columns(name, run.data), experiment.ignore)
-        lines += ["[[run]]", f"file = {_text(f'{name}.csv')}"]
+        files[f"{name}.csv"] = _csv(name, _columns(name, run.data), experiment.ignore, labels)
+        lines += ["[[run]]", f"file = {toml_text.text(f'{name}.csv')}"]
         if run.group is not None:
-            lines.append(f"group = {_text(str(run.group))}")
+            lines.append(f"group = {toml_text.text(str(run.group))}")
         if run.terrain is not None:
             x, z = _ground(name, run.terrain)
-            files[f"{name}.terrain.csv"] = _csv(f"{name}` terrain", {"x": x, "z": z}, ())
-            lines.append(f"terrain = {_text(f'{name}.terrain.csv')}")
+            files[f"{name}.terrain.csv"] = _csv(f"{name}` terrain", {"x": x, "z": z}, (), ())
+            lines.append(f"terrain = {toml_text.text(f'{name}.terrain.csv')}")
         if run.x0 is not None:
-            lines.append(f"x0 = {_number(f'run `{name}`, x0', run.x0)}")
-        own = _numbers(f"run `{name}`, parameters", run.parameters)
+            lines.append(f"x0 = {toml_text.number(f'run `{name}`, x0', run.x0)}")
+        own = toml_text.numbers(f"run `{name}`, parameters", run.parameters)
         lines.append(f"parameters = {{ {', '.join(own)} }}")
     return {"experiment.toml": "\n".join(lines) + "\n"} | files
 
@@ -137,24 +164,30 @@ def _ground(name: str, terrain: tuple[ArrayLike, ArrayLike]) -> tuple[ArrayLike,
     raise InputError(f"run `{name}`, terrain: expected a pair of arrays (x, z), m")
 
 
-def _text(text: object) -> str:
-    """A TOML string; JSON's is one but for the character DEL."""
-    if not isinstance(text, str):
-        raise InputError(f"expected a text, found {text!r}")
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+def _priors(priors: Mapping[str, Any]) -> Mapping[str, Any]:
+    """With pairs as tables of mean and standard deviation."""
+    if not isinstance(priors, Mapping):
+        return priors
+    return {name: _prior(prior) for name, prior in priors.items()}
 
 
-def _number(place: str, value: object) -> str:
-    try:
-        return repr(float(value))  # type: ignore[arg-type]
-    except (TypeError, ValueError):
-        raise InputError(f"{place}: expected a number, found {value!r}") from None
+def _prior(prior: Any) -> Any:
+    if isinstance(prior, (tuple, list)) and len(prior) == 2:
+        return {"mean": prior[0], "sd": prior[1]}
+    return prior
 
 
-def _numbers(place: str, values: Mapping[str, float]) -> list[str]:
-    if not isinstance(values, Mapping):
-        raise InputError(f"{place}: expected a mapping from name to number, found {type(values).__name__}")
-    return [f"{_text(name)} = {_number(f'{place}, `{name}`', value)}" for name, value in values.items()]
+def _mapped(columns: Mapping[str, str | Mapping[str, Any]]) -> list[str]:
+    if not isinstance(columns, Mapping):
+        raise InputError(f"columns: expected a mapping from column to signal, found {type(columns).__name__}")
+    return [f"{toml_text.text(name)} = {toml_text.value(f'columns, `{name}`', entry)}" for name, entry in columns.items()]
+
+
+def _is_label(entry: object) -> bool:
+    """Whether a column's cells are texts: of set-points, of runs, of time."""
+    if isinstance(entry, Mapping):
+        return entry.get("signal") == "condition" or entry.get("time_stamp") is True or entry.get("run") is True
+    return entry == "condition"
 
 
 def _columns(run: str, data: Columns) -> dict[str, Any]:
@@ -179,12 +212,8 @@ def _columns(run: str, data: Columns) -> dict[str, Any]:
     return found
 
 
-def _csv(run: str, columns: Mapping[str, Any], ignore: Sequence[str]) -> str:
-    cells = {
-        name: _labels(run, name, column) if name == "condition" else _floats(run, name, column)
-        for name, column in columns.items()
-        if name not in ignore
-    }
+def _csv(run: str, columns: Mapping[str, Any], ignore: Sequence[str], labels: Container[str]) -> str:
+    cells = {name: _cells(run, name, column, ignore, labels) for name, column in columns.items() if name not in ignore}
     first = next(iter(cells), None)
     for name, column in cells.items():
         if len(column) != len(cells[first or name]):
@@ -195,6 +224,18 @@ def _csv(run: str, columns: Mapping[str, Any], ignore: Sequence[str]) -> str:
     writer.writerow(cells)
     writer.writerows(zip(*cells.values(), strict=True))
     return text.getvalue()
+
+
+def _cells(run: str, name: str, column: Any, ignore: Sequence[str], labels: Container[str]) -> list[str]:
+    if name in labels:
+        return _labels(run, name, column)
+    try:
+        return _floats(run, name, column)
+    except InputError:
+        # A pattern of `ignore` leaves out only what is no signal, which is decided where signals are known.
+        if any(entry.endswith("*") and name.startswith(entry[:-1]) for entry in ignore):
+            return _labels(run, name, column)
+        raise
 
 
 def _floats(run: str, name: str, column: Any) -> list[str]:
@@ -228,7 +269,11 @@ def _na(value: Any) -> Any:
 
 
 def _labels(run: str, name: str, column: Any) -> list[str]:
-    values = np.asarray(column, dtype=object)
+    plain = np.asarray(column)
+    if plain.dtype.kind == "M":
+        # Dates, which as objects would lose nanoseconds or become counts of them.
+        plain = np.where(np.isnat(plain), "", np.datetime_as_string(plain))
+    values = np.asarray(plain, dtype=object)
     if values.ndim != 1:
         raise InputError(f"run `{run}`, column `{name}`: expected one label a row, the shape is {values.shape}")
     missing = (value is None or value is _na(value) or value != value for value in values)

@@ -67,6 +67,7 @@ fn experiment(name: &str, kind: Kind, parameters: &BTreeMap<String, f64>, runs: 
         model: None,
         noise: BTreeMap::new(),
         runs,
+        doubts: Vec::new(),
     }
 }
 

@@ -1,0 +1,156 @@
+//! From the text of a file to the runs that it holds, in SI units.
+
+use super::columns::Use;
+use super::error::{ExperimentError, Problem};
+use super::grid::{Grid, GridColumn};
+use super::mapping::{Scale, Target};
+use super::recognise::Recognised;
+use super::settings::RunSettings;
+use super::sheet::Sheet;
+use super::stamps::{EXPECTED, Stamp};
+use std::collections::BTreeMap;
+
+/// Rows of a file that form a run: equal parameters, equal labels of the run.
+pub(super) struct Part {
+    /// Indices of the rows.
+    pub rows: Vec<usize>,
+    /// Parameters that columns give.
+    pub parameters: BTreeMap<String, f64>,
+    /// The label that a column gives to the run.
+    pub label: Option<String>,
+}
+
+/// Parts of the rows, in the order in which they begin.
+pub(super) fn parts(
+    sheet: &Sheet,
+    columns: &[Recognised],
+    rows: &[usize],
+    run: &RunSettings,
+) -> Result<Vec<Part>, ExperimentError> {
+    let mut parts: Vec<Part> = Vec::new();
+    for index in rows {
+        let row = &sheet.rows[*index];
+        let mut parameters = BTreeMap::new();
+        let mut label = None;
+        for column in columns {
+            match &column.target {
+                Target::Parameter(name, scale) => {
+                    let cell = sheet.number(row, column.position)?;
+                    let missing = || sheet.error_at(row, column.position, Problem::MissingInput);
+                    // Parameters are no weights: gravity has no part in them.
+                    let value = scale.apply(cell.ok_or_else(missing)?, 1.0);
+                    if parameters.insert(name.clone(), value).is_some() || run.parameters.contains_key(name) {
+                        let other = "another column, or `parameters` of the run,".to_owned();
+                        let problem = Problem::Twice { signal: name.clone(), other };
+                        return Err(sheet.error_at(row, column.position, problem));
+                    }
+                }
+                Target::Run => label = Some(row.cells[column.position].clone()),
+                _ => {}
+            }
+        }
+        match parts.iter_mut().find(|part| part.parameters == parameters && part.label == label) {
+            Some(part) => part.rows.push(*index),
+            None => parts.push(Part { rows: vec![*index], parameters, label }),
+        }
+    }
+    Ok(parts)
+}
+
+/// The part's rows in SI, with the constant inputs; gravity (m/s2) turns masses into weights.
+pub(super) fn grid(
+    sheet: &Sheet,
+    columns: &[Recognised],
+    part: &Part,
+    run: &RunSettings,
+    gravity: f64,
+) -> Result<Grid, ExperimentError> {
+    let lines = part.rows.iter().map(|row| sheet.rows[*row].line).collect();
+    let mut grid = Grid { file: sheet.file.clone(), header_line: sheet.header_line, lines, columns: Vec::new() };
+    for column in columns {
+        match &column.target {
+            Target::TimeStamp => {
+                let values = seconds(sheet, part, column.position)?;
+                add(&mut grid, sheet, column.position, "time", values)?;
+            }
+            Target::Signals(names, _) if names.iter().any(|name| name == "condition") => {}
+            Target::Signals(names, scale) => {
+                let values = numbers(sheet, part, column.position, scale, gravity)?;
+                for name in names {
+                    add(&mut grid, sheet, column.position, name, values.clone())?;
+                }
+            }
+            Target::Parameter(..) | Target::Run => {}
+        }
+    }
+    for (name, number, factor) in &run.inputs {
+        if let Some(other) = grid.column(name) {
+            let problem = Problem::Twice { signal: name.clone(), other: "`inputs` of experiment.toml".to_owned() };
+            return Err(grid.error(problem).at_column(&other.source));
+        }
+        let values = vec![factor.value(gravity) * number; grid.lines.len()];
+        grid.columns.push(GridColumn { name: name.clone(), source: name.clone(), used: Use::Measured, values });
+    }
+    Ok(grid)
+}
+
+fn add(grid: &mut Grid, sheet: &Sheet, position: usize, name: &str, values: Vec<f64>) -> Result<(), ExperimentError> {
+    let source = sheet.header[position].clone();
+    if let Some(other) = grid.column(name) {
+        let problem = Problem::Twice { signal: name.to_owned(), other: format!("column `{}`", other.source) };
+        return Err(sheet.error(problem).at_line(sheet.header_line).at_column(source));
+    }
+    // What it is used for follows once all names are known.
+    grid.columns.push(GridColumn { name: name.to_owned(), source, used: Use::Measured, values });
+    Ok(())
+}
+
+fn numbers(
+    sheet: &Sheet,
+    part: &Part,
+    position: usize,
+    scale: &Scale,
+    gravity: f64,
+) -> Result<Vec<f64>, ExperimentError> {
+    let one = |row: &usize| {
+        let cell = sheet.number(&sheet.rows[*row], position)?;
+        Ok(cell.map_or(f64::NAN, |cell| scale.apply(cell, gravity)))
+    };
+    part.rows.iter().map(one).collect()
+}
+
+/// Time stamps as seconds since the first row.
+fn seconds(sheet: &Sheet, part: &Part, position: usize) -> Result<Vec<f64>, ExperimentError> {
+    let mut first: Option<Stamp> = None;
+    let mut before: Option<Stamp> = None;
+    let mut midnights = 0.0;
+    let mut all = Vec::with_capacity(part.rows.len());
+    for index in &part.rows {
+        let row = &sheet.rows[*index];
+        let text = &row.cells[position];
+        if sheet.is_missing(text) {
+            return Err(sheet.error_at(row, position, Problem::MissingInput));
+        }
+        let refused = |expected: &str| {
+            let problem = Problem::NotAStamp { text: text.clone(), expected: expected.to_owned() };
+            sheet.error_at(row, position, problem)
+        };
+        let stamp = Stamp::parse(text).ok_or_else(|| refused(EXPECTED))?;
+        let start = *first.get_or_insert(stamp);
+        if !stamp.is_like(&start) {
+            return Err(refused("the same form as in the first row"));
+        }
+        midnights += before.map_or(0.0, |before| stamp.midnights(&before));
+        before = Some(stamp);
+        all.push(stamp.since(&start) + midnights);
+    }
+    Ok(all)
+}
+
+/// Labels of the set-points, one a row; empty where the file has no such column.
+pub(super) fn conditions(sheet: &Sheet, columns: &[Recognised], part: &Part) -> Vec<Option<String>> {
+    let labels = |column: &&Recognised| matches!(&column.target, Target::Signals(names, _) if names.iter().any(|name| name == "condition"));
+    let Some(column) = columns.iter().find(labels) else { return Vec::new() };
+    let label = |row: &usize| sheet.rows[*row].cells[column.position].clone();
+    part.rows.iter().map(|row| Some(label(row)).filter(|label| !label.is_empty())).collect()
+}

@@ -1,0 +1,54 @@
+//! One line of a proposed `[columns]`.
+
+use super::super::columns::quoted;
+
+/// What a column becomes, and why.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Entry {
+    pub target: To,
+    /// Its unit; `None` for SI.
+    pub unit: Option<String>,
+    pub turned: bool,
+    /// Why this is a guess; empty where the name says it all.
+    pub guesses: Vec<String>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum To {
+    Signal(String),
+    /// A field of these wheels.
+    Wheels(String, Vec<usize>),
+    Parameter(String),
+    TimeStamp,
+    Run,
+}
+
+impl Entry {
+    pub fn to(target: To) -> Self {
+        Self { target, unit: None, turned: false, guesses: Vec::new() }
+    }
+
+    /// The signal, or the field of wheels.
+    pub fn signal(&self) -> Option<&str> {
+        match &self.target {
+            To::Signal(name) | To::Wheels(name, _) => Some(name),
+            To::TimeStamp => Some("time"),
+            To::Parameter(_) | To::Run => None,
+        }
+    }
+
+    /// The line of `[columns]`; `None` where the column's own name says it.
+    pub fn line(&self, column: &str) -> Option<String> {
+        let mut keys = match &self.target {
+            To::Signal(name) if name == column && self.unit.is_none() && !self.turned => return None,
+            To::Signal(name) => vec![format!("signal = {}", quoted(name))],
+            To::Wheels(name, wheels) => vec![format!("signal = {}", quoted(name)), format!("wheels = {wheels:?}")],
+            To::Parameter(name) => vec![format!("parameter = {}", quoted(name))],
+            To::TimeStamp => vec!["time_stamp = true".to_owned()],
+            To::Run => vec!["run = true".to_owned()],
+        };
+        keys.extend(self.unit.iter().map(|unit| format!("unit = {}", quoted(unit))));
+        keys.extend(self.turned.then(|| "sign = -1".to_owned()));
+        Some(format!("{} = {{ {} }}", quoted(column), keys.join(", ")))
+    }
+}

@@ -1,0 +1,109 @@
+//! Proposing an experiment folder for files that somebody has: `bekker import`.
+//!
+//! Names of columns, the units in them and the ranges of their values say what a column may be. What is proposed is written
+//! with its reason, and read back at once: the folder is an experiment, or it is said what is missing.
+
+mod entry;
+mod propose;
+mod ranges;
+mod survey;
+mod text;
+mod wheels;
+
+use super::error::ExperimentError;
+use super::experiment::{Experiment, Kind};
+use super::files::SETTINGS;
+use super::write::WriteError;
+use entry::Entry;
+use std::path::{Path, PathBuf};
+use survey::Survey;
+
+/// A folder that is not written yet.
+#[derive(Clone, Debug)]
+pub struct Proposal {
+    /// What was done.
+    pub kind: Kind,
+    /// `experiment.toml`, with comments.
+    pub settings: String,
+    /// What is a guess: check it.
+    pub unsure: Vec<String>,
+    /// What the files do not say and the user must.
+    pub missing: Vec<String>,
+    /// Files to be copied, and their names in the folder.
+    files: Vec<(PathBuf, String)>,
+}
+
+/// What became of a folder.
+#[derive(Debug)]
+pub struct Imported {
+    /// The folder.
+    pub folder: PathBuf,
+    /// The experiment, or what keeps it from being read until the user fills it in.
+    pub read: Result<Experiment, ExperimentError>,
+}
+
+/// Why nothing can be proposed.
+#[derive(Debug, thiserror::Error)]
+pub enum ImportError {
+    /// No file was given.
+    #[error("no files; give the CSV files of one experiment")]
+    NoFiles,
+    /// A file cannot be read as columns.
+    #[error(transparent)]
+    File(#[from] ExperimentError),
+    /// The columns do not tell a wheel on a carriage from a rover on a profile.
+    #[error(
+        "the columns tell neither a `single_wheel` experiment (a load or a drawbar pull) nor a `traverse` (a time); say which it is. Found are {found}"
+    )]
+    Kind {
+        /// The columns.
+        found: String,
+    },
+}
+
+impl Proposal {
+    /// Proposes an experiment for these files, all of one kind; `None` finds out which.
+    ///
+    /// # Errors
+    /// [`ImportError`] where a file cannot be read, or its columns do not tell the kind.
+    pub fn of(files: &[PathBuf], kind: Option<Kind>) -> Result<Self, ImportError> {
+        let survey = Survey::of(files)?;
+        let kind = kind.or_else(|| survey.kind()).ok_or_else(|| ImportError::Kind { found: survey.names() })?;
+        let plan = propose::plan(&survey, kind);
+        let files: Vec<(PathBuf, String)> = files.iter().cloned().zip(survey.copies()).collect();
+        let settings = text::settings(&survey, kind, &plan, files.iter().map(|(_, copy)| copy.as_str()));
+        Ok(Self { kind, settings, unsure: plan.unsure, missing: plan.missing, files })
+    }
+
+    /// Makes the folder, copies the files and reads what was written.
+    ///
+    /// # Errors
+    /// [`WriteError`] where the folder is there already, or the system refuses a file.
+    pub fn write(&self, folder: impl AsRef<Path>) -> Result<Imported, WriteError> {
+        let folder = folder.as_ref();
+        let failed = |file: &Path| {
+            let file = file.to_owned();
+            move |source| WriteError::File { file, source }
+        };
+        if folder.exists() {
+            return Err(WriteError::Exists { file: folder.to_owned() });
+        }
+        std::fs::create_dir_all(folder).map_err(failed(folder))?;
+        for (file, copy) in &self.files {
+            let text = std::fs::read(file).map_err(failed(file))?;
+            let copy = folder.join(copy);
+            std::fs::write(&copy, text).map_err(failed(&copy))?;
+        }
+        let settings = folder.join(SETTINGS);
+        std::fs::write(&settings, &self.settings).map_err(failed(&settings))?;
+        Ok(Imported { folder: folder.to_owned(), read: Experiment::read(folder) })
+    }
+}
+
+/// What becomes of all columns.
+struct Plan {
+    entries: Vec<(String, Entry)>,
+    ignored: Vec<(String, String)>,
+    unsure: Vec<String>,
+    missing: Vec<String>,
+}

@@ -1,0 +1,53 @@
+//! Which wheels of a rover a column belongs to.
+
+use super::entry::{Entry, To};
+use super::survey::Survey;
+
+/// The built-in rover that stands for a side where nothing else is known has this many wheels.
+pub(super) const USUAL_WHEELS: usize = 2;
+
+/// Side of the vehicle in a column's name: the planar model has one.
+pub(super) fn right_side(name: &str) -> bool {
+    has_word(name, &["right", "rt"])
+}
+
+/// The same column of the other side.
+pub(super) fn other_side<'a>(survey: &'a Survey, name: &str) -> Option<&'a str> {
+    let left = name.to_lowercase().replace("right", "left");
+    survey
+        .columns
+        .iter()
+        .map(|column| column.name.as_str())
+        .find(|other| other.to_lowercase() == left && *other != name)
+}
+
+/// The target of a wheel's field that its column gives no number for.
+pub(super) fn of_all(field: &str, name: &str, wheels: usize) -> Entry {
+    let all: Vec<usize> = (1..=wheels).collect();
+    if has_word(name, &["rear", "back"]) {
+        return with_reason(To::Signal(format!("wheel[1].{field}")), "wheels count from rear to front".to_owned());
+    }
+    if has_word(name, &["front"]) {
+        let target = To::Signal(format!("wheel[{wheels}].{field}"));
+        return with_reason(target, format!("the front wheel of {wheels}"));
+    }
+    match field {
+        "current" | "torque" | "normal_force" | "drawbar_pull" => {
+            with_reason(To::Wheels(field.to_owned(), all), format!("taken as the sum over {wheels} wheels of a side"))
+        }
+        _ if field.ends_with("command") => {
+            with_reason(To::Wheels(field.to_owned(), all), format!("taken as the command of all {wheels} wheels"))
+        }
+        _ => {
+            with_reason(To::Signal(format!("wheel[1].{field}")), "which wheel it is, the name does not say".to_owned())
+        }
+    }
+}
+
+fn with_reason(target: To, reason: String) -> Entry {
+    Entry { guesses: vec![reason], ..Entry::to(target) }
+}
+
+fn has_word(name: &str, words: &[&str]) -> bool {
+    name.to_lowercase().split(|c: char| !c.is_alphanumeric()).any(|word| words.contains(&word))
+}

@@ -1,0 +1,262 @@
+//! Reading the runs of an experiment from its files.
+
+use super::columns::{Use, known, under_load};
+use super::convert::{Part, conditions, grid, parts};
+use super::derive::{derive, derived_names};
+use super::dialect::Dialect;
+use super::doubts::Doubts;
+use super::error::{ExperimentError, Problem};
+use super::experiment::{Kind, Run};
+use super::files::Files;
+use super::filter::admitted;
+use super::grid::Grid;
+use super::recognise::{names, recognised};
+use super::settings::{RunSettings, Settings};
+use super::sheet::Sheet;
+use super::suspicion;
+use super::table::Table;
+use crate::wheel::Wheel;
+use bekker_modeldescription::{STANDARD_GRAVITY, nearest};
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// Every run of the experiment, and what is doubtful in them.
+pub(super) fn read_runs(
+    files: &Files,
+    settings: &Settings,
+    planned: bool,
+    doubts: &mut Doubts,
+) -> Result<Vec<Run>, ExperimentError> {
+    let mut runs = Vec::new();
+    let mut headers = BTreeSet::new();
+    for run in &settings.runs {
+        let sheet = Sheet::parse(&files.path(&run.file), &files.text(&run.file)?, &settings.dialect)?;
+        headers.extend(sheet.header.iter().cloned());
+        runs.extend(read_file(files, settings, run, &sheet, planned, doubts)?);
+    }
+    for (column, _, line) in &settings.columns {
+        if !headers.contains(column) {
+            let near = nearest(column, headers.iter().cloned());
+            let near = if near.is_empty() { String::new() } else { format!("; did you mean {}?", near.join(", ")) };
+            let all = headers.iter().cloned().collect::<Vec<_>>().join(", ");
+            let message = format!("no file has this column{near} Found are {all}");
+            return Err(ExperimentError::in_file(&settings.file, Problem::Setting(message))
+                .at_line(*line)
+                .at_column(format!("columns.{column}")));
+        }
+    }
+    number_equal_names(&mut runs);
+    Ok(runs)
+}
+
+/// Runs of one name, as parts of one file have it, get a number behind it: `trials#1`, `trials#2`.
+fn number_equal_names(runs: &mut [Run]) {
+    let names: Vec<String> = runs.iter().map(|run| run.name.clone()).collect();
+    for (k, run) in runs.iter_mut().enumerate() {
+        if names.iter().filter(|name| **name == names[k]).count() > 1 {
+            let number = names[..=k].iter().filter(|name| **name == names[k]).count();
+            run.name = format!("{}#{number}", names[k]);
+        }
+    }
+}
+
+/// The runs of one file: one for each set of equal parameters that its columns give.
+fn read_file(
+    files: &Files,
+    settings: &Settings,
+    run: &RunSettings,
+    sheet: &Sheet,
+    planned: bool,
+    doubts: &mut Doubts,
+) -> Result<Vec<Run>, ExperimentError> {
+    let columns = recognised(sheet, settings, run, doubts)?;
+    let given: Vec<String> = columns.iter().flat_map(|column| names(&column.target)).cloned().collect();
+    let stamps = columns.iter().any(|column| matches!(column.target, super::mapping::Target::TimeStamp));
+    let constants = run.inputs.iter().map(|(name, ..)| name.clone());
+    let time = stamps.then(|| "time".to_owned());
+    let all: Vec<String> = given.into_iter().chain(constants).chain(time).collect();
+    check_inputs(sheet, settings.kind, &derived_names(&all))?;
+    let rows = admitted(sheet, &run.filters)?;
+    if rows.len() < settings.kind.least_rows() {
+        return Err(sheet.error(Problem::TooFewRows { found: rows.len(), needed: settings.kind.least_rows() }));
+    }
+    let parts = parts(sheet, &columns, &rows, run)?;
+    let several = parts.len() > 1;
+    let terrain = run.terrain.as_ref().map(|file| read_terrain(files, file)).transpose()?;
+    let mut runs = Vec::new();
+    for (number, part) in (1..).zip(&parts) {
+        let mut own = run.parameters.clone();
+        own.extend(part.parameters.clone());
+        let stated = |name: &str| own.get(name).or_else(|| settings.parameters.get(name)).copied();
+        let gravity = stated("gravity").unwrap_or(STANDARD_GRAVITY);
+        let grid = grid(sheet, &columns, part, run, gravity)?;
+        let radius = stated("wheel.radius");
+        let (data, used) = checked(settings.kind, grid, radius, stated("wheel.width"), planned, doubts)?;
+        let stem = run.name.clone().unwrap_or_else(|| Path::new(&run.file).with_extension("").display().to_string());
+        let group = run.group.as_ref();
+        runs.push(Run {
+            name: name_of(&stem, part),
+            file: sheet.file.clone(),
+            group: group.map(|group| if several { format!("{group}#{number}") } else { group.clone() }),
+            terrain: terrain.clone(),
+            x0: run.x0,
+            conditions: conditions(sheet, &columns, part),
+            inputs: used.inputs,
+            measured: used.measured,
+            parameters: own,
+            data,
+        });
+    }
+    Ok(runs)
+}
+
+/// A part with a label of its own is called by it.
+fn name_of(stem: &str, part: &Part) -> String {
+    let Some(label) = part.label.as_ref().filter(|_| part.parameters.is_empty()) else { return stem.to_owned() };
+    let plain = |c: char| if c.is_alphanumeric() || "._-".contains(c) { c } else { '_' };
+    format!("{stem}#{}", label.chars().map(plain).collect::<String>())
+}
+
+/// Names of a run's columns by their use.
+struct Used {
+    inputs: Vec<String>,
+    measured: Vec<String>,
+}
+
+/// The part's table, once all of it is checked.
+fn checked(
+    kind: Kind,
+    mut grid: Grid,
+    radius: Option<f64>,
+    width: Option<f64>,
+    planned: bool,
+    doubts: &mut Doubts,
+) -> Result<(Table, Used), ExperimentError> {
+    let assumed = radius.unwrap_or(Wheel::<f64>::default().radius);
+    if grid.lines.len() < kind.least_rows() {
+        return Err(grid.error(Problem::TooFewRows { found: grid.lines.len(), needed: kind.least_rows() }));
+    }
+    let use_of = |grid: &mut Grid| {
+        let known = known(kind, &grid.names(), assumed);
+        for column in &mut grid.columns {
+            let found = known.iter().find(|known| known.name == column.name);
+            column.used = found.map_or(column.used, |known| known.used);
+        }
+        known
+    };
+    let first = use_of(&mut grid);
+    grid.check_limits(&first)?;
+    derive(&mut grid, radius, doubts)?;
+    // What was derived has limits too.
+    let known = use_of(&mut grid);
+    grid.check_limits(&known)?;
+    check_time(&grid)?;
+    if kind == Kind::SingleWheel {
+        check_forces(&grid, assumed)?;
+    }
+    suspicion::look(kind, &grid, radius, width, doubts)?;
+    let named = |used: Use| grid.columns.iter().filter(move |column| column.used == used);
+    let inputs = named(Use::Input).map(|column| column.name.clone()).collect();
+    let has_value = |values: &[f64]| values.iter().any(|value| !value.is_nan());
+    let measured = named(Use::Measured).filter(|column| planned || has_value(&column.values));
+    let measured: Vec<String> = measured.map(|column| column.name.clone()).collect();
+    if measured.is_empty() {
+        let known = known.iter().filter(|column| column.used == Use::Measured).map(|column| column.name.as_str());
+        return Err(grid.error(Problem::NothingMeasured { known: known.collect::<Vec<_>>().join(", ") }));
+    }
+    Ok((grid.table()?, Used { inputs, measured }))
+}
+
+/// Fails where a required column is missing, or where a traverse mixes the two kinds of command. `names` are those of
+/// all signals, derived ones included.
+fn check_inputs(sheet: &Sheet, kind: Kind, names: &[String]) -> Result<(), ExperimentError> {
+    let missing = |name: &str, instead: &'static str| {
+        let problem = Problem::MissingColumn { kind: kind.name(), instead, found: sheet.header.join(", ") };
+        Err(sheet.error(problem).at_line(sheet.header_line).at_column(name))
+    };
+    let required: &[(&str, &str)] = match kind {
+        Kind::SingleWheel => &[
+            ("load", ", or a number under [inputs]"),
+            ("slip", ", or `carriage_speed` beside `wheel_speed` or `rim_speed`, or a number under [inputs]"),
+            ("wheel_speed", ", or `rim_speed`, or `carriage_speed` beside `slip`, or a number under [inputs]"),
+        ],
+        Kind::Traverse => &[("time", ", or a column with `time_stamp = true` under [columns]")],
+    };
+    if let Some((name, instead)) = required.iter().find(|(name, _)| !names.iter().any(|own| own == name)) {
+        return missing(name, instead);
+    }
+    if kind == Kind::Traverse {
+        let commands = |what: &str| names.iter().filter(|n| n.ends_with(what)).count();
+        let (speeds, torques) = (commands(".speed_command"), commands(".torque_command"));
+        if speeds + torques == 0 {
+            return missing("wheel[1].speed_command", " or `wheel[1].torque_command`");
+        }
+        if speeds > 0 && torques > 0 {
+            return Err(sheet
+                .error(Problem::Header("speed and torque commands in one run; give one of them"))
+                .at_line(sheet.header_line));
+        }
+    }
+    Ok(())
+}
+
+fn check_time(grid: &Grid) -> Result<(), ExperimentError> {
+    let Some(time) = grid.column("time") else { return Ok(()) };
+    for (k, pair) in time.values.windows(2).enumerate() {
+        if pair[1] <= pair[0] {
+            let problem = Problem::TimeOrder { time: pair[1], previous: pair[0] };
+            return Err(grid.error_at(k + 1, time, problem));
+        }
+    }
+    Ok(())
+}
+
+fn check_forces(grid: &Grid, radius: f64) -> Result<(), ExperimentError> {
+    let Some(load) = grid.values("load") else { return Ok(()) };
+    for (row, load) in load.iter().enumerate() {
+        for name in ["drawbar_pull", "torque"] {
+            let (Some(column), Some(limits)) = (grid.column(name), under_load(name, *load, radius)) else { continue };
+            let value = column.values[row];
+            if !value.is_nan() && !limits.allow(value) {
+                let expected = limits.expected(&column.source, name);
+                return Err(grid.error_at(row, column, Problem::Implausible { value, expected }));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A profile: columns `x` (increasing) and `z`, m.
+fn read_terrain(files: &Files, name: &str) -> Result<Table, ExperimentError> {
+    let sheet = Sheet::parse(&files.path(name), &files.text(name)?, &Dialect::default())?;
+    sheet.need_rows(2)?;
+    let at = |name: &str| {
+        sheet.position(name).ok_or_else(|| {
+            let problem =
+                Problem::MissingColumn { kind: "traverse", instead: " in its terrain", found: sheet.header.join(", ") };
+            sheet.error(problem).at_line(sheet.header_line).at_column(name)
+        })
+    };
+    let (x, z) = (at("x")?, at("z")?);
+    if let Some(other) = sheet.header.iter().find(|name| *name != "x" && *name != "z") {
+        let problem = Problem::UnknownColumns { unknown: format!("column `{other}`"), known: "x, z".to_owned() };
+        return Err(sheet.error(problem).at_line(sheet.header_line).at_column(other));
+    }
+    let broken = |_| sheet.error(Problem::Header("the columns do not form a table"));
+    let mut table = Table::new(["x", "z"]).map_err(broken)?;
+    let mut before = f64::NEG_INFINITY;
+    for row in &sheet.rows {
+        let number = |column: usize| {
+            let missing = || sheet.error_at(row, column, Problem::MissingInput);
+            sheet.number(row, column)?.ok_or_else(missing)
+        };
+        let place = [number(x)?, number(z)?];
+        if place[0] <= before {
+            let expected = format!("an x in m beyond {before} m of the row before");
+            return Err(sheet.error_at(row, x, Problem::Implausible { value: place[0], expected }));
+        }
+        before = place[0];
+        table.push(&place).map_err(broken)?;
+    }
+    Ok(table)
+}

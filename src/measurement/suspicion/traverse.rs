@@ -1,0 +1,84 @@
+//! A rover on a profile: what its recorded speeds, angles and torques say of each other.
+
+use super::super::columns::{mend, mend_sign};
+use super::super::grid::{Grid, GridColumn};
+use super::{largest, mean, present};
+
+/// A rover at this pitch, rad, has fallen over.
+const STEEPEST: f64 = 1.2;
+
+/// Rim speed over the rover's speed, averaged over a run: five times means 80 % slip, a fifth means as much skid. A speed in
+/// rpm is off by 9.5, one in deg/s by 57.
+const RIM_RATIO: f64 = 5.0;
+
+/// Speeds below this, m/s, are standstill and say nothing of a ratio.
+const MOVING: f64 = 1e-3;
+
+pub(super) fn look(grid: &Grid, radius: Option<f64>) -> Vec<String> {
+    let mut doubts = Vec::new();
+    for column in &grid.columns {
+        let field = column.name.rsplit('.').next().unwrap_or_default();
+        match field {
+            "pitch" | "contact_angle" => doubts.extend(steep(column)),
+            "torque" | "current" | "speed" => doubts.extend(against_the_speed(grid, column)),
+            "speed_command" => doubts.extend(radius.and_then(|radius| unlike_the_rover(grid, column, radius))),
+            _ => {}
+        }
+    }
+    doubts
+}
+
+fn steep(column: &GridColumn) -> Option<String> {
+    let most = largest(&column.values).filter(|most| *most > STEEPEST)?;
+    Some(format!(
+        "`{}` reaches {most:.2} rad, where a rover has fallen over; if it is in degrees, write under [columns]: {}",
+        column.source,
+        mend(&column.source, &column.name, "deg")
+    ))
+}
+
+/// A drive takes power: torque and current have the sign of the wheel's speed, but for a wheel that is braked downhill; and a
+/// wheel turns as it is told.
+fn against_the_speed(grid: &Grid, column: &GridColumn) -> Option<String> {
+    let wheel = column.name.split_once('[')?.1.split(['+', ']']).next()?;
+    let of = |field: &str| grid.values(&format!("wheel[{wheel}].{field}"));
+    let turning = of("speed").filter(|_| !column.name.ends_with("].speed"));
+    let speed = turning.or_else(|| of("speed_command"))?;
+    let rows = column.values.iter().zip(speed).filter(|(value, speed)| !value.is_nan() && !speed.is_nan());
+    let products = rows.map(|(value, speed)| value * speed.signum() * f64::from(u8::from(*speed != 0.0)));
+    let (with, size) = (mean(products)?, mean(present(&column.values).map(f64::abs))?);
+    // Half of its mean size against the motion is more than braking downhill and noise come to.
+    (with < -0.5 * size).then(|| {
+        format!(
+            "`{}` has the opposite sign of the wheel's speed nearly everywhere; if its sign is turned, write under [columns]: {}",
+            column.source,
+            mend_sign(&column.source, &column.name)
+        )
+    })
+}
+
+fn unlike_the_rover(grid: &Grid, command: &GridColumn, radius: f64) -> Option<String> {
+    let speed = grid.column("velocity")?;
+    let moving = |speed: f64| speed.abs() > MOVING;
+    let rows = command.values.iter().zip(&speed.values).filter(|(_, speed)| moving(**speed));
+    let rim = mean(rows.clone().map(|(command, _)| (radius * command).abs()))?;
+    let rover = mean(rows.clone().map(|(_, speed)| speed.abs()))?;
+    let same = mean(rows.map(|(command, speed)| command.signum() * speed.signum()))?;
+    let against = (same < -0.5).then(|| {
+        format!(
+            "`{}` is commanded against the recorded `{}`; if the sign of the latter is turned, write under [columns]: {}",
+            command.source,
+            speed.source,
+            mend_sign(&speed.source, "velocity")
+        )
+    });
+    let unlike = (rim > RIM_RATIO * rover || rover > RIM_RATIO * rim).then(|| {
+        format!(
+            "`{}` moves the rims at {rim:.3} m/s on average, where `{}` is {rover:.3} m/s; is one of them in another unit? For example {}",
+            command.source,
+            speed.source,
+            mend(&command.source, &command.name, if rim > rover { "rpm" } else { "rev/s" })
+        )
+    });
+    against.or(unlike)
+}

@@ -1,0 +1,144 @@
+//! What a name means: parameters of the model, signals and inputs of an experiment.
+
+use super::experiment::Kind;
+use crate::effects::EffectDefinition;
+use crate::model::Model;
+use crate::signals::{BodySignals, LinkSignals, WheelSignals};
+use bekker_modeldescription::{Lookup, Role, Unit, Variable, nearest};
+use std::borrow::Cow;
+
+/// The built-in model with the most parts: its parameters, with any number in brackets, are all there are.
+const LARGEST: &str = "rocker_bogie_speed";
+
+/// Signals of single wheels that may be recorded as one sum over several of them, say the current of one motor driver.
+const SUMMED: [&str; 4] = ["current", "torque", "normal_force", "drawbar_pull"];
+
+/// Description of a parameter, by its name; a number in brackets may be any.
+///
+/// # Errors
+/// A message with names that look alike.
+pub(super) fn parameter(name: &str, effects: &[EffectDefinition]) -> Result<Variable, String> {
+    let all = parameters(effects);
+    let plain = unnumbered(name);
+    match all.iter().find(|variable| unnumbered(&variable.name) == plain) {
+        Some(variable) => Ok(Variable { name: name.to_owned(), ..variable.clone() }),
+        None => {
+            let near = nearest(name, all.into_iter().map(|variable| variable.name));
+            let near = if near.is_empty() { String::new() } else { format!("; did you mean {}?", near.join(", ")) };
+            Err(format!("unknown parameter `{name}`{near}"))
+        }
+    }
+}
+
+fn parameters(effects: &[EffectDefinition]) -> Vec<Variable> {
+    let library = Model::preset(LARGEST).map(|mut model| model.list()).unwrap_or_default();
+    let own = effects.iter().flat_map(|effect| {
+        effect.parameters.iter().map(|(name, parameter)| Variable {
+            name: format!("{}.{name}", effect.id),
+            doc: Cow::Owned(parameter.about.clone()),
+            unit: Unit::of_symbol(&parameter.unit).unwrap_or(Unit::ONE),
+            default: parameter.neutral,
+            min: parameter.min,
+            max: parameter.max,
+            role: Role::Effect,
+            source: Cow::Owned(parameter.source.clone()),
+        })
+    });
+    library.into_iter().map(|(variable, _)| variable).chain(own).collect()
+}
+
+/// A name with its numbers in brackets left out.
+fn unnumbered(name: &str) -> String {
+    let mut inside = false;
+    let kept = |c: &char| {
+        inside = (inside || *c == '[') && *c != ']';
+        !inside || *c == '['
+    };
+    name.chars().filter(kept).collect()
+}
+
+/// What a signal or input is measured in; `None` for a name that an experiment of this kind does not have.
+pub(super) fn signal_unit(kind: Kind, name: &str) -> Option<Unit> {
+    match kind {
+        Kind::SingleWheel => Some(match name {
+            "load" | "drawbar_pull" => Unit::NEWTON,
+            "torque" => Unit::NEWTON_METRE,
+            "slip" | "condition" => Unit::ONE,
+            "sinkage" => Unit::METRE,
+            "wheel_speed" => Unit::RADIAN_PER_SECOND,
+            "carriage_speed" | "rim_speed" => Unit::METRE_PER_SECOND,
+            _ => return None,
+        }),
+        Kind::Traverse => match (name, numbered(name)) {
+            ("time", _) => Some(Unit::SECOND),
+            (_, Some(("wheel", "rim_speed" | "rim_speed_command", _))) => Some(Unit::METRE_PER_SECOND),
+            (_, Some(("wheel", "speed_command", _))) => Some(Unit::RADIAN_PER_SECOND),
+            (_, Some(("wheel", "torque_command", _))) => Some(Unit::NEWTON_METRE),
+            (_, Some(("wheel", field, wheels))) if wheels.len() == 1 || SUMMED.contains(&field) => {
+                unit_in(WheelSignals::default(), field)
+            }
+            (_, Some(("link", field, links))) if links.len() == 1 => unit_in(LinkSignals::default(), field),
+            (_, None) => unit_in(BodySignals::default(), name),
+            _ => None,
+        },
+    }
+}
+
+fn unit_in(mut group: impl Lookup, field: &str) -> Option<Unit> {
+    group.list().into_iter().find(|(variable, _)| variable.name == field).map(|(variable, _)| variable.unit)
+}
+
+/// Parts of a name such as `wheel[2].torque`, or `wheel[1+2].current`, which is a sum over wheels 1 and 2.
+pub(super) fn numbered(name: &str) -> Option<(&str, &str, Vec<usize>)> {
+    let (part, rest) = name.split_once('[')?;
+    let (numbers, field) = rest.split_once("].")?;
+    let numbers: Vec<usize> = numbers.split('+').map(|n| n.parse().ok()).collect::<Option<_>>()?;
+    let rising = numbers.windows(2).all(|pair| pair[0] < pair[1]);
+    (rising && numbers.first().is_some_and(|first| *first > 0)).then_some((part, field, numbers))
+}
+
+/// The signals of a model whose sum is recorded as `name`: wheels 1 and 2 of `wheel[1+2].current`, mostly `name` alone.
+#[must_use]
+pub fn summands(name: &str) -> Vec<String> {
+    match numbered(name) {
+        Some((part, field, numbers)) if numbers.len() > 1 => {
+            numbers.into_iter().map(|number| format!("{part}[{number}].{field}")).collect()
+        }
+        _ => vec![name.to_owned()],
+    }
+}
+
+/// Names that an experiment of this kind may have, a rover's with `k` for the number.
+pub(super) fn signal_names(kind: Kind) -> Vec<String> {
+    let plain = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
+    match kind {
+        Kind::SingleWheel => plain(&[
+            "load",
+            "slip",
+            "wheel_speed",
+            "drawbar_pull",
+            "torque",
+            "sinkage",
+            "condition",
+            "carriage_speed",
+            "rim_speed",
+        ]),
+        Kind::Traverse => {
+            let mut names = plain(&["time", "wheel[k].speed_command", "wheel[k].torque_command"]);
+            names.extend(BodySignals::default().list().into_iter().map(|(variable, _)| variable.name));
+            let fields = |part: &str, list: Vec<(Variable, f64)>| {
+                list.into_iter().map(|(variable, _)| format!("{part}[k].{}", variable.name)).collect::<Vec<_>>()
+            };
+            names.extend(fields("wheel", WheelSignals::default().list()));
+            names.extend(plain(&["wheel[k].rim_speed", "wheel[k].rim_speed_command"]));
+            names.extend(fields("link", LinkSignals::default().list()));
+            names
+        }
+    }
+}
+
+/// Names of an experiment of this kind that look like `name`.
+pub(super) fn alike(kind: Kind, name: &str) -> Vec<String> {
+    let number = numbered(name).and_then(|(_, _, numbers)| numbers.first().copied()).unwrap_or(1);
+    nearest(name, signal_names(kind).into_iter().map(|known| known.replace("[k]", &format!("[{number}]"))))
+}
