@@ -224,7 +224,7 @@ pub(crate) fn share_not_carried<S: Scalar>(rig: &Rig<S>, load: f64, slip: f64, w
     let (load, slip) = (rig.true_load(load), rig.true_slip(velocity, spin, slip));
     let Ok((forces, _)) = rig.forces(rig.true_wheel().radius, velocity, spin, slip) else { return S::from(0.0) };
     let share = (load - forces.normal) / load;
-    if (0.0..=1.0).contains(&share.value()) { share } else { S::from(share.value().max(0.0).min(1.0)) }
+    if (0.0..=1.0).contains(&share.value()) { share } else { S::from(if share.value() > 1.0 { 1.0 } else { 0.0 }) }
 }
 
 /// V/r from the slip i = 1 - V/(r omega) driving, i = r omega/V - 1 in skid.

@@ -143,7 +143,8 @@ fn rover(mishap: impl Fn(&mut [f64; 4])) -> Vec<String> {
 #[test]
 fn property_units_and_signs_of_a_drive_are_doubted() {
     assert_eq!(rover(|_| ()), [] as [String; 0]);
-    let cases: [(&str, &dyn Fn(&mut [f64; 4])); 4] = [
+    type Change<'a> = (&'a str, &'a dyn Fn(&mut [f64; 4]));
+    let cases: [Change; 4] = [
         ("unit = \"rpm\"", &|row| row[0] *= 30.0 / std::f64::consts::PI),
         ("signal = \"velocity\", sign = -1", &|row| row[1] = -row[1]),
         ("signal = \"pitch\", unit = \"deg\"", &|row| row[2] *= 10.0),

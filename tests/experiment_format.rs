@@ -202,7 +202,7 @@ fn property_conditions_pair_uneven_repeats() {
     assert_eq!(sets[0].iter().map(|s| s.row).collect::<Vec<_>>(), [0, 2]);
     let toml = format!("{TOML}group = \"g\"\n");
     let error = Experiment::read(folder("both", &[("experiment.toml", &toml), ("a.csv", csv)])).unwrap_err();
-    assert!(matches!(error.problem, Problem::NotARepeat(_)), "{error}");
+    assert!(matches!(*error.problem, Problem::NotARepeat(_)), "{error}");
 }
 
 #[test]
@@ -230,5 +230,5 @@ fn property_texts_are_checked_like_files() {
     let mut texts: std::collections::BTreeMap<_, _> = texts(CSV);
     texts.remove("a.csv");
     let refused = Experiment::from_texts(&texts).unwrap_err();
-    assert!(matches!(refused.problem, Problem::Unreadable(_)), "{refused}");
+    assert!(matches!(*refused.problem, Problem::Unreadable(_)), "{refused}");
 }

@@ -68,7 +68,7 @@ pub enum CompareError {
         /// Free parameters.
         free: usize,
         /// Why the first of the others has none.
-        first: PredictionError,
+        first: Box<PredictionError>,
     },
     /// No parameters were found with which the model can compute every measured row.
     #[error("no parameters within their bounds let the model compute every row; with the given ones: {0}")]

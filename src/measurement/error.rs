@@ -13,7 +13,7 @@ pub struct ExperimentError {
     /// Column of a CSV file, or key of `experiment.toml`.
     pub column: Option<String>,
     /// What is wrong.
-    pub problem: Problem,
+    pub problem: Box<Problem>,
 }
 
 /// What can be wrong in an experiment folder.
@@ -135,7 +135,7 @@ pub enum Problem {
 
 impl ExperimentError {
     pub(super) fn in_file(file: &Path, problem: Problem) -> Self {
-        Self { file: file.to_owned(), line: None, column: None, problem }
+        Self { file: file.to_owned(), line: None, column: None, problem: Box::new(problem) }
     }
 
     pub(super) fn at_line(mut self, line: u64) -> Self {

@@ -16,6 +16,7 @@ use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::given::Given;
 use crate::diagnosis::noise::Whitening;
 use crate::diagnosis::problem::Problem;
+use crate::diagnosis::unanswered::UnansweredRows;
 use crate::measurement::Experiment;
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -101,6 +102,7 @@ pub fn diagnose(
     if !prepared.noise_is_known {
         judged.judgement.undecided();
     }
+    judged.judgement.with_unanswered(share_unanswered(experiment, &prepared));
     if watch.stopped() && judged.judgement.names() {
         judged.judgement.open("interrupted: not all that may speak against the name was looked for".to_owned());
     }
@@ -109,6 +111,13 @@ pub fn diagnose(
     let diagnosis = parts::assemble(&inputs, judged.judgement, &judged.chosen, options)?;
     watch.begin(Phase::Done, "");
     Ok(diagnosis)
+}
+
+/// Share of an experiment's rows that the calibrated baseline cannot answer.
+fn share_unanswered(experiment: &Experiment, prepared: &Prepared) -> f64 {
+    let all: usize = experiment.runs.iter().map(|run| run.data.rows()).sum();
+    let without: usize = prepared.unanswered.iter().map(UnansweredRows::count).sum();
+    without as f64 / all.max(1) as f64
 }
 
 /// What was not tried limits the verdict: nothing is named while an effect that could stand in its place is untried, and

@@ -194,7 +194,12 @@ fn fitted(
         problem.layout.leave_out(&rows);
         let ((all, answered), free) = (problem.layout.rows(), problem.base.len());
         if problem.layout.present() <= free || (answered as f64) < LEAST_SHARE * all as f64 {
-            return Err(CompareError::TooFewAnswers { answered, rows: all, free, first: first.error.clone() });
+            return Err(CompareError::TooFewAnswers {
+                answered,
+                rows: all,
+                free,
+                first: Box::new(first.error.clone()),
+            });
         }
         unanswered.extend(missing);
     }

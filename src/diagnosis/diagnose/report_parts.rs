@@ -91,7 +91,8 @@ pub(crate) fn assemble(
     let given = given.ok().filter(|given| given.any(&problem.layout));
     search.watch.begin(Phase::Profiles, "");
     let profiles = profiles(search, chosen);
-    let mut cautions = prepared.cautions.clone();
+    let mut cautions = problem.experiment.doubts.clone();
+    cautions.extend(prepared.cautions.clone());
     cautions.extend(judgement.cautions.clone());
     cautions.extend(super::cautions::of_parameters(fitted));
     cautions.extend(super::cautions::of_draws(options.draws));
@@ -128,7 +129,7 @@ pub(crate) fn assemble(
         suggestions,
         cautions,
         improved,
-        sources: problem.sources.clone(),
+        sources: problem.sources.iter().cloned().chain(super::soil::offer(problem)).collect(),
         effects: judgement.effects,
         candidates,
         profiles,

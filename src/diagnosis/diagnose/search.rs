@@ -65,6 +65,9 @@ fn sorted(effects: &[String]) -> Vec<String> {
     effects
 }
 
+/// Modelled values by effects and the bits of the fit's chi-square.
+pub(super) type Modelled = BTreeMap<(Vec<String>, u64), Vec<f64>>;
+
 /// Everything that a search needs and collects.
 pub(crate) struct Search<'a> {
     pub problem: &'a Problem<'a>,
@@ -78,7 +81,7 @@ pub(crate) struct Search<'a> {
     /// From which larger set, and its chi-square then, a set was last fitted once more.
     pub settled: BTreeMap<[Vec<String>; 2], f64>,
     /// Modelled values that were asked for, by effects and chi-square of the fit.
-    pub modelled: Mutex<BTreeMap<(Vec<String>, u64), Vec<f64>>>,
+    pub modelled: Mutex<Modelled>,
 }
 
 impl Search<'_> {

@@ -37,6 +37,24 @@ pub(crate) fn unbelievable(search: &mut Search, effects: &[String], fit: &Calibr
     Some(words(named, fit, best))
 }
 
+/// What a class of soil would add, where the experiment names none and nothing else is known of the soil.
+pub(crate) fn offer(problem: &Problem) -> Option<String> {
+    let open = problem.base.iter().any(|free| free.variable.name.starts_with("soil."));
+    if problem.experiment.soil_class.is_some() || problem.base.iter().any(|free| free.prior.is_some()) || !open {
+        return None;
+    }
+    let class = &SOIL_CLASSES[0];
+    let prior = |(name, mean, deviation): &(&str, f64, f64)| format!("{name} {mean:.3} +- {deviation:.3}");
+    let priors: Vec<String> = class.priors.iter().map(prior).collect();
+    Some(format!(
+        "no prior of the soil is used; `soil.class = \"{}\"` at the top of experiment.toml would add {} (SI, mean and standard deviation; {}); the classes are {}",
+        class.name,
+        priors.join(", "),
+        class.source,
+        SoilClass::names()
+    ))
+}
+
 /// How far a fitted soil is outside a class: the largest distance over the width of what the class allows, 0 inside.
 fn outside(class: &SoilClass, problem: &Problem, fit: &Calibration) -> f64 {
     let beyond = |(name, low, high): &(&str, f64, f64)| {

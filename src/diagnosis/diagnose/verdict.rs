@@ -19,6 +19,8 @@ pub(crate) const TOO_MUCH: f64 = 0.5;
 /// errors of the effects' laws reach.
 pub(crate) const REACH: f64 = 6.0;
 const REACH_SHARE: f64 = 0.02;
+/// Share of rows without an answer that a verdict in full may rest on: one odd row in twenty.
+const UNANSWERED: f64 = 0.05;
 /// Cosine of signatures from which two effects can stand for each other.
 pub(crate) const ALIKE: f64 = 0.8;
 
@@ -55,6 +57,23 @@ impl Judgement {
     pub fn open(&mut self, caution: String) {
         self.undecided();
         self.cautions.push(caution);
+    }
+
+    /// Rows that the calibrated baseline cannot answer count against the model: beyond a share of them it explains nothing
+    /// in full.
+    pub fn with_unanswered(&mut self, share: f64) {
+        if share <= UNANSWERED {
+            return;
+        }
+        let words = format!("the model has no answer in {:.0} % of the rows, which counts against it", 100.0 * share);
+        match self.verdict {
+            Verdict::Explained => {
+                self.verdict = Verdict::Unexplained;
+                self.cautions.push(words);
+            }
+            Verdict::EffectMissing => self.open(words),
+            Verdict::Unexplained | Verdict::Undetermined => self.cautions.push(words),
+        }
     }
 
     /// Effects named or possible.

@@ -55,7 +55,7 @@ pub(crate) fn decide(evidence: &Evidence) -> Decided {
     let mut decided = Decided::default();
     for signal in evidence.experiment.signals() {
         let stated = evidence.experiment.noise.get(&signal).copied().filter(|deviation| *deviation > 0.0);
-        let model = match (stated, evidence.from_repeats(&signal)) {
+        let model = match (stated, evidence.by_repeats(&signal)) {
             (Some(stated), Some(seen)) => evidence.stated_and_repeated(&signal, stated, seen, &mut decided),
             (None, Some(seen)) => seen,
             (Some(stated), None) => evidence.stated(&signal, stated, &mut decided.cautions),
@@ -72,7 +72,7 @@ pub(crate) fn decide(evidence: &Evidence) -> Decided {
 impl Evidence<'_> {
     /// Noise from repeats. Where the inputs of repeats differ the residual has the model's share of that taken off; where only
     /// their recording differs it adds scatter. What remains is an upper bound either way, so the smaller is taken.
-    fn from_repeats(&self, signal: &str) -> Option<NoiseModel> {
+    fn by_repeats(&self, signal: &str) -> Option<NoiseModel> {
         let plain = estimate(self.repeats, self.layout, signal, &self.layout.measured);
         let corrected = estimate(self.repeats, self.layout, signal, self.residual);
         match (plain, corrected) {

@@ -204,7 +204,7 @@ fn missing(kind: Kind, found: &[(&Column, Entry)], plan: &mut Plan) {
             }
             let speed = has("wheel_speed") || has("rim_speed");
             let carriage = has("carriage_speed");
-            if !speed && !(carriage && has("slip")) {
+            if !(speed || carriage && has("slip")) {
                 plan.missing.push("wheel_speed under [inputs], rad/s: no column gives it".to_owned());
             }
             if !has("slip") && !carriage {

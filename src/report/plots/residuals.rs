@@ -59,18 +59,14 @@ fn scatter(plot: &mut Plot, samples: &Samples, shown: Shown, at: Shown) {
         samples.values.iter().copied().zip(samples.groups.iter().copied()).step_by(every).collect();
     let coloured = samples.group_names.len() <= GROUPS.len();
     let shares = if coloured { samples.group_names.len() } else { 1 };
-    for group in 0..shares {
+    for (group, colour) in GROUPS.iter().enumerate().take(shares) {
         let own = thinned.iter().filter(|(_, own)| !coloured || *own == group);
         let (x, y): (Vec<f64>, Vec<f64>) = own.map(|((x, y), _)| (x * at.factor, y * shown.factor)).unzip();
         plot.add_trace(
             Scatter::new(all_rounded(x), all_rounded(y))
                 .mode(Mode::Markers)
                 .name(if coloured { &samples.group_names[group] } else { "samples" })
-                .marker(Marker::new().color(GROUPS[group]).size(5).opacity(if thinned.len() > FEW {
-                    0.45
-                } else {
-                    0.8
-                })),
+                .marker(Marker::new().color(*colour).size(5).opacity(if thinned.len() > FEW { 0.45 } else { 0.8 })),
         );
     }
 }

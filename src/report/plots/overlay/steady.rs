@@ -87,6 +87,9 @@ pub(super) fn overlay(view: &View, curves: Option<&Curves>, signal: &str) -> Plo
     plot
 }
 
+/// Name, colour and rows (run, row) of points that are drawn alike.
+type Part = (String, String, Vec<(usize, usize)>);
+
 impl Drawing<'_> {
     fn grouped(&self) -> bool {
         self.groups > 1
@@ -145,7 +148,7 @@ impl Drawing<'_> {
     }
 
     /// The rows of a group by run, where runs have colours of their own.
-    fn parts(&self, k: usize, group: &CurveGroup) -> Vec<(String, String, Vec<(usize, usize)>)> {
+    fn parts(&self, k: usize, group: &CurveGroup) -> Vec<Part> {
         let mut runs: Vec<usize> = group.rows.iter().map(|(run, _)| *run).collect();
         runs.dedup();
         if self.grouped() || runs.len() < 2 || runs.len() > RUNS.len() {
