@@ -8,7 +8,6 @@ use crate::progress::Reporter;
 use crate::saving::{Saving, print_sources};
 use anyhow::{Context, Result};
 use bekker::diagnosis::{Calibration, CompareOptions, Comparison, compare};
-use bekker::measurement::Experiment;
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 

@@ -2,7 +2,7 @@
 
 use crate::diagnosis_text::print;
 use crate::model::ModelArguments;
-use crate::output::{check_all_writable, say, write, write_json};
+use crate::output::{check_all_writable, write, write_json};
 use crate::progress::Reporter;
 use crate::saving::{Saving, print_sources};
 use crate::{import, interrupt};

@@ -49,16 +49,14 @@ pub fn check_experiment(py: Python<'_>, texts: BTreeMap<String, String>) -> PyRe
     Ok((experiment.signals(), experiment.doubts))
 }
 
+/// Kind, what is to be checked, what is to be filled in, what is doubtful, and what keeps the folder from being read.
+type Found = (&'static str, Vec<String>, Vec<String>, Vec<String>, Option<String>);
+
 /// Makes an experiment folder for CSV files; returns its kind, what is to be checked, what is to be filled in, what is
 /// doubtful, and what keeps it from being read.
 #[pyfunction]
 #[pyo3(signature = (files, folder, kind=None))]
-pub fn import_experiment(
-    py: Python<'_>,
-    files: Vec<PathBuf>,
-    folder: PathBuf,
-    kind: Option<&str>,
-) -> PyResult<(&'static str, Vec<String>, Vec<String>, Vec<String>, Option<String>)> {
+pub fn import_experiment(py: Python<'_>, files: Vec<PathBuf>, folder: PathBuf, kind: Option<&str>) -> PyResult<Found> {
     let kind = match kind {
         None => None,
         Some(name) => {

@@ -164,7 +164,7 @@ mod tests {
 
     #[test]
     fn analytic_a_straight_line_is_met_exactly() {
-        let line = LocalLine::new((0..20).map(|k| f64::from(k * k)).map(|x| (x, 3.0 - 0.5 * x)), 0.5).unwrap();
+        let line = LocalLine::new((0..20).map(|k| f64::from(k * k)).map(|x| (x, 3.0 - 0.5 * x)), 0.5).expect("points");
         for x in [0.0, 7.5, 200.0, 361.0] {
             let error = (line.at(x).value - (3.0 - 0.5 * x)).abs();
             assert!(error < 361.0 * ROUNDING, "{x}: {error}");
@@ -174,29 +174,30 @@ mod tests {
 
     #[test]
     fn analytic_samples_at_one_place_give_their_mean_and_its_standard_error() {
-        let line = LocalLine::new([1.0, 2.0, 4.0, 5.0].map(|y| (0.3, y)), 0.5).unwrap();
+        let line = LocalLine::new([1.0, 2.0, 4.0, 5.0].map(|y| (0.3, y)), 0.5).expect("points");
         let smoothed = line.at(0.3);
         assert!((smoothed.value - 3.0).abs() < ROUNDING);
         // Variance 10/3 with three degrees of freedom, over four samples.
         let expected = (10.0_f64 / 3.0 / 4.0).sqrt();
-        assert!((smoothed.error.unwrap() - expected).abs() < ROUNDING, "{smoothed:?}");
+        assert!((smoothed.error.expect("points") - expected).abs() < ROUNDING, "{smoothed:?}");
     }
 
     #[test]
     fn property_scatter_without_a_trend_is_not_explained_and_nothing_gives_nothing() {
         // +1, -1 in turn has no trend over any stretch.
-        let line = LocalLine::new((0..40).map(|k| (f64::from(k), if k % 2 == 0 { 1.0 } else { -1.0 })), 0.5).unwrap();
+        let line =
+            LocalLine::new((0..40).map(|k| (f64::from(k), if k % 2 == 0 { 1.0 } else { -1.0 })), 0.5).expect("points");
         assert!(line.explained() < 0.1, "{}", line.explained());
         assert!(line.at(20.0).value.abs() < 0.2);
         assert!(LocalLine::new([(f64::NAN, 1.0)], 0.5).is_none());
-        assert!(LocalLine::new([(0.0, 1.0)], 0.5).unwrap().at(5.0).error.is_none());
+        assert!(LocalLine::new([(0.0, 1.0)], 0.5).expect("points").at(5.0).error.is_none());
     }
 
     #[test]
     fn property_places_are_those_of_samples_and_not_crowded() {
         let crowded = (0..500).map(|k| (1e-3 * f64::from(k), 0.0)).chain([(4.0, 0.0), (10.0, 0.0)]);
-        let line = LocalLine::new(crowded, 0.5).unwrap();
+        let line = LocalLine::new(crowded, 0.5).expect("points");
         assert_eq!(line.places(20), [0.0, 4.0, 10.0]);
-        assert_eq!(LocalLine::new([(2.0, 1.0), (2.0, 3.0)], 0.5).unwrap().places(20), [2.0]);
+        assert_eq!(LocalLine::new([(2.0, 1.0), (2.0, 3.0)], 0.5).expect("points").places(20), [2.0]);
     }
 }

@@ -32,7 +32,7 @@ pub enum UnfitRover {
         /// Name of the model.
         name: String,
         /// Why.
-        source: RunError,
+        source: Box<RunError>,
     },
     /// Its run ends at once.
     #[error("the rover `{name}` does not drive: its run ends after {time:.2} s: {event}")]
@@ -50,7 +50,7 @@ pub enum UnfitRover {
         /// Name of the model.
         name: String,
         /// Why.
-        source: RunError,
+        source: Box<RunError>,
     },
 }
 
@@ -104,9 +104,9 @@ impl Model {
             return Ok(());
         }
         let name = || self.name.clone();
-        let mut run = self.start().map_err(|source| UnfitRover::Start { name: name(), source })?;
+        let mut run = self.start().map_err(|source| UnfitRover::Start { name: name(), source: Box::new(source) })?;
         let steps = (FIRST / run.step_size()).ceil() as u64;
-        match run.advance(steps).map_err(|source| UnfitRover::Failed { name: name(), source })? {
+        match run.advance(steps).map_err(|source| UnfitRover::Failed { name: name(), source: Box::new(source) })? {
             Status::Running => Ok(()),
             Status::Ended(event) => Err(UnfitRover::Ended { name: name(), time: run.time(), event }),
         }
