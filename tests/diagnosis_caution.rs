@@ -147,8 +147,14 @@ fn property_where_two_tie_both_are_marked_and_none_is_named() {
 
 #[test]
 fn property_a_soil_that_no_class_has_keeps_an_effect_from_being_named() {
-    // Bed of beads with oil, say: neither sand nor clay.
-    let odd = [("soil.friction_angle", 3.0_f64.to_radians()), ("soil.cohesion", 150.0), ("slip_sinkage.n1", 0.25)];
+    // Neither sand, whose friction angle is larger, nor clay, whose exponent is smaller and cohesion larger.
+    let odd = [
+        ("soil.friction_angle", 3.0_f64.to_radians()),
+        ("soil.cohesion", 150.0),
+        ("soil.exponent", 1.4),
+        ("soil.k_phi", 6e6),
+        ("slip_sinkage.n1", 0.25),
+    ];
     let bench = Bench { loads: vec![20.0, 40.0], ..Bench::sand(&odd) };
     let diagnosis = bench.diagnosed(4, &among(&["slip_sinkage", "coulomb_friction"], 199));
     assert_eq!(diagnosis.verdict, Verdict::Undetermined);

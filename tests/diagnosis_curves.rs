@@ -125,7 +125,7 @@ fn property_places_without_an_answer_are_left_out_of_the_curve() {
     let mut soft = Model::preset("two_wheeled").unwrap();
     soft.set("soil.k_phi", 2e4).unwrap();
     let comparison = compared("soft", &rows, "", &CompareOptions { calibrate: true, added: Vec::new() }, &soft);
-    assert!(comparison.given.is_err());
+    assert!(!comparison.given_unanswered.is_empty());
     for group in over(&comparison.curves, Axis::Load) {
         let given = &group.models[0].signals["sinkage"];
         let answered = given.value.iter().filter(|value| !value.is_nan()).count();

@@ -177,7 +177,8 @@ fn property_unknown_names_are_errors_wherever_they_stand() {
     let by_hand = refused(Given::default().with_value("soil.kohesion", 1.0), &plain);
     assert!(by_hand.contains("--set") && by_hand.contains("soil.kohesion"), "{by_hand}");
     // Also where another value would hold.
-    let hidden = experiment("", "\"soil.cohesion\" = -5.0", "", "");
+    let mut hidden = plain.clone();
+    hidden.parameters.insert("soil.cohesion".to_owned(), -5.0);
     let out_of_range = refused(Given::default().with_value("soil.cohesion", 1.0), &hidden);
     assert!(out_of_range.contains("[parameters]") && out_of_range.contains("-5"), "{out_of_range}");
     let prior = experiment("", "", "[priors]\n\"soil.none\" = { mean = 1.0, sd = 1.0 }", "");
@@ -205,7 +206,7 @@ fn round_trip(given: Given, experiment: &Experiment) -> (Model, Vec<String>) {
 }
 
 #[test]
-fn regress_diagnose_save_compare_gives_the_same_error_with_priors_and_an_effect() {
+fn agreement_diagnose_save_compare_gives_the_same_error_with_priors_and_an_effect() {
     let mut measured = shipped();
     measured.priors.insert("soil.exponent".to_owned(), Prior { mean: 1.1, deviation: 0.05 });
     measured.priors.insert("soil.cohesion".to_owned(), Prior { mean: 1000.0, deviation: 300.0 });
@@ -221,7 +222,7 @@ fn regress_diagnose_save_compare_gives_the_same_error_with_priors_and_an_effect(
 }
 
 #[test]
-fn regress_calibrate_save_compare_gives_the_same_error() {
+fn agreement_calibrate_save_compare_gives_the_same_error() {
     let measured = experiment("", "\"soil.exponent\" = 1.0", "[priors]\n\"soil.exponent\" = 0.2", "");
     let comparison = compared(Given::default(), &measured, true);
     let saved = Model::from_toml(&comparison.model.to_toml().unwrap(), None).unwrap();

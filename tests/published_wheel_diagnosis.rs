@@ -9,8 +9,8 @@ use bekker::model::Model;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// What two independent fits left in drawbar pull with slip-sinkage, N: 0.31 and 0.39; repeats scatter by 0.29.
-const LEFT: f64 = 0.4;
+/// Share of the left-out error that a named effect has to take away, frozen in `tests/real_data/answers.toml`.
+const CUT: f64 = 0.3;
 
 fn data(name: &str) -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(name);
@@ -37,11 +37,11 @@ fn published_slip_sinkage_is_what_the_smooth_wheel_lacks() {
     let Some(folder) = data("cmu_smooth") else { return };
     let diagnosis = diagnosed(&Experiment::read(folder).unwrap());
     assert_eq!(diagnosis.noise_floor_source, FloorSource::Replicates);
-    assert!(diagnosis.effects.iter().any(|id| id == "slip_sinkage"), "{:?}", diagnosis.effects);
+    assert_eq!(diagnosis.involved(), ["slip_sinkage"]);
     let (before, after) = (diagnosis.baseline(), diagnosis.last());
-    assert!(after.rmse["drawbar_pull"] <= LEFT, "{:?}", after.rmse);
     for signal in ["drawbar_pull", "sinkage"] {
-        assert!(after.heldout_rmse[signal] < before.heldout_rmse[signal], "{signal}");
+        let (before, after) = (before.heldout_rmse[signal], after.heldout_rmse[signal]);
+        assert!(after < (1.0 - CUT) * before, "{signal}: {before} -> {after}");
     }
     // The baseline hides its error in absurd parameters, and the first reader of the report is told so.
     let bound = |step: &bekker::diagnosis::Step| step.parameters.iter().any(|parameter| parameter.fitted.at_bound);

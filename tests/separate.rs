@@ -229,7 +229,7 @@ fn property_a_tie_is_followed_by_an_experiment_that_separates_it() {
     let options = DiagnoseOptions { candidates: Some(candidates.clone()), draws: 199, ..Default::default() };
     let diagnosis = diagnose(&model(), &experiment, &options, &Control::default()).unwrap();
     let frictions = ["coulomb_friction", "viscous_friction"].map(str::to_owned);
-    assert!(frictions.iter().all(|id| diagnosis.effects.contains(id)), "{:?}", diagnosis.effects);
+    assert!(frictions.iter().all(|id| diagnosis.tied().contains(&id.as_str())), "{:?}", diagnosis.tied());
     let first = &diagnosis.suggestions[0];
     assert_eq!(diagnosis.next_experiment(), first.text);
     assert!(first.text.contains("second wheel speed") && first.text.contains("falls from 1.00"), "{}", first.text);

@@ -1,5 +1,5 @@
 //! Builds `bekker-fmu` as a C library, for this build's target and always optimised, once without the plant of
-//! rigid bodies and once with it, and tells where they are; the crate embeds them. A dependency alone would not do:
+//! rigid bodies and wheels on a carriage and once with them, and tells where they are; the crate embeds them. A dependency alone would not do:
 //! as a cdylib it would appear only in some builds, and where its features are unified with the workspace's it
 //! would carry the HTML reports.
 
@@ -21,7 +21,7 @@ fn main() {
     let out = PathBuf::from(variable("OUT_DIR"));
     let glibc = env::var_os(GLIBC).map(|version| version.to_string_lossy().into_owned());
     let (prefix, extension) = names();
-    let libraries = [("PLAIN", ""), ("RIGID", "rigid")].map(|(name, features)| {
+    let libraries = [("PLAIN", ""), ("RIGID", "carriage,rigid")].map(|(name, features)| {
         let directory = shared(&out, name, glibc.as_deref());
         (name, Build { manifest: &manifest, target: &target, directory, features, glibc: glibc.as_deref() })
     });

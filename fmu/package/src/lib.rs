@@ -13,14 +13,14 @@ pub use bekker_fmu::{Kind, Offer};
 pub use layout::Version;
 
 use archive::Archive;
-use bekker::model::{Model, Plant};
+use bekker::model::{Model, ModelKind, Plant};
 use bekker_modeldescription::xml::{Component, Description, DescriptionError, system};
 use std::path::{Path, PathBuf};
 
-/// The library that FMUs carry, built for this crate's target, without the plant of rigid bodies.
+/// The library that most FMUs carry, built for this crate's target: rovers without the plant of rigid bodies.
 pub const LIBRARY: &[u8] = include_bytes!(env!("BEKKER_FMU_LIBRARY"));
 
-/// The library with the plant of rigid bodies.
+/// The library with all that the small one leaves out: the plant of rigid bodies, wheels on a carriage.
 pub const RIGID_LIBRARY: &[u8] = include_bytes!(env!("BEKKER_FMU_RIGID_LIBRARY"));
 
 /// Notices of the crates in the libraries, made by `fmu/scripts/third_party.py`.
@@ -139,7 +139,8 @@ fn pack_part(model: &Model, options: &Options) -> Result<(Vec<u8>, Description),
     };
     let mut archive = Archive::default();
     archive.file("modelDescription.xml", xml.map_err(undescribed)?.as_bytes())?;
-    let library = if model.stepping.plant == Plant::RigidBodies { RIGID_LIBRARY } else { LIBRARY };
+    let whole = model.stepping.plant == Plant::RigidBodies || model.kind == ModelKind::Carriage;
+    let library = if whole { RIGID_LIBRARY } else { LIBRARY };
     archive.program(&version.library(&description.identifier), library)?;
     if let Some(library) = windows.transpose()? {
         archive.program(&version.windows_library(&description.identifier), &library)?;

@@ -26,6 +26,7 @@
 //! were set when it was begun; inputs set at the point between act from the next whole inner step on. At whole multiples
 //! every value is the core's, bit for bit.
 
+#[cfg(feature = "carriage")]
 mod carriage;
 mod continuous;
 mod controller;
@@ -44,6 +45,7 @@ use crate::model::Model;
 use bekker::model::{Model as RoverModel, ModelKind};
 use bekker_modeldescription::Lookup;
 use bekker_modeldescription::xml::{Arrays, Description, Entry, Experiment, identifier};
+#[cfg(feature = "carriage")]
 use carriage::Carriage;
 use controller::Controller;
 use plant::Rover;
@@ -78,7 +80,12 @@ pub fn parse(text: &str) -> Result<Box<dyn Model>, String> {
         return Err(format!("`{name}` is a wheel on a carriage and no `{kind}`; expected the kind `carriage`"));
     }
     Ok(match packed.kind {
+        #[cfg(feature = "carriage")]
         Kind::Carriage => Box::new(Carriage::new(model, packed)?),
+        #[cfg(not(feature = "carriage"))]
+        Kind::Carriage => {
+            return Err(format!("`{}` is a wheel on a carriage, which this library was built without", model.name));
+        }
         Kind::Controller => Box::new(Controller::new(model, packed)?),
         _ => Box::new(Rover::new(model, packed)?),
     })

@@ -22,6 +22,9 @@ const LITTLE: f64 = 0.01;
 /// Share of a set's gain that a bound may hold back.
 const HELD_BACK: f64 = 0.02;
 
+/// Values at different set-points that each parameter of a fit needs before what it says is worth a name.
+const LEAST_VALUES: usize = 3;
+
 /// One reason not to name a set.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Doubt {
@@ -31,6 +34,8 @@ pub(crate) enum Doubt {
     Neutral { effect: String, strength: String },
     /// Without the effect the fit is hardly worse.
     Spare { effect: String, loss: f64, gain: f64 },
+    /// So few set-points were measured that another set of parameters may do as well; the weakest effect.
+    Few { effect: String, values: usize, parameters: usize },
     /// No class of soil allows the fitted soil.
     Soil(String),
     /// The fit leans on a bound.
@@ -42,9 +47,15 @@ impl Doubt {
     pub fn superfluous(&self) -> Option<&str> {
         match self {
             Self::Alike { weaker, .. } => Some(weaker),
-            Self::Neutral { effect, .. } | Self::Spare { effect, .. } => Some(effect),
+            Self::Neutral { effect, .. } | Self::Spare { effect, .. } | Self::Few { effect, .. } => Some(effect),
             Self::Soil(_) | Self::Bound { .. } => None,
         }
+    }
+
+    /// Whether it says that this effect may only stand in for something else. With few set-points an effect may well be a
+    /// part of the explanation.
+    pub fn is_against(&self, id: &str) -> bool {
+        self.superfluous() == Some(id) && !matches!(self, Self::Few { .. })
     }
 
     /// The reason in a sentence.
@@ -59,6 +70,9 @@ impl Doubt {
             Self::Spare { effect, loss, gain } => {
                 format!("{effect} could be left out: chi-square rises by {loss:.1} only, of {gain:.0} that all gain")
             }
+            Self::Few { values, parameters, .. } => format!(
+                "{values} values at different set-points (and priors) are too few to name anything by a fit of {parameters} parameters"
+            ),
             Self::Soil(words) => words.clone(),
             Self::Bound { parameter, value, gain } => format!(
                 "{parameter} is held at its bound, {value}, and the fit leans on it: beyond it chi-square would fall by about {gain:.0} more"
@@ -88,9 +102,18 @@ pub(crate) fn doubts(search: &mut Search, stage: &Stage, effects: &[String]) -> 
             }
         }
     }
+    found.extend(few(stage, effects, &fit, &losses));
     found.extend(leaning(search, effects, &fit)?);
     found.extend(super::soil::unbelievable(search, effects, &fit).map(Doubt::Soil));
     Ok(found)
+}
+
+/// Whether there are too few set-points for so many parameters.
+fn few(stage: &Stage, effects: &[String], fit: &Calibration, losses: &[f64]) -> Option<Doubt> {
+    let priors = fit.parameters.iter().filter(|parameter| parameter.prior.is_some()).count();
+    let (values, parameters) = (stage.set_points + priors, fit.parameters.len());
+    let weakest = (0..effects.len()).min_by(|a, b| losses[*a].total_cmp(&losses[*b]))?;
+    (values < LEAST_VALUES * parameters).then(|| Doubt::Few { effect: effects[weakest].clone(), values, parameters })
 }
 
 /// Rise of chi-square without one effect of the set, all else fitted again.

@@ -29,6 +29,8 @@ pub(crate) struct Stage {
     pub projected: Projected,
     /// Directions along the conditions outside the base.
     pub flexible: Basis,
+    /// Values at different set-points: repeats count once.
+    pub set_points: usize,
     /// Statistics of the data.
     pub observed: Statistics,
     /// Statistics of noise alone.
@@ -93,13 +95,15 @@ impl Stage {
         let absorbed = Projected::new(ground.whitening, &base, &[]).base;
         let outside: Vec<Vec<f64>> = ground.flexible.iter().map(|column| absorbed.outside(&whiten(column))).collect();
         let flexible = Basis::of(&outside);
+        let sets = sets_of_repeats(problem, ground.whitening);
+        let set_points = sets.iter().max().map_or(0, |last| last + 1);
         let null = Null {
             layout: &problem.layout,
             noise: &ground.noise.models,
             repeats: ground.repeats,
             base: &base,
             signatures: &sensitivities.signatures,
-            sets: &sets_of_repeats(problem, ground.whitening),
+            sets: &sets,
             flexible: &flexible,
             pairs: effects.is_empty(),
         };
@@ -126,6 +130,7 @@ impl Stage {
             gains,
             projected,
             flexible,
+            set_points,
             observed,
             draws,
         })

@@ -179,8 +179,7 @@ pub(crate) fn with_effects(case: &Case) -> Judgement {
 /// The effects of a set that are worth listing although much is left: over half of what could be explained is gone with
 /// them, and none of them only imitates something else.
 fn partial(case: &Case) -> Vec<String> {
-    let imitates =
-        |id: &String| case.imitating.contains(id) || case.doubts.iter().any(|doubt| doubt.superfluous() == Some(id));
+    let imitates = |id: &String| case.imitating.contains(id) || case.doubts.iter().any(|doubt| doubt.is_against(id));
     if case.left.0 > TOO_MUCH || !case.confirmed {
         return Vec::new();
     }
