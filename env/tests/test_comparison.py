@@ -102,6 +102,6 @@ def test_regress_a_row_without_an_answer_is_left_out_and_listed() -> None:
 
 def test_agreement_a_calibration_is_the_baseline_of_the_diagnosis() -> None:
     comparison = bekker.calibrate(SAND)
-    diagnosis = bekker.diagnose(SAND, candidates=["slip_sinkage"], draws=19)
+    diagnosis = bekker.diagnose(SAND, candidates=["slip_sinkage"], draws=100)
     assert comparison.fit.rmse == diagnosis.steps[0].rmse
     assert diagnosis.unanswered == comparison.unanswered == []

@@ -224,7 +224,8 @@ def test_property_ctrl_c_leaves_what_was_found(diagnosis: bekker.Diagnosis) -> N
     assert isinstance(caught.value, KeyboardInterrupt) and not isinstance(caught.value, Exception)
     partial = caught.value.partial
     assert partial is not None and partial.interrupted and not diagnosis.interrupted
-    assert partial.steps[0].rmse == diagnosis.steps[0].rmse and not partial.profiles
+    # After a stop the baseline's values come from those with derivatives, whose rounding differs.
+    assert partial.steps[0].rmse == pytest.approx(diagnosis.steps[0].rmse, rel=1e-12) and not partial.profiles
     with pytest.raises(bekker.InputError, match="interrupted"):
         partial.plot_profiles()
 

@@ -67,7 +67,7 @@ def diagnose(bekker, extra, folder, threads):
 def attained(job, folder, truth, result):
     """Share of the removable left-out error that the true effect in its true form removes; None where that is not asked."""
     effects = truth["effects"]
-    if job.kind != cases.WHEEL or len(effects) != 1 or effects[0]["outside"] or not effects[0]["visible"] or "error" in result:
+    if job.case in cases.CAUTION or job.kind != cases.WHEEL or len(effects) != 1 or effects[0]["outside"] or not effects[0]["visible"] or "error" in result:
         return None
     form = cases.find(job.kind, effects[0]["case"], effects[0]["form"])
     bench = hidden.make_bench(job.kind, job.seed, job.size, False)
