@@ -28,6 +28,9 @@ const RANK_TOLERANCE: f64 = 1e-10;
 /// What the deviation means beside a calibrated value, for every text and page that prints one.
 pub const STANDARD_ERROR: &str = "standard error, enlarged by the square root of chi-square per degree of freedom where that exceeds one, at most the prior's";
 
+/// Share of a direction below which a parameter has no part in it: rounding of a decomposition of thousands of rows.
+const NO_PART: f64 = 1e-7;
+
 /// One free parameter after a calibration, in its SI unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibratedParameter {
@@ -242,7 +245,13 @@ fn deviations(
     for (k, at) in inner.iter().enumerate() {
         let mut variance = 0.0;
         for (j, singular) in svd.singular_values.iter().enumerate() {
-            variance += if *singular > smallest { (v_t[(j, k)] / singular).powi(2) } else { f64::INFINITY };
+            let share = v_t[(j, k)];
+            // A direction that nothing determines leaves alone the parameters that have no part in it but rounding.
+            variance += match *singular > smallest {
+                true => (share / singular).powi(2),
+                false if share.abs() > NO_PART => f64::INFINITY,
+                false => 0.0,
+            };
         }
         let free = &weighted.free[*at];
         let deviation = (variance * scatter).sqrt() * free.slope(free.value(u[*at]));

@@ -5,6 +5,7 @@ use super::search::Search;
 use super::verdict::REACH;
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::problem::Problem;
+use crate::diagnosis::separate::rounded;
 use crate::measurement::Kind;
 use crate::soil_class::{SOIL_CLASSES, SoilClass};
 
@@ -44,7 +45,8 @@ pub(crate) fn offer(problem: &Problem) -> Option<String> {
         return None;
     }
     let class = &SOIL_CLASSES[0];
-    let prior = |(name, mean, deviation): &(&str, f64, f64)| format!("{name} {mean:.3} +- {deviation:.3}");
+    let prior =
+        |(name, mean, deviation): &(&str, f64, f64)| format!("{name} {} +- {}", rounded(*mean), rounded(*deviation));
     let priors: Vec<String> = class.priors.iter().map(prior).collect();
     Some(format!(
         "no prior of the soil is used; `soil.class = \"{}\"` at the top of experiment.toml would add {} (SI, mean and standard deviation; {}); the classes are {}",

@@ -159,7 +159,8 @@ pub(crate) struct Case<'a> {
 pub(crate) fn with_effects(case: &Case) -> Judgement {
     let (left, more_than_noise) = case.left;
     if more_than_noise && left > MAY_STAY {
-        return Judgement { effects: partial(case), ..Judgement::plain(Verdict::Unexplained, Vec::new()) };
+        let cautions = case.doubts.iter().map(Doubt::words).collect();
+        return Judgement { effects: partial(case), ..Judgement::plain(Verdict::Unexplained, cautions) };
     }
     let cautions = against(case);
     let rivals = case.rivals.clone();

@@ -138,7 +138,7 @@ fn weakest(problem: &Problem, look: &Look, values: &[f64], id: &str) -> Option<S
 }
 
 /// A number as people write it: two significant digits, a power of ten only where it saves zeros.
-pub(super) fn rounded(value: f64) -> String {
+pub(crate) fn rounded(value: f64) -> String {
     let handy = super::plan::handy(value);
     if handy != 0.0 && !(1e-3..1e6).contains(&handy.abs()) { format!("{value:.1e}") } else { handy.to_string() }
 }

@@ -13,6 +13,7 @@ mod strength;
 mod suggest;
 mod variation;
 
+pub(crate) use answer::rounded;
 pub use noise::{AssumedNoise, NoiseSource};
 pub use plan::{PlanError, SingleWheelPlan, TraversePlan};
 pub use separation::{EffectSight, Likeness, PairSight, SeparateOptions, Separation, separate};
