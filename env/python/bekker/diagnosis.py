@@ -307,7 +307,7 @@ def diagnose(
     An effect that the model has switched on is part of the baseline, held at its value.
 
     Without a ``time_budget`` the result depends neither on the number of threads nor on the executor nor on the clock. The
-    interpreter is free for other threads meanwhile; Ctrl-C ends the work within a second or two and leaves what was found.
+    interpreter is free for other threads meanwhile; Ctrl-C cuts the simulations at hand short and leaves what was found.
 
     Args:
         experiment: the folder with ``experiment.toml``, or an :class:`bekker.Experiment`.

@@ -19,7 +19,7 @@ pub(crate) const TOO_MUCH: f64 = 0.5;
 /// errors of the effects' laws reach.
 pub(crate) const REACH: f64 = 6.0;
 const REACH_SHARE: f64 = 0.02;
-/// Share of rows without an answer that a verdict in full may rest on: one odd row in twenty.
+/// Largest share of rows without an answer beside which a verdict is given in full: one row in twenty may be odd.
 const UNANSWERED: f64 = 0.05;
 /// Cosine of signatures from which two effects can stand for each other.
 pub(crate) const ALIKE: f64 = 0.8;
