@@ -3,9 +3,8 @@
 use crate::diagnosis_text::print;
 use crate::output::say;
 use anyhow::{Context, Result};
-use bekker::diagnosis::{Control, DiagnoseOptions, diagnose};
+use bekker::diagnosis::{Control, DiagnoseOptions, Given, diagnose};
 use bekker::measurement::Experiment;
-use bekker::model::Model;
 use bekker::report::diagnosis_page;
 use std::path::{Path, PathBuf};
 
@@ -24,7 +23,7 @@ pub fn run(out: &Path) -> Result<Vec<(PathBuf, &'static str)>> {
     }
     let experiment = Experiment::read(&folder)?;
     let control = Control::default();
-    let diagnosis = diagnose(&Model::preset("two_wheeled")?, &experiment, &DiagnoseOptions::default(), &control)?;
+    let diagnosis = diagnose(Given::default(), &experiment, &DiagnoseOptions::default(), &control)?;
     print(&diagnosis)?;
     let page = out.join("sand_wheel.html");
     std::fs::write(&page, diagnosis_page(&diagnosis)).with_context(|| format!("cannot write `{}`", page.display()))?;
@@ -34,6 +33,6 @@ pub fn run(out: &Path) -> Result<Vec<(PathBuf, &'static str)>> {
     Ok(vec![
         (folder, "the experiment"),
         (page, "the diagnosis with all its plots: open it in a browser"),
-        (improved, "the improved model, for any command"),
+        (improved, "the improved model, a wheel on a carriage, for any command"),
     ])
 }
