@@ -178,6 +178,18 @@ fn property_a_file_that_cannot_be_written_is_an_error() {
 }
 
 #[test]
+fn property_the_libraries_name_no_folder_of_this_machine() {
+    let holds = |library: &[u8], words: &[u8]| library.windows(words.len()).any(|window| window == words);
+    for library in [LIBRARY, RIGID_LIBRARY] {
+        assert!(holds(library, b"clarabel-"), "messages of panics name the sources of crates");
+        assert!(
+            !holds(library, b"registry/src"),
+            "messages of panics name folders of the machine that built the library"
+        );
+    }
+}
+
+#[test]
 fn property_the_library_is_small_and_whole() {
     assert!(LIBRARY.len() < LARGEST_LIBRARY, "{} bytes", LIBRARY.len());
     assert!(RIGID_LIBRARY.len() < LARGEST_RIGID_LIBRARY, "{} bytes", RIGID_LIBRARY.len());
