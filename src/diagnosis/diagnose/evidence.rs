@@ -3,7 +3,7 @@
 use super::folds::{Fold, folds};
 use super::held_out::{HeldOut, held_out};
 use super::prepare::Prepared;
-use super::probability::{better, something_else, weights};
+use super::probability::{against, better, something_else, weights};
 use super::result::Share;
 use super::search::Search;
 use super::stage::Stage;
@@ -77,6 +77,11 @@ impl Evidence {
     /// Probability that one set predicts better than another; `None` where one of them was not predicted with.
     pub fn better(&self, ours: &[String], theirs: &[String]) -> Option<f64> {
         Some(better(&self.of(ours)?.density, &self.of(theirs)?.density))
+    }
+
+    /// Probability of one set where only another competes; `None` where one of them was not predicted with.
+    pub fn against(&self, ours: &[String], theirs: &[String]) -> Option<f64> {
+        Some(against(&self.of(ours)?.density, &self.of(theirs)?.density))
     }
 
     /// Probabilities of "enough" and "something else", and of each effect being part of the explanation; not a number and none

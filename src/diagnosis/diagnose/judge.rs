@@ -8,11 +8,15 @@ use super::prepare::Prepared;
 use super::report_parts as parts;
 use super::search::Search;
 use super::stage::Stage;
-use super::verdict::{self, BETTER, Case, Judgement, NAMED};
+use super::verdict::{self, ALIKE, BETTER, Case, Judgement, NAMED};
 use crate::diagnosis::prediction::PredictionError;
 
 /// A rival is refitted in the place of an effect from this cosine of signatures.
 const WORTH_A_SWAP: f64 = 0.5;
+
+/// Probability above which a look-alike stays a rival, although it fits worse: where the true effect has another form than
+/// the library's, that form error can make a look-alike fit better by more than noise.
+const UNLIKELY: f64 = 1.0 - BETTER;
 
 /// A verdict and the set that it is about, in the order in which its effects were chosen.
 pub(crate) struct Judged {
@@ -110,7 +114,8 @@ fn candidates(stage: &Stage) -> Vec<String> {
 }
 
 /// Effects that could stand in the place of one of the set: those that fit about as well (`as_good`) where left-out data do
-/// not speak against them, and those that left-out data make more probable.
+/// not speak against them, those that left-out data make more probable, and those that look alike and keep more than the
+/// probability [`UNLIKELY`].
 fn rivals(
     search: &Search,
     stage: &Stage,
@@ -125,7 +130,7 @@ fn rivals(
     sets.push(chosen.to_vec());
     evidence.add(search, sets);
     let told_apart = |(own, other): &(String, String)| {
-        evidence.better(chosen, &verdict::swapped(chosen, own, other)).is_some_and(|better| better > BETTER)
+        evidence.against(chosen, &verdict::swapped(chosen, own, other)).is_some_and(|ours| ours > BETTER)
     };
     rivals.retain(|pair| !told_apart(pair));
     let (_, inclusion) = evidence.probabilities(search, stage, prepared);
@@ -133,8 +138,11 @@ fn rivals(
     let probability = |id: &String| inclusion.get(id).copied().unwrap_or(0.0);
     let least = chosen.iter().min_by(|a, b| probability(a).total_cmp(&probability(b)));
     for other in all.iter().filter(|id| !chosen.contains(id)) {
-        let known = rivals.iter().any(|(_, rival)| rival == other);
-        if let Some(own) = least.filter(|own| !known && probability(other) > probability(own)) {
+        if rivals.iter().any(|(_, rival)| rival == other) {
+            continue;
+        }
+        let alike = chosen.iter().find(|own| stage.cosine(own, other) > ALIKE && probability(other) > UNLIKELY);
+        if let Some(own) = least.filter(|own| probability(other) > probability(own)).or(alike) {
             rivals.push((own.clone(), other.clone()));
         }
     }
