@@ -45,6 +45,8 @@ FORMS = [
     Form("bulldozing", "passive", 1.0, 3.0, BOTH, library=True),
     Form("bulldozing", "hegedus", 1.0, 3.0, BOTH),
     Form("flexible_wheel", "arc", 1e-4, 3e-4, BOTH, library=True),
+    # The library has both arms of the torque in one effect: that of the arc (its arm share is 1) and the axle's height (0).
+    Form("flexible_wheel", "axle", 1e-4, 3e-4, BOTH, library=True),
     Form("flexible_wheel", "load", 1e-4, 3e-4, BOTH),
     Form("rate", "grahn", 0.2, 0.4, BOTH, library=True),
     Form("rate", "logarithm", 0.15, 0.3, BOTH),
@@ -107,5 +109,5 @@ def cases_of(kind):
 
 
 def library(kind):
-    """The library's forms, that a diagnosis of this kind chooses from."""
+    """The library's forms, that a diagnosis of this kind chooses from; an effect of two parameters has several."""
     return [f for f in FORMS if f.library and kind in f.kinds]

@@ -89,7 +89,8 @@ def forces(soil, sinkage, velocity, spin, share=1.0, nodes=NODES):
     sheared = soil["width"] * outer
     normal = carried + sheared * np.sum(d_theta * tau * sin, axis=-1)
     pull = sheared * np.sum(d_theta * tau * cos, axis=-1) - area * np.sum(d_theta * sigma * sin, axis=-1)
-    torque = sheared * outer * np.sum(d_theta * tau, axis=-1)
+    arm = outer * soil["arm"] / soil["radius"] if "arm" in soil else outer
+    torque = sheared * arm * np.sum(d_theta * tau, axis=-1)
     touching = sinkage > 0.0
     zero = lambda x, sign=1.0: np.where(touching, sign * x, 0.0)
     return zero(normal), zero(pull, side), zero(torque, side), zero(carried)

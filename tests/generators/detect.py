@@ -138,12 +138,13 @@ class Detector:
         return None
 
     def alike(self, signature):
-        """Cosine of this signature with that of every rival, {case: cosine}, and the rivals that one cannot see at all."""
+        """Cosine of this signature with that of every rival, {case: cosine}: of its most alike form."""
         length = np.linalg.norm(signature)
         cosines = {}
         for form, rival in zip(self.rivals, self.signatures):
             size = np.linalg.norm(rival)
-            cosines[form.case] = float(rival @ signature / (size * length)) if size > 0.0 and length > 0.0 else 0.0
+            cosine = float(rival @ signature / (size * length)) if size > 0.0 and length > 0.0 else 0.0
+            cosines[form.case] = max(cosine, cosines.get(form.case, -1.0))
         return cosines
 
 

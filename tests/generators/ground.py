@@ -61,6 +61,9 @@ def radius(p, at, soil):
     if (s := on(p, "flexible_wheel.arc")) is not None:
         soil["deflection"] = s * at["load"]
         soil["radius"] = soil["radius"] * (1.0 + soil["deflection"] / np.maximum(at["sinkage"], 5e-4))
+    if (s := on(p, "flexible_wheel.axle")) is not None:  # the same, and the arm of the torque stays the wheel's radius
+        soil["deflection"], soil["arm"] = s * at["load"], soil["radius"]
+        soil["radius"] = soil["radius"] * (1.0 + soil["deflection"] / np.maximum(at["sinkage"], 5e-4))
     if (s := on(p, "flexible_wheel.load")) is not None:  # an effective radius that grows with the load, s/5 mm a 1e-4 m/N
         soil["deflection"] = s * at["load"]
         soil["radius"] = soil["radius"] * (1.0 + 0.5 * soil["deflection"] / 0.005)
