@@ -53,7 +53,7 @@ fn entry(survey: &Survey, column: &Column, kind: Kind) -> Result<Entry, String> 
         return Err("the model is planar: one side of the vehicle, the left one".to_owned());
     }
     let mut entry = match &suggestion.target {
-        Suggested::Parameter(name) => Entry::to(To::Parameter((*name).to_owned())),
+        Suggested::Parameter(name) => Entry::to(To::Parameter(name.clone())),
         Suggested::Signal(signal) if signal == "time" && !column.is_numeric() && column.is_stamp() => {
             return Ok(Entry::to(To::TimeStamp));
         }
