@@ -149,7 +149,7 @@ fn runs_by_label<'a>(survey: &'a Survey, found: &mut Vec<(&'a Column, Entry)>, p
     let name = time.0.name.clone();
     let starts = |sheet: &super::super::sheet::Sheet, label: usize| {
         let at = sheet.position(&name)?;
-        let time = |row: usize| sheet.parsed(&sheet.rows[row].cells[at]);
+        let time = |row: usize| sheet.value(&sheet.rows[row].cells[at]);
         let anew: Vec<usize> = (1..sheet.rows.len()).filter(|row| time(*row) <= time(row - 1)).collect();
         let changes = |row: &usize| sheet.rows[*row].cells[label] != sheet.rows[row - 1].cells[label];
         Some(!anew.is_empty() && anew.iter().all(changes))
@@ -178,7 +178,7 @@ fn turn_pull(survey: &Survey, kind: Kind, found: &mut [(&Column, Entry)]) {
             continue;
         };
         for row in &sheet.rows {
-            if let (Some(slip), Some(pull)) = (sheet.parsed(&row.cells[a]), sheet.parsed(&row.cells[b])) {
+            if let (Some(slip), Some(pull)) = (sheet.value(&row.cells[a]), sheet.value(&row.cells[b])) {
                 pairs.0.push(slip);
                 pairs.1.push(pull);
             }
