@@ -84,18 +84,11 @@ impl Evidence {
         Some(against(&self.of(ours)?.density, &self.of(theirs)?.density))
     }
 
-    /// Probabilities of "enough" and "something else", and of each effect being part of the explanation; not a number and none
-    /// where a set of effects was not tried or predicted.
-    pub fn probabilities(
-        &self,
-        search: &Search,
-        stage: &Stage,
-        prepared: &Prepared,
-    ) -> (Share, Option<BTreeMap<String, f64>>) {
+    /// Probabilities of all that competes; `None` where a set of effects was not tried or predicted.
+    pub fn probabilities(&self, search: &Search, stage: &Stage, prepared: &Prepared) -> Option<Probabilities> {
         let partial = |piece: &Untried| piece.unknown().is_some() || matches!(piece, Untried::LeftOut(_));
-        let unknown = (Share { enough: f64::NAN, other: f64::NAN }, None);
         if search.watch.stopped() || search.watch.untried().iter().any(partial) {
-            return unknown;
+            return None;
         }
         let measured = &search.problem.layout.measured;
         let difference: Vec<f64> = measured.iter().zip(&stage.modelled).map(|(y, m)| y - m).collect();
@@ -103,7 +96,7 @@ impl Evidence {
         let other = something_else(search.problem, &prepared.noise, &difference, base, &prepared.flexible, &self.folds);
         // A stop meanwhile.
         if other.is_none() && search.watch.stopped() {
-            return unknown;
+            return None;
         }
         let mut densities: Vec<&[f64]> = self.held.values().map(|held| held.density.as_slice()).collect();
         densities.extend(other.as_deref());
@@ -112,17 +105,37 @@ impl Evidence {
         let mut priors: Vec<f64> =
             self.held.keys().map(|set| if set.is_empty() { PRIOR_ENOUGH } else { each }).collect();
         priors.extend(other.as_ref().map(|_| PRIOR_OTHER));
-        let weights = weights(&densities, &priors);
-        let mut inclusion = BTreeMap::new();
-        let mut share = Share { enough: 0.0, other: if other.is_some() { weights[weights.len() - 1] } else { 0.0 } };
-        for (set, weight) in self.held.keys().zip(&weights) {
-            if set.is_empty() {
-                share.enough = *weight;
-            }
-            for id in set {
-                *inclusion.entry(id.clone()).or_insert(0.0) += weight;
-            }
-        }
-        (share, Some(inclusion))
+        let mut weights = weights(&densities, &priors);
+        let other = if other.is_some() { weights.pop().unwrap_or(0.0) } else { 0.0 };
+        let sets = self.held.keys().cloned().zip(weights).collect();
+        Some(Probabilities { sets, other })
+    }
+}
+
+/// Probabilities of the sets of effects that compete, and of "something else".
+pub(crate) struct Probabilities {
+    /// By set; the empty one is "the baseline is enough".
+    sets: BTreeMap<Vec<String>, f64>,
+    other: f64,
+}
+
+impl Probabilities {
+    /// Probabilities of "enough" and "something else".
+    pub fn share(&self) -> Share {
+        Share { enough: self.sets.get(&Vec::new()).copied().unwrap_or(0.0), other: self.other }
+    }
+
+    /// Probability that an effect is part of the explanation.
+    pub fn of(&self, id: &str) -> f64 {
+        self.sum(|set| set.iter().any(|own| own == id))
+    }
+
+    /// Probability that an effect is part of the explanation and another one is not.
+    pub fn without(&self, id: &str, absent: &str) -> f64 {
+        self.sum(|set| set.iter().any(|own| own == id) && !set.iter().any(|own| own == absent))
+    }
+
+    fn sum(&self, counts: impl Fn(&[String]) -> bool) -> f64 {
+        self.sets.iter().filter(|(set, _)| counts(set)).map(|(_, weight)| weight).sum()
     }
 }

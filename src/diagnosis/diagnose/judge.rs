@@ -3,19 +3,19 @@
 
 use super::bootstrap::p_value;
 use super::doubts::{Doubt, doubts};
-use super::evidence::Evidence;
+use super::evidence::{Evidence, Probabilities};
 use super::prepare::Prepared;
 use super::report_parts as parts;
 use super::search::Search;
 use super::stage::Stage;
-use super::verdict::{self, ALIKE, BETTER, Case, Judgement, NAMED};
+use super::verdict::{self, BETTER, Case, Judgement, NAMED};
 use crate::diagnosis::prediction::PredictionError;
 
 /// A rival is refitted in the place of an effect from this cosine of signatures.
 const WORTH_A_SWAP: f64 = 0.5;
 
-/// Probability above which a look-alike stays a rival, although it fits worse: where the true effect has another form than
-/// the library's, that form error can make a look-alike fit better by more than noise.
+/// Probability above which another explanation stays possible, although it fits worse: where the true effect has another form
+/// than the library's, that form error can make a wrong effect fit better by more than noise.
 const UNLIKELY: f64 = 1.0 - BETTER;
 
 /// A verdict and the set that it is about, in the order in which its effects were chosen.
@@ -77,7 +77,12 @@ fn judged(
     let imitates = |own: &String| {
         as_good.iter().any(|(other, _)| other == own) || verdict::is_imitation(search, stage, chosen, own)
     };
-    let rivals = rivals(search, stage, prepared, evidence, chosen, as_good.clone());
+    let mut rivals = rivals(search, evidence, chosen, as_good.clone());
+    let probabilities = evidence.probabilities(search, stage, prepared);
+    let improbable = probabilities.and_then(|probabilities| {
+        add_probable(&probabilities, stage, chosen, &mut rivals);
+        improbable(&probabilities, chosen, !rivals.is_empty())
+    });
     let better = evidence.better(chosen, &[]);
     let case = Case {
         effects: chosen,
@@ -88,6 +93,7 @@ fn judged(
         confirmed: better.is_some_and(|better| better > BETTER),
         without_priors: without_priors(search, stage, chosen),
         rivals,
+        improbable,
         doubts,
     };
     Ok(verdict::with_effects(&case))
@@ -114,17 +120,13 @@ fn candidates(stage: &Stage) -> Vec<String> {
 }
 
 /// Effects that could stand in the place of one of the set: those that fit about as well (`as_good`) where left-out data do
-/// not speak against them, those that left-out data make more probable, and those that look alike and keep more than the
-/// probability [`UNLIKELY`].
+/// not speak against them, and those that keep more than the probability [`UNLIKELY`] without it.
 fn rivals(
     search: &Search,
-    stage: &Stage,
-    prepared: &Prepared,
     evidence: &mut Evidence,
     chosen: &[String],
     as_good: Vec<(String, String)>,
 ) -> Vec<(String, String)> {
-    let all = candidates(stage);
     let mut rivals = as_good;
     let mut sets: Vec<Vec<String>> = rivals.iter().map(|(own, other)| verdict::swapped(chosen, own, other)).collect();
     sets.push(chosen.to_vec());
@@ -133,18 +135,30 @@ fn rivals(
         evidence.against(chosen, &verdict::swapped(chosen, own, other)).is_some_and(|ours| ours > BETTER)
     };
     rivals.retain(|pair| !told_apart(pair));
-    let (_, inclusion) = evidence.probabilities(search, stage, prepared);
-    let Some(inclusion) = inclusion else { return rivals };
-    let probability = |id: &String| inclusion.get(id).copied().unwrap_or(0.0);
-    let least = chosen.iter().min_by(|a, b| probability(a).total_cmp(&probability(b)));
-    for other in all.iter().filter(|id| !chosen.contains(id)) {
-        if rivals.iter().any(|(_, rival)| rival == other) {
-            continue;
-        }
-        let alike = chosen.iter().find(|own| stage.cosine(own, other) > ALIKE && probability(other) > UNLIKELY);
-        if let Some(own) = least.filter(|own| probability(other) > probability(own)).or(alike) {
-            rivals.push((own.clone(), other.clone()));
+    rivals
+}
+
+/// Adds those candidates to the rivals that keep more than the probability [`UNLIKELY`] without an effect of the set.
+fn add_probable(probabilities: &Probabilities, stage: &Stage, chosen: &[String], rivals: &mut Vec<(String, String)>) {
+    for other in candidates(stage).into_iter().filter(|id| !chosen.contains(id)) {
+        let without = |own: &&String| probabilities.without(&other, own);
+        let Some(own) = chosen.iter().max_by(|a, b| without(a).total_cmp(&without(b))) else { continue };
+        if without(&own) > UNLIKELY && !rivals.iter().any(|(_, rival)| *rival == other) {
+            rivals.push((own.clone(), other));
         }
     }
-    rivals
+}
+
+/// What speaks against naming a set of which an effect keeps less than the probability [`BETTER`] although no single rival
+/// is probable, or beside which the baseline alone or "something else" is.
+fn improbable(probabilities: &Probabilities, chosen: &[String], has_rivals: bool) -> Option<String> {
+    let least = chosen.iter().min_by(|a, b| probabilities.of(a).total_cmp(&probabilities.of(b)))?;
+    let (kept, share) = (probabilities.of(least), probabilities.share());
+    let elsewhere = share.enough.max(share.other) > UNLIKELY;
+    ((kept < BETTER && !has_rivals) || elsewhere).then(|| {
+        format!(
+            "{least} keeps {:.0} % of the probability, and a name needs {:.0} %; \"something else\" keeps {:.0} %, the baseline alone {:.0} %",
+            100.0 * kept, 100.0 * BETTER, 100.0 * share.other, 100.0 * share.enough,
+        )
+    })
 }

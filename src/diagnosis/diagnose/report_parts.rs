@@ -2,11 +2,11 @@
 
 use super::bootstrap::p_value;
 use super::engine::DiagnoseOptions;
-use super::evidence::Evidence;
+use super::evidence::{Evidence, Probabilities};
 use super::held_out::held_out;
 use super::prepare::Prepared;
 use super::profile::profiles;
-use super::result::{CandidateResult, Diagnosis, LackOfFit, PairResult, ParameterResult, Step};
+use super::result::{CandidateResult, Diagnosis, LackOfFit, PairResult, ParameterResult, Share, Step};
 use super::search::Search;
 use super::stage::Stage;
 use super::untried::lines;
@@ -21,7 +21,6 @@ use crate::diagnosis::linear_algebra::norm;
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::separate::{Question, Suggestion, suggest};
 use crate::diagnosis::weighted::Weighted;
-use std::collections::BTreeMap;
 
 /// Whitened size, in standard deviations, from which an effect would be found: 80 % power at p = 0.01 corrected for the
 /// number of candidates.
@@ -78,8 +77,9 @@ pub(crate) fn assemble(
     let Inputs { search, stage, prepared, .. } = inputs;
     let problem = search.problem;
     let steps = steps(inputs, chosen)?;
-    let (share, inclusion) = inputs.evidence.probabilities(search, stage, prepared);
-    let mut candidates = candidates(inputs, &judgement, inclusion.as_ref())?;
+    let probabilities = inputs.evidence.probabilities(search, stage, prepared);
+    let share = probabilities.as_ref().map_or(Share { enough: f64::NAN, other: f64::NAN }, Probabilities::share);
+    let mut candidates = candidates(inputs, &judgement, probabilities.as_ref())?;
     candidates.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(b.gain.total_cmp(&a.gain)));
     let misfit = misfit(stage);
     let last = &steps[steps.len() - 1];
@@ -216,11 +216,10 @@ fn parameters(base: usize, fit: &Calibration) -> Vec<ParameterResult> {
 fn candidates(
     inputs: &Inputs,
     judgement: &Judgement,
-    inclusion: Option<&BTreeMap<String, f64>>,
+    probabilities: Option<&Probabilities>,
 ) -> Result<Vec<CandidateResult>, CompareError> {
     let Inputs { search, stage, .. } = inputs;
     let baseline = inputs.evidence.of(&[]);
-    let unlisted = if inclusion.is_none() { f64::NAN } else { 0.0 };
     let mut all = Vec::new();
     for (k, signature) in stage.sensitivities.signatures.iter().enumerate() {
         let set = vec![signature.id.clone()];
@@ -237,7 +236,7 @@ fn candidates(
         let of_effect =
             |fit: &Calibration| parameters(search.problem.base.len(), fit).split_off(search.problem.base.len());
         all.push(CandidateResult {
-            probability: inclusion.and_then(|known| known.get(&signature.id)).copied().unwrap_or(unlisted),
+            probability: probabilities.map_or(f64::NAN, |known| known.of(&signature.id)),
             tied: judgement.tied.contains(&signature.id),
             heldout_gain: held.map(|(own, base)| own.density.iter().sum::<f64>() - base.density.iter().sum::<f64>()),
             better: inputs.evidence.better(&set, &[]),

@@ -152,6 +152,8 @@ pub(crate) struct Case<'a> {
     pub confirmed: bool,
     /// Whether the naming holds with the priors all but removed; `None` without priors.
     pub without_priors: Option<bool>,
+    /// Why the probabilities do not allow the name, where they do not.
+    pub improbable: Option<String>,
     pub doubts: &'a [Doubt],
 }
 
@@ -215,6 +217,7 @@ fn against(case: &Case) -> Vec<String> {
         };
         cautions.push(why.to_owned());
     }
+    cautions.extend(case.improbable.clone());
     cautions
 }
 
