@@ -30,10 +30,11 @@ impl Checker<'_> {
             let message = format!("only a `traverse` run has `{key}`; this is a `{kind}`");
             Err(self.place.error(key, at, message))
         };
-        match (self.kind, &run.terrain, &run.x0) {
-            (Kind::SingleWheel, Some(terrain), _) => only_traverse("terrain", terrain.span().start)?,
-            (Kind::SingleWheel, None, Some(x0)) => only_traverse("x0", x0.span().start)?,
-            _ => {}
+        match (&run.terrain, &run.x0) {
+            _ if self.kind.format().has_course() => {}
+            (Some(terrain), _) => only_traverse("terrain", terrain.span().start)?,
+            (None, Some(x0)) => only_traverse("x0", x0.span().start)?,
+            (None, None) => {}
         }
         let mut inputs = file.inputs.clone();
         inputs.extend(run.inputs.clone());
@@ -75,7 +76,7 @@ impl Checker<'_> {
     }
 
     fn signal(&self, name: &str) -> Option<Unit> {
-        vocabulary::signal_unit(self.kind, name)
+        self.kind.format().signal_unit(name)
     }
 
     fn unknown_signal(&self, key: &str, at: usize, name: &str) -> ExperimentError {

@@ -31,14 +31,6 @@ impl Kind {
             Self::Traverse => "traverse",
         }
     }
-
-    /// Fewest rows of a run: a steady point stands for itself, a time series needs some to be one.
-    pub(super) fn least_rows(self) -> usize {
-        match self {
-            Self::SingleWheel => 1,
-            Self::Traverse => 10,
-        }
-    }
 }
 
 /// What a separate test says of a parameter: a normal distribution.

@@ -121,7 +121,7 @@ impl Target {
                 let factor = parameter_factor(name, table.unit.as_deref(), effects)?;
                 Ok(Self::Parameter(name.clone(), table.scale(Factor::Fixed(factor))?))
             }
-            (None, None, true, false) if kind == Kind::Traverse => Ok(Self::TimeStamp),
+            (None, None, true, false) if kind.format().has_course() => Ok(Self::TimeStamp),
             (None, None, true, false) => Err("only a `traverse` has time".to_owned()),
             (None, None, false, true) => Ok(Self::Run),
             _ => {
@@ -135,7 +135,7 @@ impl Target {
 impl ColumnTable {
     fn signal(&self, signal: &str, kind: Kind) -> Result<Target, String> {
         let names = self.names(signal, kind)?;
-        let unit = names.first().and_then(|name| vocabulary::signal_unit(kind, name)).unwrap_or(Unit::ONE);
+        let unit = names.first().and_then(|name| kind.format().signal_unit(name)).unwrap_or(Unit::ONE);
         let scale = self.scale(Factor::of_signal(unit, self.unit.as_deref())?)?;
         Ok(Target::Signals(names, scale))
     }
@@ -155,19 +155,17 @@ impl ColumnTable {
     /// Names of the signals that the column gives.
     fn names(&self, signal: &str, kind: Kind) -> Result<Vec<String>, String> {
         let Some(wheels) = &self.wheels else {
-            return match vocabulary::signal_unit(kind, signal) {
+            return match kind.format().signal_unit(signal) {
                 Some(_) => Ok(vec![signal.to_owned()]),
-                None if vocabulary::signal_unit(kind, &of_wheel(&[1], signal)).is_some() => {
+                None if kind.format().signal_unit(&of_wheel(&[1], signal)).is_some() => {
                     Err(format!("`{signal}` belongs to a wheel: write `wheel[1].{signal}`, or give `wheels = [..]`"))
                 }
                 None => Err(unknown(signal, kind)),
             };
         };
-        if vocabulary::signal_unit(kind, &of_wheel(&[1], signal)).is_none() {
-            return Err(match kind {
-                Kind::SingleWheel => "a `single_wheel` experiment has one wheel; leave `wheels` out".to_owned(),
-                Kind::Traverse => unknown(&of_wheel(&[1], signal), kind),
-            });
+        if kind.format().signal_unit(&of_wheel(&[1], signal)).is_none() {
+            let none = kind.format().no_wheels().map(str::to_owned);
+            return Err(none.unwrap_or_else(|| unknown(&of_wheel(&[1], signal), kind)));
         }
         let mut sorted = wheels.clone();
         sorted.sort_unstable();
@@ -178,7 +176,7 @@ impl ColumnTable {
         let sum = of_wheel(&sorted, signal);
         if signal.ends_with("command") {
             Ok(sorted.iter().map(|wheel| of_wheel(&[*wheel], signal)).collect())
-        } else if vocabulary::signal_unit(kind, &sum).is_some() {
+        } else if kind.format().signal_unit(&sum).is_some() {
             Ok(vec![sum])
         } else {
             Err(format!(
@@ -197,6 +195,6 @@ fn of_wheel(wheels: &[usize], field: &str) -> String {
 fn unknown(signal: &str, kind: Kind) -> String {
     let near = vocabulary::alike(kind, signal);
     let near = if near.is_empty() { String::new() } else { format!("did you mean {}? ", near.join(", ")) };
-    let known = vocabulary::signal_names(kind).join(", ");
+    let known = kind.format().signal_names().join(", ");
     format!("`{signal}` is no signal of a `{}` experiment; {near}known are {known}", kind.name())
 }

@@ -26,6 +26,8 @@
 //! text (`dialect`, `sheet`) → which column is what (`mapping`, `recognise`) → rows that count and the runs that they form
 //! (`filter`, `convert`) → SI values (`grid`, `derive`) → checks by the physics (`columns`, `suspicion`) → [`Run`].
 //!
+//! What the files of one kind of experiment hold stands in `kinds`.
+//!
 //! A [`Proposal`] is a folder for files whose columns are not mapped yet.
 //!
 //! [`Experiment::write`] makes such a folder, also of an experiment that is only planned: measured columns are empty there,
@@ -45,6 +47,7 @@ mod files;
 mod filter;
 mod grid;
 mod import;
+mod kinds;
 mod mapping;
 mod reading;
 mod recognise;

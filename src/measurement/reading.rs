@@ -1,6 +1,6 @@
 //! Reading the runs of an experiment from its files.
 
-use super::columns::{Use, known, under_load};
+use super::columns::Use;
 use super::convert::{Part, conditions, grid, parts};
 use super::derive::{derive, derived_names};
 use super::dialect::Dialect;
@@ -77,8 +77,8 @@ fn read_file(
     let all: Vec<String> = given.into_iter().chain(constants).chain(time).collect();
     check_inputs(sheet, settings.kind, &derived_names(&all))?;
     let rows = admitted(sheet, &run.filters)?;
-    if rows.len() < settings.kind.least_rows() {
-        return Err(sheet.error(Problem::TooFewRows { found: rows.len(), needed: settings.kind.least_rows() }));
+    if rows.len() < settings.kind.format().least_rows() {
+        return Err(sheet.error(Problem::TooFewRows { found: rows.len(), needed: settings.kind.format().least_rows() }));
     }
     let parts = parts(sheet, &columns, &rows, run)?;
     let several = parts.len() > 1;
@@ -133,11 +133,11 @@ fn checked(
     doubts: &mut Doubts,
 ) -> Result<(Table, Used), ExperimentError> {
     let assumed = radius.unwrap_or(Wheel::<f64>::default().radius);
-    if grid.lines.len() < kind.least_rows() {
-        return Err(grid.error(Problem::TooFewRows { found: grid.lines.len(), needed: kind.least_rows() }));
+    if grid.lines.len() < kind.format().least_rows() {
+        return Err(grid.error(Problem::TooFewRows { found: grid.lines.len(), needed: kind.format().least_rows() }));
     }
     let use_of = |grid: &mut Grid| {
-        let known = known(kind, &grid.names(), assumed);
+        let known = kind.format().columns(&grid.names(), assumed);
         for column in &mut grid.columns {
             let found = known.iter().find(|known| known.name == column.name);
             column.used = found.map_or(column.used, |known| known.used);
@@ -151,9 +151,7 @@ fn checked(
     let known = use_of(&mut grid);
     grid.check_limits(&known)?;
     check_time(&grid)?;
-    if kind == Kind::SingleWheel {
-        check_forces(&grid, assumed)?;
-    }
+    kind.format().check_rows(&grid, assumed)?;
     suspicion::look(kind, &grid, radius, width, doubts)?;
     let named = |used: Use| grid.columns.iter().filter(move |column| column.used == used);
     let inputs = named(Use::Input).map(|column| column.name.clone()).collect();
@@ -167,37 +165,21 @@ fn checked(
     Ok((grid.table()?, Used { inputs, measured }))
 }
 
-/// Fails where a required column is missing, or where a traverse mixes the two kinds of command. `names` are those of
+/// Fails where a required column is missing, or where commands do not go together. `names` are those of
 /// all signals, derived ones included.
 fn check_inputs(sheet: &Sheet, kind: Kind, names: &[String]) -> Result<(), ExperimentError> {
-    let missing = |name: &str, instead: &'static str| {
-        let problem = Problem::MissingColumn { kind: kind.name(), instead, found: sheet.header.join(", ") };
-        Err(sheet.error(problem).at_line(sheet.header_line).at_column(name))
-    };
-    let required: &[(&str, &str)] = match kind {
-        Kind::SingleWheel => &[
-            ("load", ", or a number under [inputs]"),
-            ("slip", ", or `carriage_speed` beside `wheel_speed` or `rim_speed`, or a number under [inputs]"),
-            ("wheel_speed", ", or `rim_speed`, or `carriage_speed` beside `slip`, or a number under [inputs]"),
-        ],
-        Kind::Traverse => &[("time", ", or a column with `time_stamp = true` under [columns]")],
-    };
-    if let Some((name, instead)) = required.iter().find(|(name, _)| !names.iter().any(|own| own == name)) {
-        return missing(name, instead);
+    if let Some((name, instead)) =
+        kind.format().required().iter().find(|(name, _)| !names.iter().any(|own| own == name))
+    {
+        return Err(missing_column(sheet, kind, name, instead));
     }
-    if kind == Kind::Traverse {
-        let commands = |what: &str| names.iter().filter(|n| n.ends_with(what)).count();
-        let (speeds, torques) = (commands(".speed_command"), commands(".torque_command"));
-        if speeds + torques == 0 {
-            return missing("wheel[1].speed_command", " or `wheel[1].torque_command`");
-        }
-        if speeds > 0 && torques > 0 {
-            return Err(sheet
-                .error(Problem::Header("speed and torque commands in one run; give one of them"))
-                .at_line(sheet.header_line));
-        }
-    }
-    Ok(())
+    kind.format().check_commands(sheet, names)
+}
+
+/// The error of a column that must be there.
+pub(super) fn missing_column(sheet: &Sheet, kind: Kind, name: &str, instead: &'static str) -> ExperimentError {
+    let problem = Problem::MissingColumn { kind: kind.name(), instead, found: sheet.header.join(", ") };
+    sheet.error(problem).at_line(sheet.header_line).at_column(name)
 }
 
 fn check_time(grid: &Grid) -> Result<(), ExperimentError> {
@@ -206,21 +188,6 @@ fn check_time(grid: &Grid) -> Result<(), ExperimentError> {
         if pair[1] <= pair[0] {
             let problem = Problem::TimeOrder { time: pair[1], previous: pair[0] };
             return Err(grid.error_at(k + 1, time, problem));
-        }
-    }
-    Ok(())
-}
-
-fn check_forces(grid: &Grid, radius: f64) -> Result<(), ExperimentError> {
-    let Some(load) = grid.values("load") else { return Ok(()) };
-    for (row, load) in load.iter().enumerate() {
-        for name in ["drawbar_pull", "torque"] {
-            let (Some(column), Some(limits)) = (grid.column(name), under_load(name, *load, radius)) else { continue };
-            let value = column.values[row];
-            if !value.is_nan() && !limits.allow(value) {
-                let expected = limits.expected(&column.source, name);
-                return Err(grid.error_at(row, column, Problem::Implausible { value, expected }));
-            }
         }
     }
     Ok(())

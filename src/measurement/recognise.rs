@@ -7,8 +7,8 @@ use super::experiment::Kind;
 use super::mapping::{Factor, Scale, Target};
 use super::settings::{RunSettings, Settings};
 use super::sheet::Sheet;
-use super::vocabulary::{alike, signal_unit};
-use super::{columns, suggestion};
+use super::suggestion;
+use super::vocabulary::alike;
 use bekker_modeldescription::Unit;
 
 /// A column of a file and what it becomes.
@@ -35,7 +35,7 @@ pub(super) fn recognised(
             found.push(Recognised { position, target: target.clone() });
         } else if settings.ignore.contains(name) {
             continue;
-        } else if signal_unit(settings.kind, name).is_some() {
+        } else if settings.kind.format().signal_unit(name).is_some() {
             found.push(Recognised { position, target: Target::Signals(vec![name.clone()], Scale::si()) });
         } else if !settings.ignores(name) && run.filters.iter().all(|filter| filter.column != *name) {
             unknown.push((position, name));
@@ -44,7 +44,7 @@ pub(super) fn recognised(
     let known: Vec<String> = {
         let mut signals: Vec<String> = found.iter().flat_map(|column| names(&column.target)).cloned().collect();
         signals.extend(run.inputs.iter().map(|(name, ..)| name.clone()));
-        columns::known(settings.kind, &signals, 1.0).into_iter().map(|column| column.name).collect()
+        settings.kind.format().columns(&signals, 1.0).into_iter().map(|column| column.name).collect()
     };
     // A signal of a wheel that no command names.
     let beyond = |column: &&Recognised| names(&column.target).iter().any(|name| !known.contains(name));
@@ -95,7 +95,7 @@ fn check_unit(sheet: &Sheet, kind: Kind, column: &Recognised, doubts: &mut Doubt
     let in_row = sheet.units.get(column.position).cloned().filter(|unit| !unit.is_empty());
     let Some(found) = in_row.or_else(|| suggestion::bracketed(name)) else { return Ok(()) };
     let (Some(signal), true) = (signals.first(), Unit::spelled(&found).is_some()) else { return Ok(()) };
-    let Some(unit) = signal_unit(kind, signal) else { return Ok(()) };
+    let Some(unit) = kind.format().signal_unit(signal) else { return Ok(()) };
     // Multipliers are the user's own business: a unit may be part of them.
     if scale.multiplier.abs() != 1.0 {
         return Ok(());

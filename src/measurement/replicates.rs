@@ -1,7 +1,7 @@
 //! Which samples repeat each other.
 
 use super::error::{ExperimentError, Problem};
-use super::experiment::{Experiment, Kind, Run};
+use super::experiment::{Experiment, Run};
 use std::collections::BTreeMap;
 
 /// Inputs of repeats in a group may differ by this share of the input's range over the experiment: rigs hold a load
@@ -68,12 +68,12 @@ impl Experiment {
                 return Err(refuse(run, message));
             }
         }
-        // Commands of a traverse may come from a feedback loop and differ; set-points of a carriage may not.
-        if self.kind == Kind::SingleWheel { self.check_inputs_of_repeats() } else { Ok(()) }
+        self.kind.format().check_repeats(self)
     }
 
-    fn check_inputs_of_repeats(&self) -> Result<(), ExperimentError> {
-        for name in ["load", "slip", "wheel_speed"] {
+    /// Fails where one of these inputs differs within a set of repeats by more than rigs hold it.
+    pub(super) fn check_inputs_of_repeats(&self, inputs: &[&str]) -> Result<(), ExperimentError> {
+        for name in inputs {
             let all = self.runs.iter().flat_map(|run| run.data.column(name).unwrap_or_default());
             let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
             for set in self.replicates().iter().filter(|set| self.runs[set[0].run].conditions.is_empty()) {

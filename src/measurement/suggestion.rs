@@ -2,7 +2,7 @@
 
 use super::columns::quoted;
 use super::experiment::Kind;
-use super::vocabulary::{parameter, signal_unit};
+use super::vocabulary::parameter;
 use bekker_modeldescription::Unit;
 
 /// What a name is likely to mean.
@@ -23,106 +23,21 @@ pub(super) enum Suggested {
 }
 
 /// All of the words must be in the name.
-struct Rule {
+pub(super) struct Rule {
     words: &'static [&'static str],
     meaning: &'static str,
     sure: bool,
 }
 
-const fn sure(words: &'static [&'static str], meaning: &'static str) -> Rule {
+/// A rule whose words say it.
+pub(super) const fn sure(words: &'static [&'static str], meaning: &'static str) -> Rule {
     Rule { words, meaning, sure: true }
 }
 
-const fn maybe(words: &'static [&'static str], meaning: &'static str) -> Rule {
+/// A rule that is a guess.
+pub(super) const fn maybe(words: &'static [&'static str], meaning: &'static str) -> Rule {
     Rule { words, meaning, sure: false }
 }
-
-const SINGLE_WHEEL: &[Rule] = &[
-    sure(&["drawbar"], "drawbar_pull"),
-    sure(&["drawbar", "pull"], "drawbar_pull"),
-    maybe(&["dp"], "drawbar_pull"),
-    maybe(&["fx"], "drawbar_pull"),
-    maybe(&["pull"], "drawbar_pull"),
-    maybe(&["traction"], "drawbar_pull"),
-    sure(&["load"], "load"),
-    sure(&["vertical", "load"], "load"),
-    sure(&["normal", "force"], "load"),
-    sure(&["vertical", "force"], "load"),
-    maybe(&["weight"], "load"),
-    maybe(&["fz"], "load"),
-    maybe(&["fn"], "load"),
-    maybe(&["w"], "load"),
-    sure(&["sinkage"], "sinkage"),
-    maybe(&["sink"], "sinkage"),
-    maybe(&["depth"], "sinkage"),
-    maybe(&["z"], "sinkage"),
-    sure(&["slip"], "slip"),
-    sure(&["slip", "ratio"], "slip"),
-    maybe(&["i"], "slip"),
-    maybe(&["s"], "slip"),
-    sure(&["torque"], "torque"),
-    maybe(&["moment"], "torque"),
-    maybe(&["my"], "torque"),
-    maybe(&["t"], "torque"),
-    sure(&["wheel", "speed"], "wheel_speed"),
-    sure(&["angular", "velocity"], "wheel_speed"),
-    sure(&["angular", "speed"], "wheel_speed"),
-    sure(&["omega"], "wheel_speed"),
-    sure(&["rpm"], "wheel_speed"),
-    sure(&["rim", "speed"], "rim_speed"),
-    maybe(&["circumferential"], "rim_speed"),
-    maybe(&["vr"], "rim_speed"),
-    sure(&["carriage", "speed"], "carriage_speed"),
-    sure(&["carriage", "velocity"], "carriage_speed"),
-    maybe(&["forward", "speed"], "carriage_speed"),
-    maybe(&["forward", "velocity"], "carriage_speed"),
-    maybe(&["travel", "speed"], "carriage_speed"),
-    maybe(&["velocity"], "carriage_speed"),
-    maybe(&["vx"], "carriage_speed"),
-    maybe(&["v"], "carriage_speed"),
-    sure(&["condition"], "condition"),
-];
-
-const TRAVERSE: &[Rule] = &[
-    sure(&["time"], "time"),
-    sure(&["timestamp"], "time"),
-    maybe(&["stamp"], "time"),
-    maybe(&["t"], "time"),
-    sure(&["pitch"], "pitch"),
-    sure(&["pitch", "rate"], "pitch_rate"),
-    sure(&["gyro", "pitch"], "pitch_rate"),
-    maybe(&["x"], "x"),
-    maybe(&["z"], "z"),
-    maybe(&["height"], "z"),
-    maybe(&["altitude"], "z"),
-    sure(&["velocity"], "velocity"),
-    maybe(&["speed"], "velocity"),
-    maybe(&["v"], "velocity"),
-    sure(&["power"], "electrical_power"),
-    sure(&["wheel", "speed"], "speed"),
-    sure(&["omega"], "speed"),
-    sure(&["rpm"], "speed"),
-    maybe(&["encoder"], "speed"),
-    maybe(&["wheel", "left"], "speed"),
-    maybe(&["wheel", "right"], "speed"),
-    sure(&["rim", "speed"], "rim_speed"),
-    sure(&["torque"], "torque"),
-    sure(&["current"], "current"),
-    maybe(&["amps"], "current"),
-    maybe(&["i"], "current"),
-    sure(&["slip"], "slip"),
-    sure(&["sinkage"], "sinkage"),
-    sure(&["speed", "command"], "speed_command"),
-    sure(&["wheel", "speed", "command"], "speed_command"),
-    sure(&["velocity", "command"], "rim_speed_command"),
-    sure(&["rim", "speed", "command"], "rim_speed_command"),
-    sure(&["torque", "command"], "torque_command"),
-    maybe(&["speed", "cmd"], "speed_command"),
-    maybe(&["wheel", "speed", "cmd"], "speed_command"),
-    maybe(&["torque", "cmd"], "torque_command"),
-    maybe(&["command"], "speed_command"),
-    maybe(&["cmd"], "speed_command"),
-];
 
 const PARAMETERS: &[Rule] = &[
     sure(&["wheel", "radius"], "wheel.radius"),
@@ -152,8 +67,7 @@ pub(super) fn of(kind: Kind, name: &str) -> Option<Suggestion> {
     if words.len() > 1 && words[0] == "s" {
         return None;
     }
-    let rules = if kind == Kind::SingleWheel { SINGLE_WHEEL } else { TRAVERSE };
-    let signal = best(rules, &words).map(|rule| (rule, false));
+    let signal = best(kind.format().rules(), &words).map(|rule| (rule, false));
     let parameter = best(PARAMETERS, &words).map(|rule| (rule, true));
     // A parameter takes more words than a signal, or is none.
     let (rule, is_parameter) = match (signal, parameter) {
@@ -177,11 +91,11 @@ pub(super) fn line(kind: Kind, name: &str) -> Option<String> {
     let unit = suggestion.unit.map_or_else(String::new, |unit| format!(", unit = {}", quoted(&unit)));
     Some(match suggestion.target {
         Suggested::Parameter(parameter) => format!("{} = {{ parameter = \"{parameter}\"{unit} }}", quoted(name)),
-        Suggested::Signal(signal) if unit.is_empty() && signal_unit(kind, &signal).is_some() => {
+        Suggested::Signal(signal) if unit.is_empty() && kind.format().signal_unit(&signal).is_some() => {
             format!("{} = \"{signal}\"", quoted(name))
         }
         Suggested::Signal(signal) => {
-            let wheels = if signal_unit(kind, &signal).is_none() { ", wheels = [..]" } else { "" };
+            let wheels = if kind.format().signal_unit(&signal).is_none() { ", wheels = [..]" } else { "" };
             format!("{} = {{ signal = \"{signal}\"{wheels}{unit} }}", quoted(name))
         }
     })
@@ -192,7 +106,7 @@ pub(super) fn unit_of(kind: Kind, meaning: &str, is_parameter: bool) -> Option<U
     if is_parameter {
         return parameter(meaning, &[]).ok().map(|variable| variable.unit);
     }
-    signal_unit(kind, meaning).or_else(|| signal_unit(kind, &format!("wheel[1].{meaning}")))
+    kind.format().signal_unit(meaning).or_else(|| kind.format().signal_unit(&format!("wheel[1].{meaning}")))
 }
 
 /// The unit in brackets at the end of a column's name.
@@ -253,7 +167,7 @@ fn suffix(unit: &Unit, words: &[String], rule: &Rule) -> Option<String> {
 
 /// A signal of a wheel by its full name where the column's name has a number: `I_2` is the current of wheel 2.
 fn of_wheel(kind: Kind, meaning: &str, name: &str) -> String {
-    let wheel = signal_unit(kind, meaning).is_none();
+    let wheel = kind.format().signal_unit(meaning).is_none();
     let number = words(name).iter().find_map(|word| word.parse::<usize>().ok()).filter(|number| *number > 0);
     match number.filter(|_| wheel) {
         Some(number) => format!("wheel[{number}].{meaning}"),

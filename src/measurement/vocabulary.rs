@@ -3,15 +3,11 @@
 use super::experiment::Kind;
 use crate::effects::EffectDefinition;
 use crate::model::Model;
-use crate::signals::{BodySignals, LinkSignals, WheelSignals};
 use bekker_modeldescription::{Lookup, Role, Unit, Variable, nearest};
 use std::borrow::Cow;
 
 /// The built-in model with the most parts: its parameters, with any number in brackets, are all there are.
 const LARGEST: &str = "rocker_bogie_speed";
-
-/// Signals of single wheels that may be recorded as one sum over several of them, say the current of one motor driver.
-const SUMMED: [&str; 4] = ["current", "torque", "normal_force", "drawbar_pull"];
 
 /// Description of a parameter, by its name; a number in brackets may be any.
 ///
@@ -57,34 +53,8 @@ fn unnumbered(name: &str) -> String {
     name.chars().filter(kept).collect()
 }
 
-/// What a signal or input is measured in; `None` for a name that an experiment of this kind does not have.
-pub(super) fn signal_unit(kind: Kind, name: &str) -> Option<Unit> {
-    match kind {
-        Kind::SingleWheel => Some(match name {
-            "load" | "drawbar_pull" => Unit::NEWTON,
-            "torque" => Unit::NEWTON_METRE,
-            "slip" | "condition" => Unit::ONE,
-            "sinkage" => Unit::METRE,
-            "wheel_speed" => Unit::RADIAN_PER_SECOND,
-            "carriage_speed" | "rim_speed" => Unit::METRE_PER_SECOND,
-            _ => return None,
-        }),
-        Kind::Traverse => match (name, numbered(name)) {
-            ("time", _) => Some(Unit::SECOND),
-            (_, Some(("wheel", "rim_speed" | "rim_speed_command", _))) => Some(Unit::METRE_PER_SECOND),
-            (_, Some(("wheel", "speed_command", _))) => Some(Unit::RADIAN_PER_SECOND),
-            (_, Some(("wheel", "torque_command", _))) => Some(Unit::NEWTON_METRE),
-            (_, Some(("wheel", field, wheels))) if wheels.len() == 1 || SUMMED.contains(&field) => {
-                unit_in(WheelSignals::default(), field)
-            }
-            (_, Some(("link", field, links))) if links.len() == 1 => unit_in(LinkSignals::default(), field),
-            (_, None) => unit_in(BodySignals::default(), name),
-            _ => None,
-        },
-    }
-}
-
-fn unit_in(mut group: impl Lookup, field: &str) -> Option<Unit> {
+/// The unit of a field of a group of signals.
+pub(super) fn unit_in(mut group: impl Lookup, field: &str) -> Option<Unit> {
     group.list().into_iter().find(|(variable, _)| variable.name == field).map(|(variable, _)| variable.unit)
 }
 
@@ -108,37 +78,8 @@ pub fn summands(name: &str) -> Vec<String> {
     }
 }
 
-/// Names that an experiment of this kind may have, a rover's with `k` for the number.
-pub(super) fn signal_names(kind: Kind) -> Vec<String> {
-    let plain = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
-    match kind {
-        Kind::SingleWheel => plain(&[
-            "load",
-            "slip",
-            "wheel_speed",
-            "drawbar_pull",
-            "torque",
-            "sinkage",
-            "condition",
-            "carriage_speed",
-            "rim_speed",
-        ]),
-        Kind::Traverse => {
-            let mut names = plain(&["time", "wheel[k].speed_command", "wheel[k].torque_command"]);
-            names.extend(BodySignals::default().list().into_iter().map(|(variable, _)| variable.name));
-            let fields = |part: &str, list: Vec<(Variable, f64)>| {
-                list.into_iter().map(|(variable, _)| format!("{part}[k].{}", variable.name)).collect::<Vec<_>>()
-            };
-            names.extend(fields("wheel", WheelSignals::default().list()));
-            names.extend(plain(&["wheel[k].rim_speed", "wheel[k].rim_speed_command"]));
-            names.extend(fields("link", LinkSignals::default().list()));
-            names
-        }
-    }
-}
-
 /// Names of an experiment of this kind that look like `name`.
 pub(super) fn alike(kind: Kind, name: &str) -> Vec<String> {
     let number = numbered(name).and_then(|(_, _, numbers)| numbers.first().copied()).unwrap_or(1);
-    nearest(name, signal_names(kind).into_iter().map(|known| known.replace("[k]", &format!("[{number}]"))))
+    nearest(name, kind.format().signal_names().into_iter().map(|known| known.replace("[k]", &format!("[{number}]"))))
 }

@@ -7,7 +7,7 @@ use super::plots::{Condition, Model, Samples, View, residuals};
 use super::units::{digits, of_column, of_unit, short, spoken};
 use super::words::{sentence, source, summary, what_was_measured};
 use crate::diagnosis::{Calibration, Comparison, Failure, UnansweredRows};
-use crate::measurement::Kind;
+use crate::report::kinds::of;
 use plotly::common::DashType;
 
 /// Sentences on where the model fails.
@@ -115,7 +115,8 @@ fn add_failures(page: &mut Page, comparison: &Comparison) {
     page.html(&if items.is_empty() { nothing } else { format!("<ul>{items}</ul>") });
     for signal in comparison.experiment.signals() {
         let floor = comparison.noise_floor.get(&signal).and_then(|floor| floor.value());
-        let plots: Vec<_> = residual_conditions(comparison.experiment.kind)
+        let plots: Vec<_> = of(&comparison.experiment)
+            .residual_conditions()
             .iter()
             .filter(|condition| **condition != signal)
             .filter_map(|condition| {
@@ -128,14 +129,6 @@ fn add_failures(page: &mut Page, comparison: &Comparison) {
         if !plots.is_empty() {
             page.plots(&plots);
         }
-    }
-}
-
-/// Columns against which residuals are drawn.
-fn residual_conditions(kind: Kind) -> &'static [&'static str] {
-    match kind {
-        Kind::SingleWheel => &["slip", "load", "wheel_speed"],
-        Kind::Traverse => &["time", "x", "pitch"],
     }
 }
 

@@ -1,8 +1,9 @@
 //! Where the model fails, in words computed from the numbers.
 
+use super::kinds::of;
 use super::units::{digits, of_column, spoken};
 use crate::diagnosis::{Comparison, Failure, FloorSource, NoiseFloor};
-use crate::measurement::{Experiment, Kind};
+use crate::measurement::Experiment;
 use std::collections::BTreeMap;
 
 /// An error up to this multiple of the noise floor passes for noise: the floor itself is known to some 10 %.
@@ -11,10 +12,7 @@ pub(super) const NOISE_ONLY: f64 = 1.15;
 /// What was done, in one sentence.
 pub(super) fn what_was_measured(experiment: &Experiment) -> String {
     let rows: usize = experiment.runs.iter().map(|run| run.data.rows()).sum();
-    let what = match experiment.kind {
-        Kind::SingleWheel => "A wheel on a carriage, every row a steady point",
-        Kind::Traverse => "A rover on a profile, its commands replayed through the model",
-    };
+    let what = of(experiment).what();
     let sets = experiment.replicates();
     let repeats = if sets.is_empty() {
         "nothing was repeated".to_owned()

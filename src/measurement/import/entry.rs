@@ -4,7 +4,7 @@ use super::super::columns::quoted;
 
 /// What a column becomes, and why.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Entry {
+pub(in crate::measurement) struct Entry {
     pub target: To,
     /// Its unit; `None` for SI.
     pub unit: Option<String>,
@@ -14,7 +14,7 @@ pub(super) struct Entry {
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum To {
+pub(in crate::measurement) enum To {
     Signal(String),
     /// A field of these wheels.
     Wheels(String, Vec<usize>),

@@ -14,9 +14,12 @@ use super::error::ExperimentError;
 use super::experiment::{Experiment, Kind};
 use super::files::SETTINGS;
 use super::write::WriteError;
-use entry::Entry;
 use std::path::{Path, PathBuf};
-use survey::Survey;
+
+pub(super) use entry::{Entry, To};
+pub(super) use ranges::falls;
+pub(super) use survey::{FoundColumn, Survey};
+pub(super) use wheels::{USUAL_WHEELS, other_side, right_side};
 
 /// A folder that is not written yet.
 #[derive(Clone, Debug)]
@@ -101,9 +104,9 @@ impl Proposal {
 }
 
 /// What becomes of all columns.
-struct Plan {
-    entries: Vec<(String, Entry)>,
-    ignored: Vec<(String, String)>,
-    unsure: Vec<String>,
-    missing: Vec<String>,
+pub(super) struct Plan {
+    pub entries: Vec<(String, Entry)>,
+    pub ignored: Vec<(String, String)>,
+    pub unsure: Vec<String>,
+    pub missing: Vec<String>,
 }

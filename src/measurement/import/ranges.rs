@@ -22,22 +22,17 @@ impl Sizes {
 pub(super) fn unit(kind: Kind, signal: &str, values: &[f64]) -> Option<&'static str> {
     let field = signal.rsplit('.').next().unwrap_or(signal);
     let Sizes { largest, typical } = Sizes::of(values);
-    match (kind, field) {
+    match field {
         // A slip is within -1 .. 1; noise may carry it a little beyond.
-        (_, "slip") => (largest > 1.5).then_some("%"),
+        "slip" => (largest > 1.5).then_some("%"),
         // Wheels sink by millimetres to centimetres.
-        (_, "sinkage") => (typical > 0.5).then_some("mm"),
+        "sinkage" => (typical > 0.5).then_some("mm"),
         // Beyond 86 degrees a rover has fallen over.
-        (_, "pitch" | "contact_angle" | "angle") => (largest > 1.5).then_some("deg"),
-        // Carriages move at centimetres a second, rovers at a metre a second.
-        (Kind::SingleWheel, "carriage_speed" | "rim_speed") => (largest > 2.0).then_some("mm/s"),
-        (Kind::Traverse, "velocity" | "rim_speed" | "rim_speed_command") => (largest > 20.0).then_some("mm/s"),
-        (Kind::SingleWheel, "wheel_speed") => (largest > 10.0).then_some("rpm"),
-        (Kind::Traverse, "speed" | "speed_command") => (largest > 30.0).then_some("rpm"),
+        "pitch" | "contact_angle" | "angle" => (largest > 1.5).then_some("deg"),
         // Motors of rovers take amperes.
-        (_, "current") => (typical > 100.0).then_some("mA"),
-        (_, "time") => rows_apart(values),
-        _ => None,
+        "current" => (typical > 100.0).then_some("mA"),
+        "time" => rows_apart(values),
+        _ => kind.format().likely_unit(field, largest),
     }
 }
 
@@ -58,7 +53,7 @@ pub(super) fn upward(values: &[f64]) -> bool {
 }
 
 /// Whether a pull falls with slip: the correlation is clearly negative.
-pub(super) fn falls(slip: &[f64], pull: &[f64]) -> bool {
+pub(in crate::measurement) fn falls(slip: &[f64], pull: &[f64]) -> bool {
     /// Scatter of a pull that does not depend on slip stays above this with a few rows already.
     const CLEAR: f64 = -0.6;
     if slip.len() != pull.len() || slip.len() < 4 {

@@ -10,14 +10,14 @@ use super::ImportError;
 use std::path::PathBuf;
 
 /// All files.
-pub(super) struct Survey {
+pub(in crate::measurement) struct Survey {
     pub sheets: Vec<Sheet>,
     /// Each name once, in the order of its first appearance.
-    pub columns: Vec<Column>,
+    pub columns: Vec<FoundColumn>,
 }
 
 /// A column of one name in all files that have it.
-pub(super) struct Column {
+pub(in crate::measurement) struct FoundColumn {
     pub name: String,
     /// Cells that hold something.
     pub texts: Vec<String>,
@@ -27,7 +27,7 @@ pub(super) struct Column {
     pub unit: Option<String>,
 }
 
-impl Column {
+impl FoundColumn {
     /// Whether all that is there is a number.
     pub fn is_numeric(&self) -> bool {
         !self.texts.is_empty() && self.texts.len() == self.numbers.len()
@@ -72,7 +72,7 @@ impl Survey {
         for (k, name) in sheet.header.iter().enumerate() {
             let at = self.columns.iter().position(|column| column.name == *name).unwrap_or_else(|| {
                 let unit = sheet.units.get(k).cloned().filter(|unit| !unit.is_empty());
-                self.columns.push(Column { name: name.clone(), texts: Vec::new(), numbers: Vec::new(), unit });
+                self.columns.push(FoundColumn { name: name.clone(), texts: Vec::new(), numbers: Vec::new(), unit });
                 self.columns.len() - 1
             });
             let column = &mut self.columns[at];
@@ -90,23 +90,15 @@ impl Survey {
         self.columns.iter().map(|column| column.name.as_str()).collect::<Vec<_>>().join(", ")
     }
 
-    /// A load or a pull tells a wheel on a carriage, a time a rover.
+    /// The kind of experiment that the columns tell.
     pub fn kind(&self) -> Option<Kind> {
-        let means = |kind: Kind, wanted: &[&str]| {
+        Kind::told_by(|kind, wanted| {
             self.columns.iter().any(|column| {
                 suggestion::of(kind, &column.name).is_some_and(
                     |found| matches!(&found.target, Suggested::Signal(signal) if wanted.contains(&signal.as_str())),
                 )
             })
-        };
-        if means(Kind::SingleWheel, &["load", "drawbar_pull"]) {
-            return Some(Kind::SingleWheel);
-        }
-        let time = means(Kind::Traverse, &["time"]);
-        if time {
-            return Some(Kind::Traverse);
-        }
-        means(Kind::SingleWheel, &["slip"]).then_some(Kind::SingleWheel)
+        })
     }
 
     /// Names of the copies: those of the files, numbered where two are equal.

@@ -19,9 +19,7 @@ pub(super) fn settings<'a>(survey: &Survey, kind: Kind, plan: &Plan, copies: imp
         format!("name = {}", quoted(name)),
         format!("kind = \"{}\"", kind.name()),
     ];
-    if kind == Kind::Traverse {
-        lines.push("# model = \"two_wheeled_speed\"   # fill in: the vehicle".to_owned());
-    }
+    lines.extend(kind.format().open_settings().iter().map(|line| (*line).to_owned()));
     lines.extend(ignored(plan));
     lines.push(String::new());
     lines.extend(dialect(survey));

@@ -4,15 +4,15 @@ use super::entry::{Entry, To};
 use super::survey::Survey;
 
 /// The built-in rover that stands for a side where nothing else is known has this many wheels.
-pub(super) const USUAL_WHEELS: usize = 2;
+pub(in crate::measurement) const USUAL_WHEELS: usize = 2;
 
 /// Side of the vehicle in a column's name: the planar model has one.
-pub(super) fn right_side(name: &str) -> bool {
+pub(in crate::measurement) fn right_side(name: &str) -> bool {
     has_word(name, &["right", "rt"])
 }
 
 /// The same column of the other side.
-pub(super) fn other_side<'a>(survey: &'a Survey, name: &str) -> Option<&'a str> {
+pub(in crate::measurement) fn other_side<'a>(survey: &'a Survey, name: &str) -> Option<&'a str> {
     let left = name.to_lowercase().replace("right", "left");
     survey
         .columns

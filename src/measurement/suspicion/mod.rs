@@ -3,8 +3,8 @@
 //! What cannot be right is an error. What is unlikely is a doubt: the experiment is read as it is, and
 //! [`Experiment::doubts`] says what may be mistaken and which line would mend it.
 
-mod single_wheel;
-mod traverse;
+pub(super) mod single_wheel;
+pub(super) mod traverse;
 
 use super::columns::mend_sign;
 use super::doubts::Doubts;
@@ -32,23 +32,13 @@ pub(super) fn look(
     width: Option<f64>,
     doubts: &mut Doubts,
 ) -> Result<(), ExperimentError> {
-    let found = match kind {
-        Kind::SingleWheel => {
-            sinkage(grid, "sinkage")?;
-            single_wheel::look(grid, radius, width)?
-        }
-        Kind::Traverse => {
-            let own = grid.names();
-            own.iter().filter(|name| name.ends_with("].sinkage")).try_for_each(|name| sinkage(grid, name))?;
-            traverse::look(grid, radius)
-        }
-    };
+    let found = kind.format().look(grid, radius, width)?;
     found.into_iter().for_each(|doubt| doubts.add(&grid.file, doubt));
     Ok(())
 }
 
 /// Fails where a wheel is said to stand above the ground in every row.
-fn sinkage(grid: &Grid, name: &str) -> Result<(), ExperimentError> {
+pub(super) fn sinkage(grid: &Grid, name: &str) -> Result<(), ExperimentError> {
     let Some(column) = grid.column(name) else { return Ok(()) };
     let present: Vec<f64> = present(&column.values).collect();
     let all_negative = present.len() >= ALL_ROWS && present.iter().all(|value| *value < 0.0);

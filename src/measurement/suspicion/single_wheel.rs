@@ -37,7 +37,11 @@ const FALL: f64 = 0.05;
 const LOW: f64 = 0.1;
 const HIGH: f64 = 0.25;
 
-pub(super) fn look(grid: &Grid, radius: Option<f64>, width: Option<f64>) -> Result<Vec<String>, ExperimentError> {
+pub(in crate::measurement) fn look(
+    grid: &Grid,
+    radius: Option<f64>,
+    width: Option<f64>,
+) -> Result<Vec<String>, ExperimentError> {
     let (Some(load), Some(slip)) = (grid.column("load"), grid.column("slip")) else { return Ok(Vec::new()) };
     let turning = |speed: &f64| if *speed < 0.0 { -1.0 } else { 1.0 };
     let forward = grid.values("wheel_speed").unwrap_or_default().iter().map(turning).collect::<Vec<f64>>();

@@ -14,7 +14,7 @@ const RIM_RATIO: f64 = 5.0;
 /// Speeds below this, m/s, are standstill and say nothing of a ratio.
 const MOVING: f64 = 1e-3;
 
-pub(super) fn look(grid: &Grid, radius: Option<f64>) -> Vec<String> {
+pub(in crate::measurement) fn look(grid: &Grid, radius: Option<f64>) -> Vec<String> {
     let mut doubts = Vec::new();
     for column in &grid.columns {
         let field = column.name.rsplit('.').next().unwrap_or_default();

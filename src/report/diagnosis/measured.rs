@@ -2,9 +2,10 @@
 
 use super::{begin, view};
 use crate::diagnosis::Diagnosis;
-use crate::measurement::{Experiment, Kind, Run};
+use crate::measurement::{Experiment, Run};
+use crate::report::kinds::of;
 use crate::report::page::{Page, table};
-use crate::report::plots::{MOST_NAMED, View, controls, overlays};
+use crate::report::plots::{View, controls, overlays};
 use crate::report::units::{of_column, short, spoken};
 
 /// The groups of runs and the ranges of what was set and measured.
@@ -32,11 +33,7 @@ pub(super) fn add_measured(page: &mut Page, diagnosis: &Diagnosis) {
 fn ranges(experiment: &Experiment) -> String {
     let measured = experiment.signals();
     let mut columns: Vec<(String, &str)> = Vec::new();
-    let fixed: &[&str] = match experiment.kind {
-        Kind::SingleWheel => &["load", "slip", "wheel_speed"],
-        Kind::Traverse => &["time"],
-    };
-    columns.extend(fixed.iter().map(|name| ((*name).to_owned(), "input")));
+    columns.extend(of(experiment).inputs().iter().map(|name| ((*name).to_owned(), "input")));
     for name in experiment.runs.iter().flat_map(|run| &run.inputs) {
         if !columns.iter().any(|(known, _)| known == name) {
             columns.push((name.clone(), "input"));
@@ -129,30 +126,11 @@ pub(in crate::report) fn how_drawn(view: &View) -> String {
         .iter()
         .map(|(signal, deviation)| format!("{} {}", spoken(signal), of_column(signal).number(2.0 * deviation)))
         .collect();
-    let steady = view.experiment.kind == Kind::SingleWheel;
+    let how = of(view.experiment).how_drawn(view);
     let bars = if known.is_empty() {
         "The noise of one sample is unknown, so there are no error bars.".to_owned()
-    } else if steady {
-        format!("Error bars are two standard deviations of the noise of one sample ({}).", known.join(", "))
     } else {
-        "The band about the points is two standard deviations of the noise of one sample.".to_owned()
+        how.bars.replace("{noise}", &known.join(", "))
     };
-    if !steady {
-        return format!("Points are measurements. {bars}");
-    }
-    let curves = if view.curves.is_empty() {
-        "No input was varied, so there is no curve."
-    } else {
-        "Each curve is the model at the typical inputs of its group of rows: their mean, or their own course where an input \
-         follows the axis, as the wheel's speed does where the carriage's is held. Its band, where it is wider than the line, \
-         is the model over the lowest and highest load and speed in the group: differences that count as accidental. Open \
-         diamonds are the model at a point's own inputs."
-    };
-    let many = view.curves.iter().any(|curves| curves.groups.len() > MOST_NAMED);
-    let order = if many {
-        " Where groups are too many for a legend their colours follow their order, from blue to red."
-    } else {
-        ""
-    };
-    format!("Points are measurements. {bars} {curves}{order}")
+    format!("Points are measurements. {bars} {}", how.curves).trim_end().to_owned()
 }

@@ -3,7 +3,7 @@
 use super::words::{listed, percent};
 use super::{begin, noise};
 use crate::diagnosis::{Diagnosis, Failure, Fit, Verdict};
-use crate::measurement::Kind;
+use crate::report::kinds::of;
 use crate::report::page::{Page, escape};
 use crate::report::plots::{Condition, Samples, conditions, map, residuals};
 use crate::report::units::{of_column, spoken};
@@ -136,10 +136,7 @@ fn scale(diagnosis: &Diagnosis, signal: &str) -> f64 {
 /// the signals that fail most.
 fn maps(diagnosis: &Diagnosis, fit: &Fit) -> Vec<(String, plotly::Plot)> {
     let experiment = &diagnosis.experiment;
-    let pairs = match experiment.kind {
-        Kind::SingleWheel => [("slip", "load"), ("slip", "wheel_speed")],
-        Kind::Traverse => [("x", "pitch"), ("x", "time")],
-    };
+    let pairs = of(experiment).maps();
     let mut signals = experiment.signals();
     let size = |signal: &String| fit.rmse.get(signal).copied().unwrap_or(0.0) / scale(diagnosis, signal);
     signals.sort_by(|a, b| size(b).total_cmp(&size(a)));

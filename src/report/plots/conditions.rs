@@ -2,7 +2,8 @@
 
 use super::overlay::groups;
 use crate::diagnosis::{Fit, Level, levels_of};
-use crate::measurement::{Experiment, Kind, Run};
+use crate::measurement::{Experiment, Run};
+use crate::report::kinds::of;
 use crate::report::units::{Shown, of_column, spoken, wheel_and_field};
 
 /// Below this speed of the rim, m/s, an apparent slip is mostly noise.
@@ -22,6 +23,11 @@ pub(in crate::report) enum Condition {
 }
 
 impl Condition {
+    /// A recorded column.
+    pub fn column(name: &str) -> Self {
+        Self::Column(name.to_owned())
+    }
+
     /// Name for people.
     pub fn name(&self) -> String {
         match self {
@@ -120,27 +126,14 @@ impl Samples {
 
 /// Every signal with every condition of an experiment; `radius` is that of the wheels, m.
 pub(in crate::report) fn conditions(experiment: &Experiment, radius: f64) -> Vec<(String, Condition)> {
-    let column = |name: &str| Condition::Column(name.to_owned());
     let mut all = Vec::new();
     let mut fields: Vec<(String, usize)> = Vec::new();
     for signal in experiment.signals() {
         let wheel = wheel_and_field(&signal).map(|(wheel, field)| (wheel, field.to_owned()));
-        let mut own = match experiment.kind {
-            Kind::SingleWheel => ["slip", "load", "wheel_speed"].map(column).to_vec(),
-            Kind::Traverse => {
-                let number = wheel.as_ref().map_or(1, |(number, _)| *number);
-                let recorded = format!("wheel[{number}].slip");
-                let knows = |name: &str| experiment.runs.iter().any(|run| run.data.column(name).is_some());
-                let slip = if knows(&recorded) { column(&recorded) } else { Condition::Slip { wheel: number, radius } };
-                let speed =
-                    if knows("velocity") { "velocity".to_owned() } else { format!("wheel[{number}].speed_command") };
-                let mut own = ["time", "x", "pitch"].map(column).to_vec();
-                own.extend([slip, column(&speed)]);
-                own
-            }
-        };
+        let number = wheel.as_ref().map_or(1, |(number, _)| *number);
+        let mut own = of(experiment).conditions(experiment, number, radius);
         own.push(Condition::Run);
-        own.retain(|condition| *condition != column(&signal));
+        own.retain(|condition| *condition != Condition::column(&signal));
         all.extend(own.into_iter().map(|condition| (signal.clone(), condition)));
         if let Some((_, field)) = wheel {
             match fields.iter_mut().find(|(known, _)| *known == field) {

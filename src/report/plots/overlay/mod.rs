@@ -1,20 +1,14 @@
 //! Measured beside modelled: against slip (or another input) by group of rows, or against time by group of repeats.
 
-mod over_time;
-mod steady;
-
-pub(in crate::report) use steady::MOST_NAMED;
+pub(in crate::report) mod over_time;
+pub(in crate::report) mod steady;
 
 use super::{Model, View, all_rounded, faded};
-use crate::diagnosis::Curves;
-use crate::measurement::{Experiment, Kind};
+use crate::measurement::Experiment;
+use crate::report::kinds::of;
 use crate::report::page::escape;
-use crate::report::units::{spoken, wheel_and_field};
 use plotly::common::{Fill, HoverInfo, Line, Mode};
 use plotly::{Plot, Scatter};
-
-/// Where there are more points than this, the model's value at each is not marked at first.
-const MOST_MARKED: usize = 60;
 
 /// The plots of one axis, all signals.
 pub(in crate::report) struct Panel {
@@ -23,79 +17,16 @@ pub(in crate::report) struct Panel {
     pub plots: Vec<(String, Plot)>,
 }
 
-/// All overlays: one panel an axis for a wheel on a carriage, one for a traverse.
+/// All overlays.
 pub(in crate::report) fn overlays(view: &View) -> Vec<Panel> {
-    match view.experiment.kind {
-        Kind::SingleWheel => {
-            let one = |curves: Option<&Curves>| {
-                let signals = view.experiment.signals();
-                let plots = signals.iter().map(|signal| (spoken(signal), steady::overlay(view, curves, signal)));
-                let when = curves.map_or(String::new(), |curves| format!("axis={}", curves.axis.name()));
-                Panel { when, plots: plots.collect() }
-            };
-            if view.curves.is_empty() { vec![one(None)] } else { view.curves.iter().map(|c| one(Some(c))).collect() }
-        }
-        Kind::Traverse => {
-            let plots = quantities(view.experiment)
-                .into_iter()
-                .map(|(title, signals)| (title, over_time::overlay(view, &signals)))
-                .collect();
-            vec![Panel { when: String::new(), plots }]
-        }
-    }
-}
-
-/// Signals that share a plot: the same quantity of every wheel.
-fn quantities(experiment: &Experiment) -> Vec<(String, Vec<String>)> {
-    let mut all: Vec<(String, Vec<String>)> = Vec::new();
-    for signal in experiment.signals() {
-        let field = wheel_and_field(&signal).map(|(_, field)| field.replace('_', " "));
-        let title = field.map_or_else(|| spoken(&signal), |field| format!("{field} of the wheels"));
-        match all.iter_mut().find(|(known, _)| *known == title) {
-            Some((_, signals)) => signals.push(signal),
-            None => all.push((title, vec![signal])),
-        }
-    }
-    for (title, signals) in all.iter_mut().filter(|(_, signals)| signals.len() == 1) {
-        *title = spoken(&signals[0]);
-    }
-    all
+    of(view.experiment).overlays(view)
 }
 
 /// Buttons, boxes and lists that choose what the overlays show. `place` tells the buttons of one part of the page from
 /// those of another.
 pub(in crate::report) fn controls(view: &View, place: &str) -> String {
     let mut html = models(view, place);
-    match view.experiment.kind {
-        Kind::SingleWheel => {
-            let axes = view.curves.iter().map(|curves| (curves.axis.name(), spoken(curves.axis.name())));
-            html.push_str(&list("Over", "axis", "", &axes.collect::<Vec<_>>()));
-            for curves in view.curves {
-                let names = curves.groups.iter().enumerate().map(|(k, group)| (k.to_string(), group.name.clone()));
-                let mut options = vec![("all".to_owned(), "all".to_owned())];
-                options.extend(names);
-                let when = format!(" data-when=\"axis={}\"", curves.axis.name());
-                if curves.groups.len() > 1 {
-                    html.push_str(&list("Rows", steady::group_key(curves.axis), &when, &options));
-                }
-            }
-            let points = view.experiment.runs.iter().map(|run| run.data.rows()).sum::<usize>();
-            let checked = if points <= MOST_MARKED { " checked" } else { "" };
-            html.push_str(&format!(
-                "<label><input type=\"checkbox\" data-key=\"points\" value=\"yes\"{checked}> model at each point</label>"
-            ));
-        }
-        Kind::Traverse => {
-            let names = groups(view.experiment).into_iter().enumerate().map(|(k, (name, _))| (k.to_string(), name));
-            html.push_str(&list("Run", "group", "", &names.collect::<Vec<_>>()));
-            let wheels = quantities(view.experiment).iter().map(|(_, signals)| signals.len()).max().unwrap_or(1);
-            if wheels > 1 {
-                let mut options = vec![("all".to_owned(), "all".to_owned())];
-                options.extend((1..=wheels).map(|wheel| (wheel.to_string(), wheel.to_string())));
-                html.push_str(&list("Wheel", "wheel", "", &options));
-            }
-        }
-    }
+    html.push_str(&of(view.experiment).controls(view));
     if html.is_empty() { html } else { format!("<div class=\"controls\">{html}</div>") }
 }
 

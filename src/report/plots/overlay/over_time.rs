@@ -1,7 +1,8 @@
 //! A traverse: measured and modelled over time, a colour a wheel where wheels share a plot.
 
-use super::{area, groups, legend_line};
+use super::{Panel, area, groups, legend_line, list};
 use crate::diagnosis::Fit;
+use crate::measurement::Experiment;
 use crate::report::plots::{COLOURS, GREY, View, all_rounded, layout};
 use crate::report::units::{of_column, spoken, wheel_and_field};
 use plotly::common::{Line, Marker, Mode};
@@ -14,6 +15,44 @@ const FEWEST_POINTS: usize = 150;
 
 /// Times and values of one signal of one run, display units.
 type Series = (Vec<f64>, Vec<f64>);
+
+/// One panel.
+pub(in crate::report) fn panels(view: &View) -> Vec<Panel> {
+    let plots =
+        quantities(view.experiment).into_iter().map(|(title, signals)| (title, overlay(view, &signals))).collect();
+    vec![Panel { when: String::new(), plots }]
+}
+
+/// Signals that share a plot: the same quantity of every wheel.
+fn quantities(experiment: &Experiment) -> Vec<(String, Vec<String>)> {
+    let mut all: Vec<(String, Vec<String>)> = Vec::new();
+    for signal in experiment.signals() {
+        let field = wheel_and_field(&signal).map(|(_, field)| field.replace('_', " "));
+        let title = field.map_or_else(|| spoken(&signal), |field| format!("{field} of the wheels"));
+        match all.iter_mut().find(|(known, _)| *known == title) {
+            Some((_, signals)) => signals.push(signal),
+            None => all.push((title, vec![signal])),
+        }
+    }
+    for (title, signals) in all.iter_mut().filter(|(_, signals)| signals.len() == 1) {
+        *title = spoken(&signals[0]);
+    }
+    all
+}
+
+/// Lists that choose the group of repeats and the wheel.
+pub(in crate::report) fn controls(view: &View) -> String {
+    let mut html = String::new();
+    let names = groups(view.experiment).into_iter().enumerate().map(|(k, (name, _))| (k.to_string(), name));
+    html.push_str(&list("Run", "group", "", &names.collect::<Vec<_>>()));
+    let wheels = quantities(view.experiment).iter().map(|(_, signals)| signals.len()).max().unwrap_or(1);
+    if wheels > 1 {
+        let mut options = vec![("all".to_owned(), "all".to_owned())];
+        options.extend((1..=wheels).map(|wheel| (wheel.to_string(), wheel.to_string())));
+        html.push_str(&list("Wheel", "wheel", "", &options));
+    }
+    html
+}
 
 /// What the traces of one group of repeats and one signal share.
 struct Drawing<'a> {

@@ -1,6 +1,6 @@
 //! A wheel on a carriage: points with error bars, and the model as curves at each group's typical inputs.
 
-use super::{area, legend_line};
+use super::{Panel, area, legend_line, list};
 use crate::diagnosis::{Axis, Curve, CurveGroup, Curves, Fit};
 use crate::report::plots::{COLOURS, GREY, Model, View, all_rounded, axis, between, faded, layout_with};
 use crate::report::units::{Shown, of_column, short, spoken};
@@ -10,12 +10,48 @@ use plotly::{Plot, Scatter};
 /// Where all rows are one group, runs are told apart by these colours up to this many; the models have their own.
 const RUNS: [&str; 4] = [COLOURS[0], COLOURS[4], COLOURS[5], COLOURS[3]];
 
+/// Where there are more points than this, the model's value at each is not marked at first.
+const MOST_MARKED: usize = 60;
+
 /// More groups than this have colours in order from the first to the last of these, and no room in a legend.
 pub(in crate::report) const MOST_NAMED: usize = COLOURS.len();
 const ORDER: [&str; 4] = [COLOURS[0], COLOURS[2], COLOURS[1], COLOURS[3]];
 
 /// A band narrower than this share of the plot's height is no wider than the curve's line.
 const THIN: f64 = 0.006;
+
+/// One panel an axis.
+pub(in crate::report) fn panels(view: &View) -> Vec<Panel> {
+    let one = |curves: Option<&Curves>| {
+        let signals = view.experiment.signals();
+        let plots = signals.iter().map(|signal| (spoken(signal), overlay(view, curves, signal)));
+        let when = curves.map_or(String::new(), |curves| format!("axis={}", curves.axis.name()));
+        Panel { when, plots: plots.collect() }
+    };
+    if view.curves.is_empty() { vec![one(None)] } else { view.curves.iter().map(|c| one(Some(c))).collect() }
+}
+
+/// Lists that choose the axis and the rows, and a box for the model at each point.
+pub(in crate::report) fn controls(view: &View) -> String {
+    let mut html = String::new();
+    let axes = view.curves.iter().map(|curves| (curves.axis.name(), spoken(curves.axis.name())));
+    html.push_str(&list("Over", "axis", "", &axes.collect::<Vec<_>>()));
+    for curves in view.curves {
+        let names = curves.groups.iter().enumerate().map(|(k, group)| (k.to_string(), group.name.clone()));
+        let mut options = vec![("all".to_owned(), "all".to_owned())];
+        options.extend(names);
+        let when = format!(" data-when=\"axis={}\"", curves.axis.name());
+        if curves.groups.len() > 1 {
+            html.push_str(&list("Rows", group_key(curves.axis), &when, &options));
+        }
+    }
+    let points = view.experiment.runs.iter().map(|run| run.data.rows()).sum::<usize>();
+    let checked = if points <= MOST_MARKED { " checked" } else { "" };
+    html.push_str(&format!(
+        "<label><input type=\"checkbox\" data-key=\"points\" value=\"yes\"{checked}> model at each point</label>"
+    ));
+    html
+}
 
 /// A wheel on a carriage without an axis: the rows as one group.
 fn without_curves(view: &View) -> CurveGroup {

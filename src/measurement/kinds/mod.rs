@@ -1,0 +1,102 @@
+//! What the files of each kind of experiment hold: one [`Format`] a kind, which [`Kind::format`] gives. Nothing else in the
+//! reading asks which kind of experiment it has before it.
+
+mod single_wheel;
+mod traverse;
+
+use super::columns::Column;
+use super::error::ExperimentError;
+use super::experiment::{Experiment, Kind};
+use super::grid::Grid;
+use super::import::{Entry, FoundColumn, Plan, Survey};
+use super::sheet::Sheet;
+use super::suggestion::Rule;
+use bekker_modeldescription::Unit;
+
+impl Kind {
+    /// All kinds, by which the columns of unknown files tell most first.
+    const ALL: [Self; 2] = [Self::SingleWheel, Self::Traverse];
+
+    /// What its files hold.
+    pub(super) fn format(self) -> &'static dyn Format {
+        match self {
+            Self::SingleWheel => &single_wheel::SingleWheel,
+            Self::Traverse => &traverse::Traverse,
+        }
+    }
+
+    /// The kind of files of which somebody knows whether a column means one of some signals of a kind: the first of which
+    /// there is a sure sign, else the first of which there is any.
+    pub(super) fn told_by(means: impl Fn(Self, &[&str]) -> bool) -> Option<Self> {
+        let first = |signs: fn(&dyn Format) -> &'static [&'static str]| {
+            Self::ALL.into_iter().find(|kind| means(*kind, signs(kind.format())))
+        };
+        first(|format| format.sure_signs()).or_else(|| first(|format| format.signs()))
+    }
+}
+
+/// What depends on the kind of an experiment where files are read, checked and proposed.
+pub(super) trait Format: Sync {
+    /// Fewest rows of a run.
+    fn least_rows(&self) -> usize;
+
+    /// What a signal or input is measured in; `None` for a name that such an experiment does not have.
+    fn signal_unit(&self, name: &str) -> Option<Unit>;
+
+    /// Names that such an experiment may have, `k` for a number.
+    fn signal_names(&self) -> Vec<String>;
+
+    /// Columns with their uses and limits; `names` are those that are there, `radius` is the wheel's, m.
+    fn columns(&self, names: &[String], radius: f64) -> Vec<Column>;
+
+    /// Columns that must be there, and what may stand in their place.
+    fn required(&self) -> &'static [(&'static str, &'static str)];
+
+    /// Fails where commands are missing or contradict each other; `names` are those of all signals, derived ones included.
+    fn check_commands(&self, sheet: &Sheet, names: &[String]) -> Result<(), ExperimentError>;
+
+    /// Fails where rows cannot be right by the physics; `radius` is the wheel's, m.
+    fn check_rows(&self, grid: &Grid, radius: f64) -> Result<(), ExperimentError>;
+
+    /// Fails where rows that are said to repeat each other have unlike inputs.
+    fn check_repeats(&self, experiment: &Experiment) -> Result<(), ExperimentError>;
+
+    /// What is unlikely in the rows of a run; `radius` and `width` of the wheel (m) are `None` where they are not stated.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] where it cannot be right at all.
+    fn look(&self, grid: &Grid, radius: Option<f64>, width: Option<f64>) -> Result<Vec<String>, ExperimentError>;
+
+    /// Whether a run takes its course in time, over a profile.
+    fn has_course(&self) -> bool;
+
+    /// What is said of `wheels = [..]` beside a field that no wheel has; `None` where it is merely unknown.
+    fn no_wheels(&self) -> Option<&'static str>;
+
+    /// What words in a column's name mean.
+    fn rules(&self) -> &'static [Rule];
+
+    /// Signals whose columns tell this kind of experiment from others; and those that do where no other kind is told.
+    fn sure_signs(&self) -> &'static [&'static str];
+
+    /// See [`sure_signs`](Self::sure_signs).
+    fn signs(&self) -> &'static [&'static str];
+
+    /// The unit of a field that its largest size tells; `None` where it fits SI.
+    fn likely_unit(&self, field: &str, largest: f64) -> Option<&'static str>;
+
+    /// Why a column that is known otherwise is left out of a proposal.
+    fn leaves_out(&self, survey: &Survey, column: &str) -> Option<&'static str>;
+
+    /// Mends the entries of a proposal by what all columns say together.
+    fn mend<'s>(&self, survey: &'s Survey, found: &mut Vec<(&'s FoundColumn, Entry)>, plan: &mut Plan);
+
+    /// What no column gives, of what such an experiment needs.
+    fn missing(&self, found: &[(&FoundColumn, Entry)]) -> Vec<String>;
+
+    /// Whether columns that are left out may tell rows apart that do not belong together.
+    fn mixes_rows(&self) -> bool;
+
+    /// Lines of a proposed `experiment.toml` that the user has to complete.
+    fn open_settings(&self) -> &'static [&'static str];
+}

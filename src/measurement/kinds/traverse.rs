@@ -1,0 +1,283 @@
+//! Files of a rover on a profile: one time series a run.
+
+use super::super::columns::{Column, Use, column, sinkage, slip, velocity, wheel_speed, within};
+use super::super::error::{ExperimentError, Problem};
+use super::super::experiment::{Experiment, Kind};
+use super::super::grid::Grid;
+use super::super::import::{Entry, FoundColumn, Plan, Survey, To, USUAL_WHEELS, other_side, right_side};
+use super::super::reading::missing_column;
+use super::super::sheet::Sheet;
+use super::super::suggestion::{Rule, maybe, sure};
+use super::super::suspicion;
+use super::super::vocabulary::{numbered, unit_in};
+use super::Format;
+use crate::rover::MAX_COORDINATES;
+use crate::signals::{BodySignals, LinkSignals, Signals, WheelSignals};
+use bekker_modeldescription::{Lookup, Unit, Variable};
+use std::f64::consts::PI;
+
+/// Signals of single wheels that may be recorded as one sum over several of them, say the current of one motor driver.
+const SUMMED: [&str; 4] = ["current", "torque", "normal_force", "drawbar_pull"];
+
+/// The format of a traverse.
+pub(super) struct Traverse;
+
+impl Format for Traverse {
+    /// A time series needs some rows to be one.
+    fn least_rows(&self) -> usize {
+        10
+    }
+
+    fn signal_unit(&self, name: &str) -> Option<Unit> {
+        match (name, numbered(name)) {
+            ("time", _) => Some(Unit::SECOND),
+            (_, Some(("wheel", "rim_speed" | "rim_speed_command", _))) => Some(Unit::METRE_PER_SECOND),
+            (_, Some(("wheel", "speed_command", _))) => Some(Unit::RADIAN_PER_SECOND),
+            (_, Some(("wheel", "torque_command", _))) => Some(Unit::NEWTON_METRE),
+            (_, Some(("wheel", field, wheels))) if wheels.len() == 1 || SUMMED.contains(&field) => {
+                unit_in(WheelSignals::default(), field)
+            }
+            (_, Some(("link", field, links))) if links.len() == 1 => unit_in(LinkSignals::default(), field),
+            (_, None) => unit_in(BodySignals::default(), name),
+            _ => None,
+        }
+    }
+
+    fn signal_names(&self) -> Vec<String> {
+        let plain = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
+        let mut names = plain(&["time", "wheel[k].speed_command", "wheel[k].torque_command"]);
+        names.extend(BodySignals::default().list().into_iter().map(|(variable, _)| variable.name));
+        let fields = |part: &str, list: Vec<(Variable, f64)>| {
+            list.into_iter().map(|(variable, _)| format!("{part}[k].{}", variable.name)).collect::<Vec<_>>()
+        };
+        names.extend(fields("wheel", WheelSignals::default().list()));
+        names.extend(plain(&["wheel[k].rim_speed", "wheel[k].rim_speed_command"]));
+        names.extend(fields("link", LinkSignals::default().list()));
+        names
+    }
+
+    fn columns(&self, names: &[String], radius: f64) -> Vec<Column> {
+        let (wheels, links) = (wheels(names), links(names));
+        let mut columns = vec![column("time", Use::Time, None)];
+        for k in 1..=wheels {
+            columns.push(column(format!("wheel[{k}].speed_command"), Use::Input, wheel_speed(radius)));
+            columns.push(column(format!("wheel[{k}].torque_command"), Use::Input, None));
+            columns.push(column(format!("wheel[{k}].rim_speed_command"), Use::Intermediate, velocity()));
+        }
+        let mut signals = Signals::<f64>::of(wheels, links);
+        for (variable, _) in signals.list() {
+            let field = variable.name.rsplit('.').next().unwrap_or_default();
+            let limits = match field {
+                "slip" => slip(),
+                "sinkage" => sinkage(radius),
+                "speed" => wheel_speed(radius),
+                "pitch" | "contact_angle" | "angle" => {
+                    within(PI, "an angle in rad within -pi .. pi (degrees?)", Some("deg"))
+                }
+                "velocity" => velocity(),
+                _ => None,
+            };
+            columns.push(column(variable.name, Use::Measured, limits));
+        }
+        // Missing rim speeds are missing wheel speeds, which may be.
+        columns.extend((1..=wheels).map(|k| column(format!("wheel[{k}].rim_speed"), Use::Measured, velocity())));
+        let sums = names.iter().filter(|name| {
+            let several = numbered(name).is_some_and(|(_, _, n)| n.len() > 1 && n.iter().all(|k| *k <= wheels));
+            several && self.signal_unit(name).is_some()
+        });
+        columns.extend(sums.map(|name| column(name, Use::Measured, None)));
+        columns
+    }
+
+    fn required(&self) -> &'static [(&'static str, &'static str)] {
+        &[("time", ", or a column with `time_stamp = true` under [columns]")]
+    }
+
+    fn check_commands(&self, sheet: &Sheet, names: &[String]) -> Result<(), ExperimentError> {
+        let commands = |what: &str| names.iter().filter(|n| n.ends_with(what)).count();
+        let (speeds, torques) = (commands(".speed_command"), commands(".torque_command"));
+        if speeds + torques == 0 {
+            let instead = " or `wheel[1].torque_command`";
+            return Err(missing_column(sheet, Kind::Traverse, "wheel[1].speed_command", instead));
+        }
+        if speeds > 0 && torques > 0 {
+            return Err(sheet
+                .error(Problem::Header("speed and torque commands in one run; give one of them"))
+                .at_line(sheet.header_line));
+        }
+        Ok(())
+    }
+
+    fn check_rows(&self, _: &Grid, _: f64) -> Result<(), ExperimentError> {
+        Ok(())
+    }
+
+    /// Commands may come from a feedback loop and differ.
+    fn check_repeats(&self, _: &Experiment) -> Result<(), ExperimentError> {
+        Ok(())
+    }
+
+    fn look(&self, grid: &Grid, radius: Option<f64>, _: Option<f64>) -> Result<Vec<String>, ExperimentError> {
+        let own = grid.names();
+        own.iter().filter(|name| name.ends_with("].sinkage")).try_for_each(|name| suspicion::sinkage(grid, name))?;
+        Ok(suspicion::traverse::look(grid, radius))
+    }
+
+    fn has_course(&self) -> bool {
+        true
+    }
+
+    fn no_wheels(&self) -> Option<&'static str> {
+        None
+    }
+
+    fn rules(&self) -> &'static [Rule] {
+        RULES
+    }
+
+    fn sure_signs(&self) -> &'static [&'static str] {
+        &["time"]
+    }
+
+    fn signs(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    /// Rovers move at up to metres a second.
+    fn likely_unit(&self, field: &str, largest: f64) -> Option<&'static str> {
+        match field {
+            "velocity" | "rim_speed" | "rim_speed_command" => (largest > 20.0).then_some("mm/s"),
+            "speed" | "speed_command" => (largest > 30.0).then_some("rpm"),
+            _ => None,
+        }
+    }
+
+    fn leaves_out(&self, survey: &Survey, column: &str) -> Option<&'static str> {
+        let is_doubled = right_side(column) && other_side(survey, column).is_some();
+        is_doubled.then_some("the model is planar: one side of the vehicle, the left one")
+    }
+
+    fn mend<'s>(&self, survey: &'s Survey, found: &mut Vec<(&'s FoundColumn, Entry)>, plan: &mut Plan) {
+        command_by_speed(found);
+        runs_by_label(survey, found, plan);
+    }
+
+    fn missing(&self, found: &[(&FoundColumn, Entry)]) -> Vec<String> {
+        let has = |wanted: &str| found.iter().any(|(_, entry)| entry.signal() == Some(wanted));
+        let mut missing = Vec::new();
+        let command = found.iter().any(|(_, entry)| entry.signal().is_some_and(|s| s.ends_with("command")));
+        if !command {
+            missing.push("commands of the wheels: a column for speed_command or torque_command".to_owned());
+        }
+        if !has("time") {
+            missing.push("a column for time".to_owned());
+        }
+        missing
+            .push("`model`, the vehicle: a built-in model (`bekker parameters --models`) or a model file".to_owned());
+        missing
+    }
+
+    fn mixes_rows(&self) -> bool {
+        false
+    }
+
+    fn open_settings(&self) -> &'static [&'static str] {
+        &["# model = \"two_wheeled_speed\"   # fill in: the vehicle"]
+    }
+}
+
+/// How many wheels the commands of a traverse name: wheels are numbered from 1 without a gap.
+fn wheels(names: &[String]) -> usize {
+    let commands = |k: usize| {
+        let own = |what: &str| names.iter().any(|n| *n == format!("wheel[{k}].{what}"));
+        own("speed_command") || own("torque_command") || own("rim_speed_command")
+    };
+    (1..).take_while(|k| commands(*k)).count()
+}
+
+/// How many links a traverse measures: as many as the highest number that a column names, no more than a rover may have.
+fn links(names: &[String]) -> usize {
+    let has = |k: usize| names.iter().any(|n| *n == format!("link[{k}].angle") || *n == format!("link[{k}].rate"));
+    (1..=MAX_COORDINATES - 3).rev().find(|k| has(*k)).unwrap_or(0)
+}
+
+/// Without a command the recorded speed of the wheels is what the model is to follow.
+fn command_by_speed(found: &mut [(&FoundColumn, Entry)]) {
+    if found.iter().any(|(_, entry)| entry.signal().is_some_and(|signal| signal.ends_with("command"))) {
+        return;
+    }
+    for (column, entry) in found.iter_mut() {
+        let Some(signal) = entry.signal().map(str::to_owned) else { continue };
+        let Some((_, field @ ("speed" | "rim_speed"), numbers)) = numbered(&signal) else { continue };
+        // A number in the name is that of the wheel; else the speed is that of all of a side.
+        let own = column.name.chars().any(|c| c.is_ascii_digit());
+        let wheels = if own { numbers } else { (1..=USUAL_WHEELS).collect() };
+        entry.target = To::Wheels(format!("{field}_command"), wheels);
+        entry.guesses.push("there is no command: the model follows this recorded speed".to_owned());
+    }
+}
+
+/// Where time starts anew, the column that changes there holds the label of the run.
+fn runs_by_label<'a>(survey: &'a Survey, found: &mut Vec<(&'a FoundColumn, Entry)>, plan: &mut Plan) {
+    let Some(time) = found.iter().find(|(_, entry)| entry.target == To::Signal("time".to_owned())) else { return };
+    let name = time.0.name.clone();
+    let starts = |sheet: &Sheet, label: usize| {
+        let at = sheet.position(&name)?;
+        let time = |row: usize| sheet.parsed(&sheet.rows[row].cells[at]);
+        let anew: Vec<usize> = (1..sheet.rows.len()).filter(|row| time(*row) <= time(row - 1)).collect();
+        let changes = |row: &usize| sheet.rows[*row].cells[label] != sheet.rows[row - 1].cells[label];
+        Some(!anew.is_empty() && anew.iter().all(changes))
+    };
+    let label = |column: &&FoundColumn| {
+        let mut marks = survey.sheets.iter().filter_map(|sheet| starts(sheet, sheet.position(&column.name)?));
+        column.distinct(survey.sheets.iter().map(|sheet| sheet.rows.len() / 10).sum()).is_some()
+            && marks.any(|mark| mark)
+    };
+    let taken = |column: &&FoundColumn| !found.iter().any(|(other, _)| other.name == column.name);
+    if let Some(column) = survey.columns.iter().filter(taken).find(label) {
+        plan.ignored.retain(|(name, _)| *name != column.name);
+        found.push((column, Entry::to(To::Run)));
+    }
+}
+
+/// What words in a column's name mean.
+const RULES: &[Rule] = &[
+    sure(&["time"], "time"),
+    sure(&["timestamp"], "time"),
+    maybe(&["stamp"], "time"),
+    maybe(&["t"], "time"),
+    sure(&["pitch"], "pitch"),
+    sure(&["pitch", "rate"], "pitch_rate"),
+    sure(&["gyro", "pitch"], "pitch_rate"),
+    maybe(&["x"], "x"),
+    maybe(&["z"], "z"),
+    maybe(&["height"], "z"),
+    maybe(&["altitude"], "z"),
+    sure(&["velocity"], "velocity"),
+    maybe(&["speed"], "velocity"),
+    maybe(&["v"], "velocity"),
+    sure(&["power"], "electrical_power"),
+    sure(&["wheel", "speed"], "speed"),
+    sure(&["omega"], "speed"),
+    sure(&["rpm"], "speed"),
+    maybe(&["encoder"], "speed"),
+    maybe(&["wheel", "left"], "speed"),
+    maybe(&["wheel", "right"], "speed"),
+    sure(&["rim", "speed"], "rim_speed"),
+    sure(&["torque"], "torque"),
+    sure(&["current"], "current"),
+    maybe(&["amps"], "current"),
+    maybe(&["i"], "current"),
+    sure(&["slip"], "slip"),
+    sure(&["sinkage"], "sinkage"),
+    sure(&["speed", "command"], "speed_command"),
+    sure(&["wheel", "speed", "command"], "speed_command"),
+    sure(&["velocity", "command"], "rim_speed_command"),
+    sure(&["rim", "speed", "command"], "rim_speed_command"),
+    sure(&["torque", "command"], "torque_command"),
+    maybe(&["speed", "cmd"], "speed_command"),
+    maybe(&["wheel", "speed", "cmd"], "speed_command"),
+    maybe(&["torque", "cmd"], "torque_command"),
+    maybe(&["command"], "speed_command"),
+    maybe(&["cmd"], "speed_command"),
+];

@@ -1,0 +1,53 @@
+//! How a traverse is shown: over time.
+
+use super::{HowDrawn, Presentation};
+use crate::measurement::Experiment;
+use crate::report::plots::{Condition, Panel, View, over_time};
+
+/// The presentation of a traverse.
+pub(super) struct Traverse;
+
+impl Presentation for Traverse {
+    fn what(&self) -> &'static str {
+        "A rover on a profile, its commands replayed through the model"
+    }
+
+    fn inputs(&self) -> &'static [&'static str] {
+        &["time"]
+    }
+
+    fn residual_conditions(&self) -> &'static [&'static str] {
+        &["time", "x", "pitch"]
+    }
+
+    /// Where slip or velocity were not recorded, what stands for them is told from the commands.
+    fn conditions(&self, experiment: &Experiment, wheel: usize, radius: f64) -> Vec<Condition> {
+        let recorded = format!("wheel[{wheel}].slip");
+        let knows = |name: &str| experiment.runs.iter().any(|run| run.data.column(name).is_some());
+        let slip = if knows(&recorded) { Condition::column(&recorded) } else { Condition::Slip { wheel, radius } };
+        let speed = if knows("velocity") { "velocity".to_owned() } else { format!("wheel[{wheel}].speed_command") };
+        let mut all: Vec<Condition> = self.residual_conditions().iter().map(|name| Condition::column(name)).collect();
+        all.extend([slip, Condition::column(&speed)]);
+        all
+    }
+
+    /// Time where pitch was not recorded.
+    fn maps(&self) -> [(&'static str, &'static str); 2] {
+        [("x", "pitch"), ("x", "time")]
+    }
+
+    fn overlays(&self, view: &View) -> Vec<Panel> {
+        over_time::panels(view)
+    }
+
+    fn controls(&self, view: &View) -> String {
+        over_time::controls(view)
+    }
+
+    fn how_drawn(&self, _: &View) -> HowDrawn {
+        HowDrawn {
+            bars: "The band about the points is two standard deviations of the noise of one sample.",
+            curves: String::new(),
+        }
+    }
+}
