@@ -7,6 +7,7 @@
 use super::effort::{Draws, Effort};
 use super::free::Free;
 use super::least_squares::{LeastSquares, Minimum, Pace};
+use super::thresholds::FAR;
 use super::weighted::Weighted;
 use crate::measurement::Prior;
 use bekker_modeldescription::Variable;
@@ -78,9 +79,6 @@ pub struct Calibration {
     /// Searches that ended at the best cost.
     pub agreeing: usize,
 }
-
-/// Chi-square over its freedom beyond which a fit is far from the measurements.
-const FAR: f64 = 2.0;
 
 impl Calibration {
     /// Whether the misfit is so large that sensitivities around it say little.

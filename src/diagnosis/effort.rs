@@ -2,7 +2,6 @@
 
 use super::free::Free;
 use super::least_squares::{LeastSquares, Pace};
-use crate::measurement::Kind;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -22,16 +21,6 @@ pub(crate) struct Effort {
 }
 
 impl Effort {
-    /// For an experiment of this kind. A wheel on a carriage is evaluated in under a millisecond. A traverse takes tenths of
-    /// a second, and few draws do, unless they end far from the measurements: where a soil lets the rover get stuck its cost
-    /// is flat, so that many draws are needed to find one that gets through.
-    pub fn of(kind: Kind) -> Self {
-        match kind {
-            Kind::SingleWheel => Self { draws: 64, searches: 5, pace: Pace::PATIENT, where_far: None },
-            Kind::Traverse => Self { draws: 8, searches: 1, pace: Pace::BRISK, where_far: Some((40, 3)) },
-        }
-    }
-
     /// A first look at an effect on a traverse, from the given starts and so many draws.
     pub fn scouting(searches: usize) -> Self {
         Self { draws: 8 * searches, searches, pace: Pace::SHORT, where_far: None }

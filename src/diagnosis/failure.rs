@@ -1,8 +1,10 @@
 //! Where the model fails: mean residuals by level of each condition, against the noise.
 
 use super::fit::Fit;
+use super::kinds::strategy;
 use super::noise::NoiseFloor;
-use crate::measurement::{Experiment, Kind};
+use super::thresholds::{HELD, SAME_LEVEL, SET_POINT};
+use crate::measurement::Experiment;
 use crate::signals::{BodySignals, LinkSignals, WheelSignals};
 use bekker_modeldescription::{Lookup, Unit};
 use std::collections::BTreeMap;
@@ -10,16 +12,6 @@ use std::collections::BTreeMap;
 /// Up to this many different values are levels of their own; more are put into classes of equal count.
 const DISTINCT_LEVELS: usize = 12;
 const CLASSES: usize = 8;
-
-/// Values that differ by less than this share of the range are one level: set-points that a rig holds roughly.
-const SAME_LEVEL: f64 = 0.02;
-
-/// Values of one set-point lie within this share of the range.
-const SET_POINT: f64 = 0.15;
-
-/// A load or speed that varies by less than this share of itself is held at one set-point: force control of carriages leaves
-/// about one per cent.
-const HELD: f64 = 0.02;
 
 /// A level that covers more than this share of a condition's range is no place.
 const WHOLE: f64 = 0.9;
@@ -119,19 +111,6 @@ fn unit(column: &str) -> &'static str {
     if unit.symbol == "1" { "" } else { unit.symbol }
 }
 
-/// Names of the columns that serve as conditions of a kind of experiment.
-pub(crate) fn conditions(experiment: &Experiment) -> Vec<String> {
-    match experiment.kind {
-        Kind::SingleWheel => ["slip", "load", "wheel_speed"].map(str::to_owned).to_vec(),
-        Kind::Traverse => {
-            let mut names = vec!["time".to_owned()];
-            names.extend(experiment.runs.first().into_iter().flat_map(|run| run.inputs.clone()));
-            names.extend(["x", "pitch"].map(str::to_owned));
-            names
-        }
-    }
-}
-
 /// Mean residuals of `signal` by level of `condition` (a column of the runs), in rising order; empty where the condition is
 /// not recorded or does not vary. A load or a speed that is held at one set-point varies by what the rig's control leaves
 /// only: that is no condition.
@@ -194,7 +173,7 @@ fn classes(samples: &[(f64, f64)]) -> Vec<&[(f64, f64)]> {
 pub(crate) fn failures(experiment: &Experiment, fit: &Fit, floors: &BTreeMap<String, NoiseFloor>) -> Vec<Failure> {
     let mut all = Vec::new();
     for (signal, floor) in floors {
-        for condition in conditions(experiment) {
+        for condition in strategy(experiment.kind).conditions(experiment) {
             if condition == *signal {
                 continue;
             }

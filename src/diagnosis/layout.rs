@@ -1,13 +1,8 @@
 //! All measured values of an experiment as one vector.
 
-use crate::measurement::{Experiment, Kind, Run};
+use super::kinds::strategy;
+use crate::measurement::Experiment;
 use std::ops::Range;
-
-/// Time at the start of a traverse that no fit counts, s, and the largest share of a run's rows that this may be. A simulated
-/// rover starts at rest; how contacts break loose there, and how deep a standing wheel sinks, are assumptions of the model,
-/// and a real one may have been moving.
-const BREAKING_LOOSE: f64 = 0.5;
-const AT_MOST: f64 = 0.1;
 
 /// One signal of one run within the vector: one entry a row, missing or not.
 #[derive(Clone, Debug)]
@@ -33,7 +28,8 @@ pub(crate) struct Layout {
 
 impl Layout {
     pub fn new(experiment: &Experiment) -> Self {
-        let starts = experiment.runs.iter().map(|run| breaking_loose(experiment.kind, run)).collect();
+        let strategy = strategy(experiment.kind);
+        let starts = experiment.runs.iter().map(|run| strategy.uncounted_rows(run)).collect();
         let mut layout =
             Self { blocks: Vec::new(), measured: Vec::new(), recorded: Vec::new(), starts, left_out: vec![] };
         for (run, data) in experiment.runs.iter().enumerate() {
@@ -120,16 +116,5 @@ impl Layout {
     /// Number of values that count.
     pub fn present(&self) -> usize {
         self.measured.iter().filter(|v| !v.is_nan()).count()
-    }
-}
-
-/// How many rows at the start of a run are not counted.
-fn breaking_loose(kind: Kind, run: &Run) -> usize {
-    match (kind, run.data.column("time")) {
-        (Kind::Traverse, Some(time)) => {
-            let early = time.iter().take_while(|t| **t - time[0] < BREAKING_LOOSE).count();
-            early.min((AT_MOST * time.len() as f64) as usize)
-        }
-        _ => 0,
     }
 }

@@ -28,27 +28,27 @@ const STRETCH: usize = 10;
 /// How long searches from several starts are followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pace {
-    /// Steps after which only the best search goes on, and those whose cost is within [`BEATEN`] of it.
-    pub heat: usize,
-    /// How many steps these go on.
-    pub after: usize,
+    /// Steps that every search makes; then only the best goes on, and those whose cost is within [`BEATEN`] of it.
+    pub first_steps: usize,
+    /// Steps that these make further.
+    pub further_steps: usize,
     /// A search ends where over ten steps it brought its misfit beyond noise down by less than this share: into the corner
     /// of a box a search crawls, and where the model lacks an effect the last of such steps are not worth their time.
     pub least_fall: f64,
 }
 
-/// Share by which a search may be behind the best after the first heat.
+/// Share by which a search may be behind the best after the first steps.
 const BEATEN: f64 = 0.05;
 
 impl Pace {
     /// Every search to its end.
-    pub const PATIENT: Self = Self { heat: usize::MAX, after: 0, least_fall: 0.0 };
+    pub const PATIENT: Self = Self { first_steps: usize::MAX, further_steps: 0, least_fall: 0.0 };
     /// Where an evaluation takes tenths of a second.
-    pub const BRISK: Self = Self { heat: 12, after: usize::MAX, least_fall: 1e-3 };
+    pub const BRISK: Self = Self { first_steps: 12, further_steps: usize::MAX, least_fall: 1e-3 };
     /// A few steps that tell which way is worth going on.
-    pub const SHORT: Self = Self { heat: 8, after: 0, least_fall: 5e-3 };
+    pub const SHORT: Self = Self { first_steps: 8, further_steps: 0, least_fall: 5e-3 };
     /// As many as an effect needs to take over from what a calibration had put in its place.
-    pub const MEDIUM: Self = Self { heat: 16, after: 0, least_fall: 5e-3 };
+    pub const MEDIUM: Self = Self { first_steps: 16, further_steps: 0, least_fall: 5e-3 };
 }
 
 /// Residuals and their Jacobian over a box.
@@ -89,11 +89,11 @@ impl LeastSquares<'_> {
     pub fn minimise(&self, starts: &[Vec<f64>], pace: Pace) -> Vec<Minimum> {
         let mut searches: Vec<Search> = starts.iter().filter_map(|start| Search::new(self, start, pace)).collect();
         for search in &mut searches {
-            search.follow(pace.heat);
+            search.follow(pace.first_steps);
         }
         let best = searches.iter().map(|search| search.at.cost).fold(f64::INFINITY, f64::min);
         for search in searches.iter_mut().filter(|search| search.at.cost <= (1.0 + BEATEN) * best) {
-            search.follow(pace.after);
+            search.follow(pace.further_steps);
         }
         searches.into_iter().map(|search| search.at).collect()
     }

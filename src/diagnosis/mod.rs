@@ -19,6 +19,7 @@ mod guide;
 mod halt;
 #[cfg(feature = "report")]
 mod json;
+mod kinds;
 mod layout;
 mod least_squares;
 mod linear_algebra;
@@ -31,8 +32,7 @@ mod recorded;
 mod replay;
 mod sensitivity;
 mod separate;
-mod steady_points;
-mod traverse;
+mod thresholds;
 mod unanswered;
 mod weighted;
 
@@ -51,6 +51,7 @@ pub(crate) use failure::levels_of;
 pub use failure::{Failure, Level, levels};
 pub use fit::{Fit, RunFit, SignalFit};
 pub use given::Given;
+pub use kinds::{SingleWheelPlan, TraversePlan};
 #[cfg(feature = "report")]
 pub(crate) use local_line::{LocalLine, Smoothed};
 pub use noise::{FloorSource, NoiseFloor, NoiseModel, Pooled};
@@ -59,6 +60,6 @@ pub use replay::{Replay, ReplayError};
 pub use sensitivity::{Sensitivity, modelled, sensitivity};
 pub use separate::{
     AssumedNoise, EffectSight, Likeness, NoiseSource, PairSight, PlanError, SeparateOptions, Separation,
-    SingleWheelPlan, SmallestStrength, Suggestion, TraversePlan, separate,
+    SmallestStrength, Suggestion, separate,
 };
 pub use unanswered::UnansweredRows;

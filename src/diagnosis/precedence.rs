@@ -2,8 +2,9 @@
 
 use super::compare::CompareError;
 use super::given::{Given, Named};
+use super::kinds::strategy;
 use super::problem::class_priors;
-use crate::measurement::{Experiment, Kind, Prior};
+use crate::measurement::{Experiment, Prior};
 use crate::model::{ControlKind, Model, ModelError, ModelKind};
 use crate::rover::{MAX_WHEELS, Rover};
 use bekker_modeldescription::{Lookup, Role, Variable};
@@ -19,7 +20,7 @@ const RUNS_NAMED: usize = 3;
 
 /// Who names the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Rank {
+pub(crate) enum Rank {
     /// The command, or the call: what it states goes before `[parameters]`.
     Command,
     /// The experiment: `[parameters]` go before what it states.
@@ -29,7 +30,7 @@ pub(super) enum Rank {
 }
 
 /// The model that is taken.
-pub(super) struct Choice {
+pub(crate) struct Choice {
     pub model: Model,
     /// How it is called in messages.
     pub label: String,
@@ -62,12 +63,9 @@ struct Layer {
 
 /// Finds the model and the values of all parameters for each run of `experiment`.
 pub(super) fn resolve(given: &Given, experiment: &Experiment) -> Result<Resolved, CompareError> {
-    let Choice { mut model, label, rank, mut sources } = choose(given, experiment)?;
-    let single = experiment.kind == Kind::SingleWheel;
-    let carriage = single && (rank == Rank::Nobody || model.kind == ModelKind::Carriage);
-    if !single && model.kind == ModelKind::Carriage {
-        return Err(CompareError::Vehicle(format!("a traverse needs a rover, and {label} is a wheel on a carriage")));
-    }
+    let choice = choose(given, experiment)?;
+    let carriage = strategy(experiment.kind).finds_carriage(&choice)?;
+    let Choice { mut model, label, rank, mut sources } = choice;
     // A rover's vocabulary contains that of its wheel, so that parameters of a vehicle are taken, and do nothing.
     model.kind = ModelKind::Rover;
     model.define_effects(given.effects.clone())?;
@@ -291,9 +289,9 @@ fn built_in(given: &Given, experiment: &Experiment) -> Result<Choice, CompareErr
     if by_speed {
         model.control.kind = ControlKind::Speed;
     }
-    let wheels = experiment.runs.iter().map(|run| run.inputs.len()).max().unwrap_or(0);
+    let wheels = strategy(experiment.kind).commanded_wheels(experiment);
     let mut sources = Vec::new();
-    if experiment.kind == Kind::Traverse && wheels > model.rover.wheels.len() {
+    if wheels > model.rover.wheels.len() {
         let (places, said) = wheel_places(given, experiment, wheels)?;
         model.name = format!("rover_with_{wheels}_wheels");
         model.rover = Rover::rigid(&places);

@@ -7,22 +7,17 @@ use super::diagnose::Task;
 use super::free::Free;
 use super::given::Given;
 use super::halt::Halt;
+use super::kinds::{Strategy, strategy};
 use super::layout::Layout;
 use super::precedence::{Resolved, resolve};
 use super::prediction::{Predict, PredictionError};
-use super::steady_points::SingleWheelPrediction;
-use super::traverse::TraversePrediction;
 use crate::carriage::Rig;
-use crate::measurement::{Experiment, Kind, Prior, Run};
+use crate::measurement::{Experiment, Prior};
 use crate::model::{ControlKind, Model};
 use crate::soil_class::SoilClass;
 use bekker_modeldescription::{Lookup, Parameters, Role, Variable};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Inner step of a diagnosis where rows allow it, s, and how far off its grid a row may lie, in steps.
-const COARSE: f64 = 0.005;
-const ON_GRID: f64 = 1e-3;
 
 /// An effect that is not in the baseline, with its free parameters at their neutral values.
 #[derive(Clone, Debug)]
@@ -39,7 +34,7 @@ pub(crate) struct Problem<'a> {
     /// The model with what is known of the rig.
     pub known: Model,
     /// The same with what is known of each run.
-    models: Vec<Model>,
+    pub(super) models: Vec<Model>,
     /// Whether rovers are led at the measured velocity, for a first look.
     pub guided: bool,
     /// When simulations end early.
@@ -97,21 +92,17 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// Steps traverses as coarsely as their rows allow, up to 5 ms, where the model's own step is finer: on waves and
-    /// ditches that changes torques by under 1 mN m and sinkage by 4 um, far below any measurement, and a diagnosis
-    /// simulates the experiment hundreds of times. Drives with their own loop keep their step.
+    /// What depends on the kind of the experiment.
+    pub fn strategy(&self) -> &'static dyn Strategy {
+        strategy(self.experiment.kind)
+    }
+
+    /// Steps simulations as coarsely as the rows allow, where the model's own step is finer. Drives with their own loop keep
+    /// their step.
     pub fn coarsen(&mut self) {
-        let on_grid = |run: &Run| {
-            let time = run.data.column("time").unwrap_or_default();
-            time.iter().all(|t| {
-                let steps = (t - time[0]) / COARSE;
-                (steps - steps.round()).abs() < ON_GRID
-            })
-        };
-        if self.experiment.kind == Kind::Traverse && self.experiment.runs.iter().all(on_grid) {
-            for model in self.models.iter_mut().filter(|model| model.control.kind != ControlKind::SpeedLoop) {
-                model.stepping.step_size = model.stepping.step_size.max(COARSE);
-            }
+        let Some(step) = self.strategy().coarse_step(&self.experiment) else { return };
+        for model in self.models.iter_mut().filter(|model| model.control.kind != ControlKind::SpeedLoop) {
+            model.stepping.step_size = model.stepping.step_size.max(step);
         }
     }
 
@@ -137,6 +128,12 @@ impl<'a> Problem<'a> {
     pub fn free(&self, effects: &[String]) -> Vec<Free> {
         let added = self.library.iter().filter(|candidate| effects.contains(&candidate.id));
         self.base.iter().cloned().chain(added.flat_map(|candidate| candidate.free.clone())).collect()
+    }
+
+    /// Names of the baseline's parameters, for a reader.
+    pub fn names_of_base(&self) -> String {
+        let names: Vec<&str> = self.base.iter().map(|free| free.variable.name.as_str()).collect();
+        names.join(", ")
     }
 
     /// Values of the parameters of effect `id` among those of a fit with `effects`.
@@ -167,18 +164,7 @@ impl<'a> Problem<'a> {
     /// # Errors
     /// [`PredictionError`] where the model cannot be placed on the experiment's runs.
     pub fn predict<R>(&self, free: &[Free], f: impl FnOnce(&dyn Predict) -> R) -> Result<R, PredictionError> {
-        match self.experiment.kind {
-            Kind::SingleWheel => {
-                let names: Vec<String> = free.iter().map(|free| free.variable.name.clone()).collect();
-                let rigs = self.models.iter().map(|model| Rig::of(&model.rover)).collect();
-                Ok(f(&SingleWheelPrediction::new(&self.experiment, &self.layout, rigs, &names, self.halt)))
-            }
-            Kind::Traverse => {
-                let models = self.models.clone();
-                let prediction = TraversePrediction::new(&self.experiment, &self.layout, models, free, self.guided)?;
-                Ok(f(&prediction.until(self.halt)))
-            }
-        }
+        Ok(f(&*self.strategy().prediction(self, free)?))
     }
 
     /// The wheel, soil and effects on a run, with these values of parameters; what the run itself states holds against them.
@@ -253,15 +239,6 @@ impl<'a> Problem<'a> {
     pub fn again(&self, free: &[Free], values: &[f64]) -> Given {
         let given = Given::from(&self.improved(free, values));
         self.set.iter().fold(given, |given, (name, value)| given.with_value(name, *value))
-    }
-
-    /// What is said of a rover that was given a wheel tested on a carriage and cannot stand or drive with it.
-    pub fn unfit(&self, saved: &Model) -> Option<String> {
-        if self.experiment.kind != Kind::SingleWheel {
-            return None;
-        }
-        let unfit = saved.check_drive().err()?;
-        Some(format!("the improved model puts the measured wheel and soil on a rover that cannot use them: {unfit}"))
     }
 
     /// The model with fitted values as it is kept: of a single wheel that was measured without naming a

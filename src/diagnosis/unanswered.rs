@@ -4,29 +4,21 @@
 //! - **Given parameters**: rows without an answer are left out of the errors and listed. It is an error only where no
 //!   measured value has an answer.
 //! - **A search** for parameters counts such a row against them. On a carriage each of its measured values counts as missed
-//!   by [`MISSED_BY`] times the scatter of its signal over the experiment, and by up to twice as much, in proportion to
-//!   the share of the load that the soil does not carry. That is finite, so that a single bad row cannot force the fit, and
+//!   by [`MISSED_BY`](super::thresholds::MISSED_BY) times the scatter of its signal over the experiment, and by up to twice
+//!   as much, in proportion to the share of the load that the soil does not carry. That is finite, so that a single bad row cannot force the fit, and
 //!   worse than predicting the signal's mean everywhere, so that giving up a row does not pay. On a traverse the rover
 //!   stays as it was at the last row that it reached, while the measured one drives on. Predictions of what was left out
 //!   of a fit count alike.
 //! - **Rows without an answer at the best fit** of the baseline are left out, and the fit is repeated without them, until
 //!   every row that counts has an answer. They are left out of all that follows (noise, errors, effects), are listed, and
 //!   are a caution. From then on a fit that does not answer all rows that count is no fit.
-//! - **Too few are left**, and it is an error, where less than [`LEAST_SHARE`] of the measured rows have an answer, or no
-//!   more measured values than there are free parameters.
+//! - **Too few are left**, and it is an error, where less than [`LEAST_ANSWERED`](super::thresholds::LEAST_ANSWERED) of the
+//!   measured rows have an answer, or no more measured values than there are free parameters.
 
 use super::layout::Layout;
 use super::prediction::PredictionError;
 use std::fmt;
 use std::ops::Range;
-
-/// How far a value without an answer is missed in a search, in standard deviations of its signal over the experiment: a
-/// model that gives the mean everywhere misses by one.
-pub(crate) const MISSED_BY: f64 = 3.0;
-
-/// Share of the measured rows that a fit must answer: of an experiment of which the model answers less, a calibration
-/// describes the smaller part.
-pub(crate) const LEAST_SHARE: f64 = 0.5;
 
 /// Neighbouring rows of a run that the model cannot answer.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -23,7 +23,7 @@ use super::calibrate::{CalibratedParameter, Calibration};
 use super::diagnose::Step;
 use super::problem::Problem;
 use crate::carriage::{Rig, steady_point};
-use crate::measurement::{Kind, Sample};
+use crate::measurement::Sample;
 use inputs::{Held, Inputs, LEAST_SHARE, LEAST_SLIP, Row, rows};
 use serde::Serialize;
 use set_points::class_of;
@@ -137,7 +137,8 @@ fn pair(fitted: &CalibratedParameter) -> (String, f64) {
 /// with its parameters; parameters that are not listed keep what is known of the rig.
 fn curves(problem: &Problem, models: &[(Option<usize>, Values)]) -> Vec<Curves> {
     let experiment = &problem.experiment;
-    if experiment.kind != Kind::SingleWheel {
+    let axes = problem.strategy().axes();
+    if axes.is_empty() {
         return Vec::new();
     }
     let rows = rows(experiment);
@@ -151,7 +152,7 @@ fn curves(problem: &Problem, models: &[(Option<usize>, Values)]) -> Vec<Curves> 
             groups: groups.drain(..).map(|group| group.with_models(problem, axis, held, models, &signals)).collect(),
         })
     };
-    Axis::ALL.into_iter().filter_map(over).collect()
+    axes.iter().copied().filter_map(over).collect()
 }
 
 /// Whether rows lie along an axis, not at one place of it.
@@ -293,8 +294,7 @@ fn evaluated(rig: &Rig, grid: &[Vec<[f64; 3]>], signals: &[String]) -> BTreeMap<
             })
             .collect();
         for (signal, curve) in &mut curves {
-            let value =
-                |k: usize| answers[k].as_ref().map_or(f64::NAN, |point| super::steady_points::signal(point, signal));
+            let value = |k: usize| answers[k].as_ref().map_or(f64::NAN, |point| super::kinds::signal(point, signal));
             let middle = value(0);
             // Where the typical inputs have no answer the curve has a gap, and so has its band.
             let all = (0..answers.len()).map(value).filter(|v| !v.is_nan() && !middle.is_nan());

@@ -1,9 +1,7 @@
 //! What to beware of in fitted parameters, in words.
 
 use crate::diagnosis::calibrate::Calibration;
-
-/// Prior standard deviations beyond which a parameter contradicts what was known of it.
-const CONTRADICTION: f64 = 2.0;
+use crate::diagnosis::thresholds::{NAMED, PRIOR_CONTRADICTED};
 
 /// Parameters on a bound, and those that left their priors.
 pub(crate) fn of_parameters(fit: &Calibration) -> Vec<String> {
@@ -16,7 +14,7 @@ pub(crate) fn of_parameters(fit: &Calibration) -> Vec<String> {
                 "{name} sits on its bound ({value:.4} {unit}): the fit wanted to go further than is believable"
             ));
         }
-        if let Some(shift) = parameter.prior_shift().filter(|shift| shift.abs() > CONTRADICTION) {
+        if let Some(shift) = parameter.prior_shift().filter(|shift| shift.abs() > PRIOR_CONTRADICTED) {
             cautions.push(format!("{name} moved by {shift:+.1} standard deviations of its prior"));
         }
     }
@@ -26,7 +24,7 @@ pub(crate) fn of_parameters(fit: &Calibration) -> Vec<String> {
 /// Draws too few to name anything.
 pub(crate) fn of_draws(draws: usize) -> Option<String> {
     let smallest = 1.0 / (draws as f64 + 1.0);
-    (smallest >= super::verdict::NAMED).then(|| {
+    (smallest >= NAMED).then(|| {
         format!(
             "{draws} bootstrap draws cannot give a p-value below {smallest:.3}: nothing can be named; take 199 or more"
         )

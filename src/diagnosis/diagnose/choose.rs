@@ -2,12 +2,11 @@
 
 use super::bootstrap::p_value;
 use super::engine::DiagnoseOptions;
-use super::report_parts as parts;
 use super::search::Search;
 use super::stage::Stage;
-use super::verdict::{self, NAMED};
+use super::verdict;
 use crate::diagnosis::prediction::PredictionError;
-use crate::measurement::Kind;
+use crate::diagnosis::thresholds::{MAY_STAY, NAMED, REACH, TOO_MUCH};
 
 /// The effects that gain more than noise alone, in the order of their gains.
 pub(super) fn choose(
@@ -38,9 +37,9 @@ pub(super) fn choose(
 }
 
 /// The chosen effects without those that had only helped the search along: each set with one effect less is fitted again
-/// from where the whole came. `stage` is the baseline's. A carriage is searched from so many starts that this finds nothing.
+/// from where the whole came. `stage` is the baseline's.
 fn needed(search: &mut Search, stage: &Stage, mut chosen: Vec<String>) -> Vec<String> {
-    while chosen.len() > 1 && search.problem.experiment.kind == Kind::Traverse {
+    while chosen.len() > 1 && search.problem.strategy().budget().refits_from_larger {
         let without = |id: &String| chosen.iter().filter(|other| *other != id).cloned().collect::<Vec<_>>();
         let parts: Vec<Vec<String>> = chosen.iter().map(without).collect();
         parts.iter().for_each(|part| search.settle_below(&chosen, part));
@@ -64,11 +63,11 @@ fn worth_naming(search: &Search, stage: &Stage, mut chosen: Vec<String>) -> Resu
     let mut left = Vec::new();
     for count in 1..=chosen.len() {
         let Some(fit) = search.fits.get(&chosen[..count]) else { return Ok(chosen) };
-        let residual = parts::whitened_residual(search, &chosen[..count], &fit.values())?;
+        let residual = search.whitened_residual(&chosen[..count], &fit.values())?;
         left.push(verdict::left(search, stage, &chosen[..count], &residual));
     }
-    if let Some((last, true)) = left.last().copied().filter(|(last, _)| *last <= verdict::MAY_STAY) {
-        let too_little = |(share, _): &(f64, bool)| last > verdict::TOO_MUCH * share;
+    if let Some((last, true)) = left.last().copied().filter(|(last, _)| *last <= MAY_STAY) {
+        let too_little = |(share, _): &(f64, bool)| last > TOO_MUCH * share;
         let enough = left.iter().position(too_little).map_or(chosen.len(), |k| k + 1);
         chosen.truncate(enough);
     }
@@ -119,7 +118,7 @@ fn best_pair(
         return Ok(grown);
     }
     let known = grown.as_ref().map_or_else(|| search.net_gain(single), |set| search.net_gain(set));
-    if search.net_gain(&best) <= known + verdict::REACH {
+    if search.net_gain(&best) <= known + REACH {
         return Ok(grown);
     }
     for id in &best {

@@ -1,18 +1,18 @@
 //! A flexible discrepancy: smooth functions of every recorded condition, for each signal, that stand for "something".
 //!
-//! It says how much of a misfit could be explained at all, and it competes as "something else" against the effects.
+//! It says how much of a misfit could be explained at all, and it competes as "something else" against the effects. Which
+//! conditions there are is said by the [kind](crate::diagnosis::kinds) of the experiment.
 
 use crate::diagnosis::layout::{Block, Layout};
-use crate::measurement::{Experiment, Kind, Run};
+use crate::diagnosis::problem::Problem;
+use crate::diagnosis::thresholds::{HATS, SAME_LEVEL};
+use crate::measurement::{Experiment, Run};
 
-/// Most hat functions over one condition.
-const HATS: usize = 8;
-
-/// Values of a condition that differ by less than this share of its range are one level.
-const SAME_LEVEL: f64 = 0.02;
+/// A function of a row: its values by run and row.
+pub(crate) type Shape = Vec<Vec<f64>>;
 
 /// A condition: one value a row of a run.
-struct Condition {
+pub(crate) struct Condition {
     /// By run.
     values: Vec<Vec<f64>>,
     low: f64,
@@ -22,7 +22,11 @@ struct Condition {
 impl Condition {
     /// `None` where the condition is not recorded everywhere or does not vary. A row that is left out is missing here too: a load
     /// that no soil carries would set the range for all others.
-    fn new(experiment: &Experiment, layout: &Layout, value: &dyn Fn(usize, &Run) -> Option<Vec<f64>>) -> Option<Self> {
+    pub fn new(
+        experiment: &Experiment,
+        layout: &Layout,
+        value: &dyn Fn(usize, &Run) -> Option<Vec<f64>>,
+    ) -> Option<Self> {
         let mut values: Vec<Vec<f64>> =
             experiment.runs.iter().enumerate().map(|(k, run)| value(k, run)).collect::<Option<_>>()?;
         layout.left_out().iter().for_each(|(run, row)| values[*run][*row] = f64::NAN);
@@ -33,7 +37,7 @@ impl Condition {
     }
 
     /// Value between -1 and 1; 0 where missing.
-    fn scaled(&self, run: usize, row: usize) -> f64 {
+    pub fn scaled(&self, run: usize, row: usize) -> f64 {
         let value = self.values[run][row];
         if value.is_nan() { 0.0 } else { 2.0 * (value - self.low) / (self.high - self.low) - 1.0 }
     }
@@ -68,13 +72,10 @@ impl Condition {
     }
 }
 
-/// Columns in the layout's order, each nonzero in one signal only. Position and pitch are taken from the model: measured
-/// ones share the noise of what is to be explained.
-pub(crate) fn columns(experiment: &Experiment, layout: &Layout, modelled: &[f64]) -> Vec<Vec<f64>> {
-    let shapes = match experiment.kind {
-        Kind::SingleWheel => steady_shapes(experiment, layout),
-        Kind::Traverse => traverse_shapes(experiment, layout, modelled),
-    };
+/// Columns of the discrepancy in the layout's order, each nonzero in one signal only. `modelled` is what the baseline gives.
+pub(crate) fn columns(problem: &Problem, modelled: &[f64]) -> Vec<Vec<f64>> {
+    let (experiment, layout) = (&*problem.experiment, &problem.layout);
+    let shapes = problem.strategy().discrepancy(experiment, layout, modelled);
     let mut columns = Vec::new();
     for signal in experiment.signals() {
         for shape in &shapes {
@@ -90,36 +91,20 @@ pub(crate) fn columns(experiment: &Experiment, layout: &Layout, modelled: &[f64]
     columns
 }
 
-/// Smooth functions of the conditions alone, by run and row, with which the strength of an effect may vary while it
-/// remains the same effect in another form.
-pub(crate) fn modulations(experiment: &Experiment, layout: &Layout, modelled: &[f64]) -> Vec<Vec<Vec<f64>>> {
-    let columns: &[&str] = match experiment.kind {
-        Kind::SingleWheel => &["slip", "load", "wheel_speed"],
-        Kind::Traverse => &["pitch", "command", "time"],
-    };
-    let mut shapes = Vec::new();
-    for name in columns {
-        let condition = match *name {
-            "pitch" => along_model(experiment, layout, modelled, name),
-            "command" => commanded(experiment, layout),
-            _ => recorded(experiment, layout, name),
-        };
-        let Some(condition) = condition else { continue };
-        shapes.push(product(experiment, &|run, row| condition.scaled(run, row)));
-        if ["slip", "pitch", "command"].contains(name) {
-            shapes.push(product(experiment, &|run, row| condition.scaled(run, row).powi(2)));
-        }
-    }
-    shapes
-}
-
-type Shape = Vec<Vec<f64>>;
-
-fn product(experiment: &Experiment, f: &dyn Fn(usize, usize) -> f64) -> Shape {
+/// A shape from its value in each run and row.
+pub(crate) fn product(experiment: &Experiment, f: &dyn Fn(usize, usize) -> f64) -> Shape {
     experiment.runs.iter().enumerate().map(|(k, run)| (0..run.data.rows()).map(|row| f(k, row)).collect()).collect()
 }
 
-fn hats(experiment: &Experiment, condition: &Condition, shapes: &mut Vec<Shape>) {
+/// Adds the first powers of a condition, up to `most`, to `shapes`.
+pub(crate) fn powers(experiment: &Experiment, condition: &Condition, most: i32, shapes: &mut Vec<Shape>) {
+    for power in 1..=most {
+        shapes.push(product(experiment, &|run, row| condition.scaled(run, row).powi(power)));
+    }
+}
+
+/// Adds the hat functions of a condition to `shapes`.
+pub(crate) fn hats(experiment: &Experiment, condition: &Condition, shapes: &mut Vec<Shape>) {
     let knots = condition.knots();
     if knots.len() > 1 {
         for k in 0..knots.len() {
@@ -128,91 +113,14 @@ fn hats(experiment: &Experiment, condition: &Condition, shapes: &mut Vec<Shape>)
     }
 }
 
-fn recorded(experiment: &Experiment, layout: &Layout, name: &str) -> Option<Condition> {
+/// A recorded column.
+pub(crate) fn recorded(experiment: &Experiment, layout: &Layout, name: &str) -> Option<Condition> {
     Condition::new(experiment, layout, &|_, run| run.data.column(name).map(<[f64]>::to_vec))
 }
 
-/// The command that acted until a row, the mean over the wheels: friction and rate depend on speed in many forms.
-fn commanded(experiment: &Experiment, layout: &Layout) -> Option<Condition> {
-    Condition::new(experiment, layout, &|_, run| {
-        let commands: Vec<&[f64]> = run.inputs.iter().map(|name| run.data.column(name)).collect::<Option<_>>()?;
-        let mean = |row: usize| commands.iter().map(|values| values[row]).sum::<f64>() / commands.len() as f64;
-        Some((0..run.data.rows()).map(|row| mean(row.saturating_sub(1))).collect())
-    })
-}
-
-/// A signal as the model gives it, where it was measured.
-fn along_model(experiment: &Experiment, layout: &Layout, modelled: &[f64], name: &str) -> Option<Condition> {
-    Condition::new(experiment, layout, &|k, _| {
-        let block = layout.of_run(k).find(|block| block.signal == name)?;
-        Some(modelled[block.range.clone()].to_vec())
-    })
-}
-
-/// Slip in hats, and its first powers times load and speed.
-fn steady_shapes(experiment: &Experiment, layout: &Layout) -> Vec<Shape> {
-    let slip = recorded(experiment, layout, "slip");
-    let mut shapes = Vec::new();
-    match &slip {
-        Some(slip) => hats(experiment, slip, &mut shapes),
-        None => shapes.push(product(experiment, &|_, _| 1.0)),
-    }
-    for name in ["load", "wheel_speed"] {
-        let Some(condition) = recorded(experiment, layout, name) else { continue };
-        shapes.push(product(experiment, &|run, row| condition.scaled(run, row)));
-        shapes.push(product(experiment, &|run, row| condition.scaled(run, row).powi(2)));
-        if let Some(slip) = &slip {
-            for power in 1..=2 {
-                let value = |run, row| condition.scaled(run, row) * slip.scaled(run, row).powi(power);
-                shapes.push(product(experiment, &value));
-            }
-        }
-    }
-    run_order(experiment, layout, &mut shapes);
-    shapes
-}
-
-/// A drift over the list of runs.
-fn run_order(experiment: &Experiment, layout: &Layout, shapes: &mut Vec<Shape>) {
+/// Adds a drift over the list of runs to `shapes`.
+pub(crate) fn run_order(experiment: &Experiment, layout: &Layout, shapes: &mut Vec<Shape>) {
     if let Some(order) = Condition::new(experiment, layout, &|k, run| Some(vec![k as f64; run.data.rows()])) {
-        shapes.push(product(experiment, &|run, row| order.scaled(run, row)));
-        shapes.push(product(experiment, &|run, row| order.scaled(run, row).powi(2)));
+        powers(experiment, &order, 2, shapes);
     }
-}
-
-/// Hats over time, position, pitch and commanded speed, the place in the list of runs, and one turn of a wheel.
-fn traverse_shapes(experiment: &Experiment, layout: &Layout, modelled: &[f64]) -> Vec<Shape> {
-    let mut shapes = Vec::new();
-    let elapsed = |run: &Run| {
-        let time = run.data.column("time")?;
-        Some(time.iter().map(|t| t - time[0]).collect())
-    };
-    let command = |run: &Run| run.data.column(run.inputs.first()?).map(<[f64]>::to_vec);
-    let conditions = [
-        Condition::new(experiment, layout, &|_, run| elapsed(run)),
-        along_model(experiment, layout, modelled, "x"),
-        along_model(experiment, layout, modelled, "pitch"),
-        Condition::new(experiment, layout, &|_, run| command(run)),
-    ];
-    for condition in conditions.iter().flatten() {
-        hats(experiment, condition, &mut shapes);
-    }
-    run_order(experiment, layout, &mut shapes);
-    let angles: Option<Vec<Vec<f64>>> = experiment.runs.iter().map(wheel_angle).collect();
-    if let Some(angles) = angles {
-        shapes.push(product(experiment, &|run, row| angles[run][row].sin()));
-        shapes.push(product(experiment, &|run, row| angles[run][row].cos()));
-    }
-    shapes
-}
-
-/// Angle of the rear wheel as commanded, rad; `None` where torques are commanded.
-fn wheel_angle(run: &Run) -> Option<Vec<f64>> {
-    let speed = run.data.column(run.inputs.iter().find(|name| name.ends_with(".speed_command"))?)?;
-    let time = run.data.column("time")?;
-    let mut angle = vec![0.0];
-    for k in 1..time.len() {
-        angle.push(angle[k - 1] + speed[k - 1] * (time[k] - time[k - 1]));
-    }
-    Some(angle)
 }

@@ -2,28 +2,12 @@
 //! no class of soil allows, a bound that carries the fit.
 
 use super::bootstrap::p_value;
-use super::report_parts::whitened_residual;
 use super::search::Search;
 use super::stage::Stage;
-use super::verdict::{ALIKE, NAMED, REACH};
 use crate::diagnosis::calibrate::{CalibratedParameter, Calibration};
 use crate::diagnosis::linear_algebra::{Basis, dot};
 use crate::diagnosis::prediction::PredictionError;
-
-/// Standard errors of a 95 % interval.
-const INTERVAL: f64 = 1.96;
-
-/// 95 % points of chi-square for one, two and three parameters.
-const LIKELY: [f64; 3] = [3.841, 5.991, 7.815];
-
-/// Share of a set's gain below which an effect could be left out: another form of one of the others gains as much.
-const LITTLE: f64 = 0.01;
-
-/// Share of a set's gain that a bound may hold back.
-const HELD_BACK: f64 = 0.02;
-
-/// Values at different set-points that each parameter of a fit needs before what it says is worth a name.
-const LEAST_VALUES: usize = 3;
+use crate::diagnosis::thresholds::{ALIKE, CHI_SQUARE_95, HELD_BACK, LEAST_VALUES, LITTLE, NAMED, NORMAL_95, REACH};
 
 /// One reason not to name a set.
 #[derive(Clone, Debug, PartialEq)]
@@ -142,10 +126,10 @@ fn neutral(search: &Search, effects: &[String], own: &str, fit: &Calibration, lo
     let parameters: Vec<&CalibratedParameter> =
         fit.parameters[search.problem.base.len()..].iter().filter(of_own).collect();
     let scatter = (fit.chi_square / fit.degrees_of_freedom.max(1) as f64).max(1.0);
-    let likely = LIKELY[count.clamp(1, LIKELY.len()) - 1];
+    let likely = CHI_SQUARE_95[count.clamp(1, CHI_SQUARE_95.len()) - 1];
     let holds = |parameter: &&CalibratedParameter| {
         let from_neutral = (parameter.value - parameter.variable.default).abs();
-        parameter.deviation.is_some_and(|deviation| from_neutral <= INTERVAL * deviation)
+        parameter.deviation.is_some_and(|deviation| from_neutral <= NORMAL_95 * deviation)
     };
     let by_error = count == 1 && parameters.iter().all(holds);
     (by_error || loss / scatter < likely).then(|| Doubt::Neutral {
@@ -172,7 +156,7 @@ fn leaning(search: &Search, effects: &[String], fit: &Calibration) -> Result<Vec
     }
     let (problem, values) = (search.problem, fit.values());
     let free = problem.free(effects);
-    let residual = whitened_residual(search, effects, &values)?;
+    let residual = search.whitened_residual(effects, &values)?;
     let columns = search.whitened_columns(effects, &values)?;
     let inner = Basis::of(columns.iter().zip(&fit.parameters).filter(|(_, p)| !p.at_bound).map(|(column, _)| column));
     let outside = inner.outside(&residual);

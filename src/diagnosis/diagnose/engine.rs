@@ -1,25 +1,22 @@
-//! The course of a diagnosis.
+//! The course of a diagnosis: noise, baseline, is it more than noise, candidates, choice, verdict, next experiment.
 
 use super::choose::choose;
 use super::control::Control;
 use super::evidence::Evidence;
-use super::judge::judge;
+use super::finished::Finished;
+use super::judge::{Judged, judge};
 use super::prepare::{Prepared, prepare};
-use super::report_parts as parts;
 use super::result::Diagnosis;
-use super::search::{Fits, Search};
-use super::stage::Ground;
-use super::untried::Untried;
+use super::search::Search;
+use super::stage::{Stage, StageContext};
+use super::untried::{Untried, lines};
 use super::verdict::Judgement;
 use super::watch::{Phase, Watch};
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::given::Given;
-use crate::diagnosis::noise::Whitening;
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::unanswered::UnansweredRows;
 use crate::measurement::Experiment;
-use std::collections::BTreeMap;
-use std::sync::Mutex;
 
 /// How to diagnose.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,42 +72,59 @@ pub fn diagnose(
     control: &Control,
 ) -> Result<Diagnosis, CompareError> {
     let mut problem = options.problem(given, experiment)?;
-    let watch = Watch::new(control, experiment.kind);
+    let watch = Watch::new(control, problem.strategy());
     problem.halt = watch.halt();
-    let free: Vec<&str> = problem.base.iter().map(|free| free.variable.name.as_str()).collect();
-    watch.begin(Phase::Baseline, &free.join(", "));
     let nothing_yet = |error: CompareError| if watch.stopped() { CompareError::Interrupted } else { error };
+
+    // The noise, and the baseline calibrated under it.
+    watch.begin(Phase::Baseline, &problem.names_of_base());
     let prepared = prepare(&mut problem).map_err(nothing_yet)?;
     let problem = problem;
     let whitening = prepared.noise.whitening(&problem, &|_, _| true).ok_or(CompareError::NoFit)?;
-    let mut search = search(&problem, &prepared, &whitening, options, control, &watch);
-    search.fits.insert(&[], prepared.baseline.clone());
+
+    // Is what the baseline misses more than noise? What noise alone would give around it.
     watch.begin(Phase::Noise, "");
+    let context = StageContext::new(&problem, &prepared, &whitening, options.draws);
+    let mut search = Search::new(context, prepared.baseline.clone(), control, &watch);
     let stage = search.stage(&[])?.ok_or(CompareError::NoFit).map_err(nothing_yet)?;
+
+    // The candidates, each refitted together with the calibration.
     watch.begin(Phase::Singles, "");
-    let stage = search.escaped(stage)?;
-    search.singles(&stage);
-    if stage.fit.is_far() {
-        search.afresh(&stage);
-    }
+    let stage = search.candidates(stage)?;
+
+    // The choice: the effects that gain more than noise alone.
     watch.begin(Phase::Sets, "");
     let chosen = choose(&mut search, &stage, options)?;
+
+    // The verdict: what left-out data, rivals and doubts say, limited by what is not known.
     watch.begin(Phase::LeftOut, "");
     let mut evidence = Evidence::new(&search, &chosen);
     watch.begin(Phase::Rivals, "");
-    let mut judged = judge(&mut search, &stage, &prepared, &mut evidence, chosen)?;
-    if !prepared.noise_is_known {
-        judged.judgement.undecided();
-    }
-    judged.judgement.with_unanswered(share_unanswered(experiment, &prepared));
-    if watch.stopped() && judged.judgement.names() {
-        judged.judgement.open("interrupted: not all that may speak against the name was looked for".to_owned());
-    }
-    incomplete(&mut judged.judgement, &watch.untried(), stage.draws.len(), options.draws);
-    let inputs = parts::Inputs { search: &search, stage: &stage, prepared: &prepared, evidence: &evidence };
-    let diagnosis = parts::assemble(&inputs, judged.judgement, &judged.chosen, options)?;
+    let Judged { mut judgement, chosen } = judge(&mut search, &stage, &prepared, &mut evidence, chosen)?;
+    limit(&mut judgement, &search, &stage, &prepared);
+
+    let finished = Finished { search: &search, stage: &stage, prepared: &prepared, evidence: &evidence };
+    let mut diagnosis = finished.diagnosis(&judgement, &chosen, options)?;
+
+    // The next experiment.
+    watch.begin(Phase::Next, "");
+    diagnosis.suggestions = finished.next_experiment(&judgement, &chosen, &diagnosis.failures_left);
+    diagnosis.interrupted = watch.stopped();
+    diagnosis.not_tried = lines(&watch.untried());
     watch.begin(Phase::Done, "");
     Ok(diagnosis)
+}
+
+/// What is not known limits a verdict: a noise, answers of the model, and work that was not done.
+fn limit(judgement: &mut Judgement, search: &Search, stage: &Stage, prepared: &Prepared) {
+    if !prepared.noise_is_known {
+        judgement.undecided();
+    }
+    judgement.with_unanswered(share_unanswered(&search.problem.experiment, prepared));
+    if search.watch.stopped() && judgement.names() {
+        judgement.open("interrupted: not all that may speak against the name was looked for".to_owned());
+    }
+    incomplete(judgement, &search.watch.untried(), stage.draws.len(), search.context.draws);
 }
 
 /// Share of an experiment's rows that the calibrated baseline cannot answer.
@@ -134,25 +148,4 @@ fn incomplete(judgement: &mut Judgement, untried: &[Untried], draws: usize, aske
     if untried.iter().filter_map(Untried::unknown).any(rivals) {
         judgement.open("some effects were not tried: the verdict is open".to_owned());
     }
-}
-
-fn search<'a>(
-    problem: &'a Problem<'a>,
-    prepared: &'a Prepared,
-    whitening: &'a Whitening,
-    options: &DiagnoseOptions,
-    control: &'a Control<'a>,
-    watch: &'a Watch<'a>,
-) -> Search<'a> {
-    let ground = Ground {
-        problem,
-        noise: &prepared.noise,
-        whitening,
-        repeats: prepared.repeats.as_ref(),
-        flexible: &prepared.flexible,
-        modulations: &prepared.modulations,
-        draws: options.draws,
-    };
-    let (fits, looks, settled, modelled) = (Fits::default(), BTreeMap::new(), BTreeMap::new(), Mutex::default());
-    Search { problem, noise: &prepared.noise, ground, control, watch, fits, looks, settled, modelled }
 }

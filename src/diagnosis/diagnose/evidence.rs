@@ -8,21 +8,12 @@ use super::result::Share;
 use super::search::Search;
 use super::stage::Stage;
 use super::untried::{Untried, named};
+use crate::diagnosis::thresholds::{COMPETING_PAIRS, COMPETING_SINGLES, PRIOR_ENOUGH, PRIOR_OTHER};
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Single effects that compete on left-out data: the best fits; the others gain nothing worth predicting.
-const COMPETING_SINGLES: usize = 6;
-
-/// Pairs beside the chosen ones that compete in the probabilities.
-const COMPETING_PAIRS: usize = 3;
 
 /// What predicting the left-out conditions with one set costs, in single fits: six short refits on a carriage; less on a
 /// traverse.
 const PREDICTION: f64 = 1.0;
-
-/// Prior probability that the baseline is enough, and that something else than any candidate is missing.
-const PRIOR_ENOUGH: f64 = 0.5;
-const PRIOR_OTHER: f64 = 0.1;
 
 /// Predictions of what was left out, by fitted set.
 pub(crate) struct Evidence {

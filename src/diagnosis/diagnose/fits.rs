@@ -77,7 +77,7 @@ pub(crate) fn run_open(problem: &Problem, noise: &Noise, task: &Task) -> Option<
 }
 
 fn run_for(problem: &Problem, noise: &Noise, task: &Task, whole: bool) -> Option<Calibration> {
-    let effort = Effort::of(problem.experiment.kind);
+    let effort = problem.strategy().budget().calibration;
     with_problem(problem, noise, task, whole, |weighted, weights| {
         if task.starts.is_empty() {
             calibrate(weighted, weights, effort)

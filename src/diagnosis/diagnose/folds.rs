@@ -1,12 +1,7 @@
 //! What is left out together: whole conditions, or whole runs.
 
+use crate::diagnosis::thresholds::{FOLDS, LEAST_GROUPS};
 use crate::measurement::Experiment;
-
-/// Most folds.
-const FOLDS: usize = 6;
-
-/// Fewest groups of runs that make folds by themselves; with fewer, folds are levels of slip or stretches of rows.
-const LEAST_GROUPS: usize = 3;
 
 /// Rows (run, row) that are left out together.
 pub(crate) type Fold = Vec<(usize, usize)>;

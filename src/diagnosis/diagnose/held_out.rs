@@ -1,8 +1,7 @@
 //! Prediction of what was left out of the fit: whole conditions or whole runs.
 //!
-//! A wheel on a carriage is refitted without each fold. A traverse, where refits are dear, takes one Gauss-Newton step
-//! from the full fit to the optimum without the fold, within the bounds; where the full fit is far from the measurements,
-//! so that such a step means little, it is refitted for a few steps. The left-out runs are then simulated with those
+//! How the fit to everything becomes one without a fold is said by the [kind](crate::diagnosis::kinds) of the experiment: by a
+//! refit, by one Gauss-Newton step within the bounds where refits are dear, or by a refit of few steps. The left-out runs are then simulated with those
 //! values, so that the prediction itself is not linearised. A rover that gets stuck in them predicts that it stays there, and
 //! a row of a carriage without an answer counts as missed, see [`unanswered`](crate::diagnosis::unanswered).
 //! What the kept conditions do not determine widens the prediction: else a fit that extrapolates into a left-out end of the
@@ -12,10 +11,10 @@ use super::fits::{Noise, Task, run};
 use super::folds::Fold;
 use super::probability::log_density;
 use crate::diagnosis::calibrate::Calibration;
+use crate::diagnosis::kinds::LeftOut;
 use crate::diagnosis::least_squares::{LeastSquares, Pace};
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::weighted::Weighted;
-use crate::measurement::Kind;
 use nalgebra::{DMatrix, DVector};
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
@@ -41,17 +40,18 @@ pub(crate) fn held_out(
     fit: &Calibration,
     folds: &[Fold],
 ) -> Option<HeldOut> {
-    let fitted = match problem.experiment.kind {
-        Kind::Traverse if !fit.is_far() => stepped(problem, noise, effects, &fit.values(), folds)?,
-        kind => {
-            let scouting = (kind == Kind::Traverse).then_some(0);
-            let refitted = |fold: &Fold| {
-                let task = problem.task(effects, vec![fit.values()]);
-                let task = Task { left_out: fold.clone(), scouting, ..task };
-                let values = run(problem, noise, &task)?.values();
-                opened(problem, noise, effects, values, fold)
-            };
-            folds.iter().map(refitted).collect::<Option<_>>()?
+    let refit = |fold: &Fold, scouting: Option<usize>| {
+        let task = problem.task(effects, vec![fit.values()]);
+        Some(run(problem, noise, &Task { left_out: fold.clone(), scouting, ..task })?.values())
+    };
+    let fitted: Vec<Kept> = match problem.strategy().left_out(fit) {
+        LeftOut::Step => stepped(problem, noise, effects, &fit.values(), folds)?,
+        LeftOut::Refit => {
+            let opened = |fold| opened(problem, noise, effects, refit(fold, None)?, fold);
+            folds.iter().map(opened).collect::<Option<_>>()?
+        }
+        LeftOut::ShortRefit => {
+            folds.iter().map(|fold| Some(Kept::known(refit(fold, Some(0))?))).collect::<Option<_>>()?
         }
     };
     let (mut density, mut squares) = (Vec::new(), BTreeMap::<String, (f64, usize)>::new());
@@ -86,7 +86,7 @@ pub(crate) fn held_out(
 fn predict(problem: &Problem, effects: &[String], values: &[f64], fold: &Fold) -> Option<Vec<f64>> {
     let free = problem.free(effects);
     let runs: BTreeSet<usize> = fold.iter().map(|(run, _)| *run).collect();
-    if problem.experiment.kind == Kind::SingleWheel || runs.len() == problem.experiment.runs.len() {
+    if problem.strategy().budget().predicts_whole || runs.len() == problem.experiment.runs.len() {
         return problem.predict(&free, |predict| predict.values_onward(values)).ok()?.ok();
     }
     let runs: Vec<usize> = runs.into_iter().collect();
@@ -110,11 +110,15 @@ struct Kept {
     columns: Rc<Vec<Vec<f64>>>,
 }
 
+impl Kept {
+    /// Values around which nothing counts as open.
+    fn known(values: Vec<f64>) -> Self {
+        Self { values, precision: DMatrix::zeros(0, 0), columns: Rc::default() }
+    }
+}
+
 /// Values that were refitted without a fold, and what the kept rows leave open around them.
 fn opened(problem: &Problem, noise: &Noise, effects: &[String], values: Vec<f64>, fold: &Fold) -> Option<Kept> {
-    if problem.experiment.kind == Kind::Traverse {
-        return Some(Kept { values, precision: DMatrix::zeros(0, 0), columns: Rc::default() });
-    }
     let free = problem.free(effects);
     let inside: BTreeSet<_> = fold.iter().copied().collect();
     let whitening = noise.whitening(problem, &|run, row| !inside.contains(&(run, row)))?;

@@ -5,18 +5,11 @@ use super::bootstrap::p_value;
 use super::doubts::{Doubt, doubts};
 use super::evidence::{Evidence, Probabilities};
 use super::prepare::Prepared;
-use super::report_parts as parts;
 use super::search::Search;
 use super::stage::Stage;
-use super::verdict::{self, BETTER, Case, Judgement, NAMED};
+use super::verdict::{self, Case, Judgement};
 use crate::diagnosis::prediction::PredictionError;
-
-/// A rival is refitted in the place of an effect from this cosine of signatures.
-const WORTH_A_SWAP: f64 = 0.5;
-
-/// Probability above which another explanation stays possible, although it fits worse: where the true effect has another form
-/// than the library's, that form error can make a wrong effect fit better by more than noise.
-const UNLIKELY: f64 = 1.0 - BETTER;
+use crate::diagnosis::thresholds::{BETTER, NAMED, UNLIKELY, WORTH_A_SWAP};
 
 /// A verdict and the set that it is about, in the order in which its effects were chosen.
 pub(crate) struct Judged {
@@ -38,7 +31,7 @@ pub(crate) fn judge(
     let mut dropped = Vec::new();
     loop {
         if chosen.is_empty() || search.fits.get(&chosen).is_none() {
-            let judgement = verdict::without_effects(stage, parts::blind_share(stage));
+            let judgement = verdict::without_effects(stage, stage.blind_share());
             return Ok(Judged { judgement, chosen: Vec::new() });
         }
         let doubts = doubts(search, stage, &chosen)?;
@@ -71,7 +64,7 @@ fn judged(
     let Some(fit) = search.fits.get(chosen) else {
         return Ok(verdict::without_effects(stage, 0.0));
     };
-    let residual = parts::whitened_residual(search, chosen, &fit.values())?;
+    let residual = search.whitened_residual(chosen, &fit.values())?;
     let all = candidates(stage);
     let as_good = verdict::rivals(search, chosen, &all);
     let imitates = |own: &String| {

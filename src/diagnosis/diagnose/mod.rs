@@ -1,17 +1,20 @@
 //! The diagnosis: which physical effect is missing from the model, if any.
 //!
-//! The method in steps, with the module that holds each:
+//! [`diagnose`] is the argument, statement by statement; the modules that hold its steps:
 //!
-//! 1. noise from repeats, one noise model for all that follows ([`super::noise`]);
-//! 2. calibration of the soil with priors ([`super::calibrate`]);
-//! 3. lack of fit, in all and along every condition (`discrepancy`);
-//! 4. sensitivities to every effect, and what the calibrated parameters cannot absorb of them (`signature`);
-//! 5. every single effect and pair refitted jointly with the calibration, the long list first screened by its
-//!    sensitivities where a refit is dear (`search`);
-//! 6. p-values by a parametric bootstrap of the best of all candidates (`bootstrap`), gains on left-out conditions
-//!    (`held_out`), probabilities over candidates, "enough" and "something else" (`probability`);
-//! 7. the verdict and its cautions (`verdict`), profile likelihoods (`profile`), the next experiment
-//!    ([`super::separate`]).
+//! 1. **noise** from repeats, one noise model for all that follows ([`super::noise`]), and the **baseline**, calibrated under
+//!    it with priors (`prepare`, [`super::calibrate`]);
+//! 2. **is it more than noise**: lack of fit in all and along every condition (`discrepancy`); sensitivities to every effect,
+//!    and what the calibrated parameters cannot absorb of them (`signature`); what noise alone would give, by a parametric
+//!    bootstrap (`stage`, `bootstrap`);
+//! 3. **candidates**: every single effect and pair refitted jointly with the calibration, a long list first screened by its
+//!    sensitivities where a refit is dear (`search`, `starts`, `scout`);
+//! 4. **choice** of the effects that gain more than the best of all candidates does by noise alone (`choose`);
+//! 5. **verdict**: gains on left-out conditions (`held_out`, `folds`), probabilities over candidates, "enough" and "something
+//!    else" (`evidence`, `probability`), doubts (`doubts`, `soil`), and what follows (`judge`, `verdict`);
+//! 6. **result** (`finished`, `result`): profile likelihoods (`profile`) and the **next experiment** ([`super::separate`]).
+//!
+//! Constants of judgement stand in [`super::thresholds`], what depends on the kind of experiment in [`super::kinds`].
 
 mod bootstrap;
 mod cautions;
@@ -21,6 +24,7 @@ mod discrepancy;
 mod doubts;
 mod engine;
 mod evidence;
+mod finished;
 mod fits;
 mod folds;
 mod held_out;
@@ -28,7 +32,6 @@ mod judge;
 mod prepare;
 mod probability;
 mod profile;
-mod report_parts;
 mod result;
 mod scout;
 mod search;
@@ -42,15 +45,14 @@ mod watch;
 
 pub(crate) use bootstrap::Projected;
 pub use control::{Control, Progress, Spread, Threads};
+pub(crate) use discrepancy::{Condition, Shape, hats, powers, product, recorded, run_order};
 pub use engine::{DiagnoseOptions, diagnose};
 pub use fits::{Noise, Outcome, Task, fit_task};
 pub(crate) use prepare::{calibrated_baseline, prepare};
-pub(crate) use report_parts::DETECTABLE;
 pub use result::{
     CandidateResult, Diagnosis, FinalParameter, LackOfFit, PairResult, ParameterResult, Share, Step, Verdict,
 };
 pub(crate) use signature::{Sensitivities, View, prune, sensitivities};
 pub(crate) use stage::largest_cosine;
 pub(crate) use untried::Untried;
-pub(crate) use verdict::ALIKE;
-pub(crate) use watch::Watch;
+pub(crate) use watch::{Phase, Watch};

@@ -3,7 +3,7 @@
 //!
 //! [`compare`]: crate::diagnosis::compare()
 
-use super::discrepancy;
+use super::discrepancy::{self, Shape};
 use super::fits::{Noise, Task, run, run_open};
 use super::search::SAME_FIT;
 use super::signature::prune;
@@ -11,23 +11,17 @@ use crate::diagnosis::calibrate::{CalibratedParameter, Calibration, better};
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::linear_algebra::Basis;
 use crate::diagnosis::noise::{
-    Decided, Evidence, FloorSource, NoiseFloor, NoiseModel, Repeats, decide, estimate, noise_floors,
+    Decided, FittedResidual, FloorSource, NoiseFloor, NoiseModel, Repeats, decide, estimate, noise_floors,
 };
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::Problem;
-use crate::diagnosis::unanswered::{Answers, LEAST_SHARE, Unanswered, UnansweredRows, listed};
-use crate::measurement::Kind;
+use crate::diagnosis::thresholds::{BAD_SAMPLE, ENOUGH_SCATTER, LEAST_ANSWERED};
+use crate::diagnosis::unanswered::{Answers, Unanswered, UnansweredRows, listed};
 use crate::simulation::Event;
 use std::collections::BTreeMap;
 
-/// A whitened residual beyond this many robust standard deviations is a bad sample: Huber's loss starts there.
-const BAD: f64 = 4.5;
-
 /// Median of |x| of a normal variable with unit variance.
 const MEDIAN: f64 = 0.674_489_750_196_081_7;
-
-/// Degrees of freedom beyond calibration and flexible curve that tell an unknown noise to about a tenth.
-const ENOUGH_SCATTER: usize = 50;
 
 /// What the search starts from.
 pub(crate) struct Prepared {
@@ -38,9 +32,10 @@ pub(crate) struct Prepared {
     pub baseline: Calibration,
     /// What the baseline gives, in the layout's order; NaN in rows that are left out and without an answer.
     pub modelled: Vec<f64>,
+    /// Columns of a flexible discrepancy, in the layout's order.
     pub flexible: Vec<Vec<f64>>,
-    /// Smooth functions of the conditions by which the strength of an effect may vary, by run and row.
-    pub modulations: Vec<Vec<Vec<f64>>>,
+    /// Smooth functions of the conditions by which the strength of an effect may vary.
+    pub modulations: Vec<Shape>,
     pub invisible: Vec<String>,
     pub cautions: Vec<String>,
     /// Whether the noise is known well enough for a verdict.
@@ -71,37 +66,10 @@ pub(crate) fn calibrated_baseline(problem: &mut Problem) -> Result<Prepared, Com
     }
     let repeats = Repeats::new(&problem.experiment);
     let mut unanswered = Vec::new();
-    let mut noise = Noise { models: first_guess(problem, &repeats), robust: None };
-    let first = fitted(problem, &noise, &[], &mut unanswered)?;
-    let predicted = modelled(problem, &first.values())?.values;
-    let residual = minus(&problem.layout.measured, &predicted);
-    let flexible = discrepancy::columns(&problem.experiment, &problem.layout, &predicted);
-    let modulations = discrepancy::modulations(&problem.experiment, &problem.layout, &predicted);
-    let decided = decide(&Evidence {
-        experiment: &problem.experiment,
-        layout: &problem.layout,
-        repeats: &repeats,
-        residual: &residual,
-        smooth: &modulations,
-        flexible: &flexible,
-        calibrated: problem.base.len(),
-    });
-    noise.models.clone_from(&decided.models);
-    noise.robust = Some(threshold(problem, &noise, &residual));
-    let again = fitted(problem, &noise, &[first.values()], &mut unanswered)?;
-    // A search that starts where the first one ended may find no step to make.
-    let converged = again.converged || (first.converged && is_at(&again, &first));
-    let mut baseline = Calibration { searches: first.searches, agreeing: first.agreeing, converged, ..again };
-    // Under a first guess of the noise a fit may have looked near that is far.
-    if baseline.is_far() && !first.is_far() {
-        let counted = problem.layout.present();
-        let anew = fitted(problem, &noise, &[], &mut unanswered)?;
-        if problem.layout.present() < counted {
-            baseline = settled(problem, &noise, baseline);
-        }
-        baseline = better(Some(baseline), Some(anew)).ok_or(CompareError::NoFit)?;
-    }
-    baseline = escaped(problem, &noise, baseline);
+    let guess = Noise { models: first_guess(problem, &repeats), robust: None };
+    let first = fitted(problem, &guess, &[], &mut unanswered)?;
+    let Found { noise, decided, flexible, modulations } = noise_about(problem, &repeats, &first)?;
+    let baseline = refitted(problem, &noise, first, &mut unanswered)?;
     let modelled = modelled(problem, &baseline.values())?.values;
     let mut floors = noise_floors(&problem.experiment, &problem.layout, &modelled);
     floors.iter_mut().for_each(|(signal, floor)| floor.contradicted = decided.contradicted.contains(signal));
@@ -124,6 +92,57 @@ pub(crate) fn calibrated_baseline(problem: &mut Problem) -> Result<Prepared, Com
     judge_noise(problem, &mut prepared, &decided);
     prepared.cautions.extend(of_unanswered(problem, &prepared.unanswered));
     Ok(prepared)
+}
+
+/// The noise, and the shapes along the conditions that it was told from.
+struct Found {
+    noise: Noise,
+    decided: Decided,
+    flexible: Vec<Vec<f64>>,
+    modulations: Vec<Shape>,
+}
+
+/// The noise as repeats, statements and the residual of a first fit tell it.
+fn noise_about(problem: &Problem, repeats: &Repeats, first: &Calibration) -> Result<Found, CompareError> {
+    let predicted = modelled(problem, &first.values())?.values;
+    let residual = minus(&problem.layout.measured, &predicted);
+    let flexible = discrepancy::columns(problem, &predicted);
+    let modulations = problem.strategy().modulations(&problem.experiment, &problem.layout, &predicted);
+    let decided = decide(&FittedResidual {
+        experiment: &problem.experiment,
+        layout: &problem.layout,
+        repeats,
+        residual: &residual,
+        smooth: &modulations,
+        flexible: &flexible,
+        calibrated: problem.base.len(),
+    });
+    let mut noise = Noise { models: decided.models.clone(), robust: None };
+    noise.robust = Some(threshold(problem, &noise, &residual));
+    Ok(Found { noise, decided, flexible, modulations })
+}
+
+/// The baseline under the final noise, from where the first fit ended and, where that is far, from elsewhere too.
+fn refitted(
+    problem: &mut Problem,
+    noise: &Noise,
+    first: Calibration,
+    unanswered: &mut Vec<Unanswered>,
+) -> Result<Calibration, CompareError> {
+    let again = fitted(problem, noise, &[first.values()], unanswered)?;
+    // A search that starts where the first one ended may find no step to make.
+    let converged = again.converged || (first.converged && is_at(&again, &first));
+    let mut baseline = Calibration { searches: first.searches, agreeing: first.agreeing, converged, ..again };
+    // Under a first guess of the noise a fit may have looked near that is far.
+    if baseline.is_far() && !first.is_far() {
+        let counted = problem.layout.present();
+        let anew = fitted(problem, noise, &[], unanswered)?;
+        if problem.layout.present() < counted {
+            baseline = settled(problem, noise, baseline);
+        }
+        baseline = better(Some(baseline), Some(anew)).ok_or(CompareError::NoFit)?;
+    }
+    Ok(led_baseline(problem, noise, baseline))
 }
 
 /// The weakest source among the signals.
@@ -193,7 +212,7 @@ fn fitted(
         let rows: Vec<(usize, usize)> = missing.iter().map(|rows| (rows.run, rows.rows.start)).collect();
         problem.layout.leave_out(&rows);
         let ((all, answered), free) = (problem.layout.rows(), problem.base.len());
-        if problem.layout.present() <= free || (answered as f64) < LEAST_SHARE * all as f64 {
+        if problem.layout.present() <= free || (answered as f64) < LEAST_ANSWERED * all as f64 {
             return Err(CompareError::TooFewAnswers {
                 answered,
                 rows: all,
@@ -207,8 +226,8 @@ fn fitted(
 
 /// On a traverse far from the measurements, the baseline once more from where it ends with the rover led along at the measured
 /// velocity, which keeps it from getting stuck on the way; the better of the two.
-fn escaped(problem: &Problem, noise: &Noise, baseline: Calibration) -> Calibration {
-    if problem.experiment.kind != Kind::Traverse || !baseline.is_far() {
+fn led_baseline(problem: &Problem, noise: &Noise, baseline: Calibration) -> Calibration {
+    if !problem.strategy().can_be_led(&baseline) {
         return baseline;
     }
     let led = Task { guided: true, ..problem.task(&[], Vec::new()) };
@@ -282,5 +301,5 @@ fn threshold(problem: &Problem, noise: &Noise, residual: &[f64]) -> f64 {
     let mut sizes: Vec<f64> = whitening.apply(residual).into_iter().map(f64::abs).collect();
     sizes.sort_by(f64::total_cmp);
     let median = sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
-    BAD * (median / MEDIAN).max(1.0)
+    BAD_SAMPLE * (median / MEDIAN).max(1.0)
 }

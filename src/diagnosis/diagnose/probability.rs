@@ -5,6 +5,7 @@ use super::fits::Noise;
 use super::folds::Fold;
 use crate::diagnosis::noise::Whitening;
 use crate::diagnosis::problem::Problem;
+use crate::diagnosis::thresholds::REWEIGHTINGS;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -12,7 +13,6 @@ use rand_distr::{Distribution, Exp1};
 use std::collections::BTreeSet;
 
 const SEED: u64 = 1998;
-const DRAWS: usize = 2000;
 
 /// Weights of models from their log predictive densities by fold and their prior probabilities.
 pub(crate) fn weights(densities: &[&[f64]], priors: &[f64]) -> Vec<f64> {
@@ -24,14 +24,14 @@ pub(crate) fn weights(densities: &[&[f64]], priors: &[f64]) -> Vec<f64> {
         let all: f64 = shares.iter().sum();
         sums.iter_mut().zip(shares).for_each(|(sum, share)| *sum += share / all);
     });
-    sums.iter().map(|sum| sum / DRAWS as f64).collect()
+    sums.iter().map(|sum| sum / REWEIGHTINGS as f64).collect()
 }
 
 /// Probability that `ours` predicts left-out data better than `theirs`.
 pub(crate) fn better(ours: &[f64], theirs: &[f64]) -> f64 {
     let mut wins = 0;
     for_each_reweighting(&[ours, theirs], &mut |totals| wins += usize::from(totals[0] > totals[1]));
-    wins as f64 / DRAWS as f64
+    wins as f64 / REWEIGHTINGS as f64
 }
 
 /// Probability of `ours` where only `theirs` competes and both are as probable beforehand. Unlike [`better`] it weighs by how
@@ -46,7 +46,7 @@ fn for_each_reweighting(densities: &[&[f64]], f: &mut dyn FnMut(&[f64])) {
     let folds = densities.first().map_or(0, |all| all.len());
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
     let mut totals = vec![0.0; densities.len()];
-    for _ in 0..DRAWS {
+    for _ in 0..REWEIGHTINGS {
         let raw: Vec<f64> = (0..folds).map(|_| Exp1.sample(&mut rng)).collect();
         let sum: f64 = raw.iter().sum();
         for (total, densities) in totals.iter_mut().zip(densities) {

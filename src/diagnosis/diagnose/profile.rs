@@ -4,13 +4,9 @@ use super::result::FinalParameter;
 use super::search::Search;
 use super::untried::Untried;
 use crate::diagnosis::calibrate::calibrate_from;
-use crate::diagnosis::effort::Effort;
 use crate::diagnosis::free::Free;
+use crate::diagnosis::thresholds::CHI_SQUARE_95;
 use crate::diagnosis::weighted::Weighted;
-use crate::measurement::Kind;
-
-/// 95 % point of chi-square with one degree of freedom.
-const RISE: f64 = 3.841;
 
 /// Shares of the range that stand in for the standard error: on a bound, and where it is not determined; the latter is the
 /// widest step at all.
@@ -23,11 +19,11 @@ const PROFILE: f64 = 1.0;
 /// Standard errors at which the profile is taken, to either side.
 const PLACES: [f64; 4] = [0.7, 1.4, 2.1, 3.0];
 
-/// Profiles of the parameters of a fitted set, as far as there is time: all on a carriage, those of the effects on a traverse.
+/// Profiles of the parameters of a fitted set, as far as there is time: of all or, where fits are dear, of those of the effects.
 pub(crate) fn profiles(search: &Search, effects: &[String]) -> Vec<FinalParameter> {
     let problem = search.problem;
     let Some(fit) = search.fits.get(effects) else { return Vec::new() };
-    let from = if problem.experiment.kind == Kind::Traverse { problem.base.len() } else { 0 };
+    let from = if problem.strategy().budget().profiles_of_calibrated { 0 } else { problem.base.len() };
     let numbers: Vec<usize> = (from..fit.parameters.len()).collect();
     let name = |k: &usize| fit.parameters[*k].variable.name.clone();
     let profile = |k: &usize| profile(search, effects, *k);
@@ -53,7 +49,7 @@ fn profile(search: &Search, effects: &[String], k: usize) -> Option<FinalParamet
             let Some((cost, next)) = refit(search, &free, &start, k, at) else { break };
             points.push((at, (cost - fit.chi_square).max(0.0)));
             start = next;
-            if cost - fit.chi_square > RISE {
+            if cost - fit.chi_square > CHI_SQUARE_95[0] {
                 break;
             }
         }
@@ -74,13 +70,13 @@ fn refit(search: &Search, free: &[Free], start: &[f64], k: usize, at: f64) -> Op
     let robust = search.noise.robust.unwrap_or(f64::INFINITY);
     let fit = problem
         .predict(&others, |predict| {
-            let whitening = search.ground.whitening;
+            let whitening = search.context.whitening;
             let weighted = Weighted { predict, layout: &problem.layout, free: &others, whitening, robust, whole: true };
             calibrate_from(
                 &weighted,
                 &search.noise.deviations(),
                 &[start],
-                Effort::of(search.problem.experiment.kind).without_draws(),
+                search.problem.strategy().budget().calibration.without_draws(),
             )
         })
         .ok()??;
@@ -93,8 +89,8 @@ fn refit(search: &Search, free: &[Free], start: &[f64], k: usize, at: f64) -> Op
 fn crossing(points: &[(f64, f64)], minimum: f64, side: f64) -> Option<f64> {
     let mut outward: Vec<(f64, f64)> = points.iter().copied().filter(|(x, _)| side * (x - minimum) >= 0.0).collect();
     outward.sort_by(|a, b| (side * a.0).total_cmp(&(side * b.0)));
-    let pair = outward.windows(2).find(|pair| pair[1].1 > RISE)?;
+    let pair = outward.windows(2).find(|pair| pair[1].1 > CHI_SQUARE_95[0])?;
     // The root of the rise is nearly straight.
     let (a, b) = (pair[0].1.max(0.0).sqrt(), pair[1].1.sqrt());
-    Some(pair[0].0 + (pair[1].0 - pair[0].0) * (RISE.sqrt() - a) / (b - a))
+    Some(pair[0].0 + (pair[1].0 - pair[0].0) * (CHI_SQUARE_95[0].sqrt() - a) / (b - a))
 }

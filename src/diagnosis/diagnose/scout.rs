@@ -8,16 +8,13 @@ use super::search::Search;
 use super::stage::Stage;
 use super::starts::Start;
 use crate::diagnosis::prediction::PredictionError;
+use crate::diagnosis::thresholds::{MOST_AFRESH, WORTH_AFRESH};
 
 /// Shares of an effect's ranges from which its fit to led rovers starts.
 const LED_FROM: [f64; 1] = [0.1];
 
 /// Searches from seeded draws in a first look without a lead.
 const SEARCHES: usize = 1;
-
-/// Most effects that are fitted afresh, and the share of the best gain from which on.
-const MOST_AFRESH: usize = 4;
-const WORTH_AFRESH: f64 = 0.5;
 
 impl Search<'_> {
     /// Fits every effect on top of a stage for a few steps, from the stage's values and from seeded draws; what was found best
@@ -41,11 +38,11 @@ impl Search<'_> {
 
     /// The baseline's stage at a better place, where it is far from the measurements and there is one: rovers that are led
     /// at the measured velocity do not get stuck, so that baseline and effects are fitted to them first. From where these
-    /// fits ended they go on without the hand that led.
+    /// fits ended they go on without the lead.
     ///
     /// # Errors
     /// [`PredictionError`].
-    pub(super) fn escaped(&mut self, stage: Stage) -> Result<Stage, PredictionError> {
+    pub(super) fn led_baseline(&mut self, stage: Stage) -> Result<Stage, PredictionError> {
         if !stage.fit.is_far() {
             return Ok(stage);
         }

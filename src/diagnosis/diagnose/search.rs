@@ -3,7 +3,7 @@
 use super::bootstrap::p_value;
 use super::control::Control;
 use super::fits::{Noise, Outcome, Task, run};
-use super::stage::{Ground, Stage};
+use super::stage::{Stage, StageContext};
 use super::starts::{Start, nearly_neutral};
 use super::untried::{Untried, named};
 use super::watch::Watch;
@@ -11,22 +11,11 @@ use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::halt::Halt;
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::Problem;
+use crate::diagnosis::thresholds::{COMMON, PRICE, WORTH_A_REFIT};
 use crate::diagnosis::weighted::Weighted;
-use crate::measurement::Kind;
 use crate::soil_class::SoilClass;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
-
-/// Most pairs that are refitted, for a carriage and for a traverse; the others are screened by their sensitivities.
-const PAIRS_STEADY: usize = 24;
-const PAIRS_TRAVERSE: usize = 4;
-
-/// Most singles that are refitted on a traverse, and the share of the best promise from which on.
-const SINGLES_TRAVERSE: usize = 8;
-const WORTH_A_REFIT: f64 = 0.3;
-
-/// A promise that noise alone reaches with this probability is not worth a refit beside a better one.
-const COMMON: f64 = 0.5;
 
 /// Share by which another fit of the same set must have less chi-square to take its place: less is the rounding of a search,
 /// and the baseline stays the one that `compare` gives.
@@ -34,9 +23,6 @@ pub(super) const SAME_FIT: f64 = 1e-6;
 
 /// What the sensitivities and the bootstrap of a stage cost, in single fits.
 const STAGE: f64 = 1.0;
-
-/// Chi-square by which a further parameter must pay for itself (Akaike).
-pub(crate) const PRICE: f64 = 2.0;
 
 /// Fitted effect sets, by their effects in the library's order.
 #[derive(Default)]
@@ -72,7 +58,7 @@ pub(super) type Modelled = BTreeMap<(Vec<String>, u64), Vec<f64>>;
 pub(crate) struct Search<'a> {
     pub problem: &'a Problem<'a>,
     pub noise: &'a Noise,
-    pub ground: Ground<'a>,
+    pub context: StageContext<'a>,
     pub control: &'a Control<'a>,
     pub watch: &'a Watch<'a>,
     pub fits: Fits,
@@ -84,7 +70,45 @@ pub(crate) struct Search<'a> {
     pub modelled: Mutex<Modelled>,
 }
 
+impl<'a> Search<'a> {
+    /// A search of which only the baseline is fitted.
+    pub fn new(
+        context: StageContext<'a>,
+        baseline: Calibration,
+        control: &'a Control<'a>,
+        watch: &'a Watch<'a>,
+    ) -> Self {
+        let mut fits = Fits::default();
+        fits.insert(&[], baseline);
+        Self {
+            problem: context.problem,
+            noise: context.noise,
+            context,
+            control,
+            watch,
+            fits,
+            looks: BTreeMap::new(),
+            settled: BTreeMap::new(),
+            modelled: Mutex::default(),
+        }
+    }
+}
+
 impl Search<'_> {
+    /// Fits the candidates on top of the baseline's stage. Where that is far from the measurements, a better baseline is looked
+    /// for first, and the best effects are fitted once more from other places. Returns the stage of the baseline that was taken.
+    ///
+    /// # Errors
+    /// [`PredictionError`].
+    pub fn candidates(&mut self, stage: Stage) -> Result<Stage, PredictionError> {
+        let stage = self.led_baseline(stage)?;
+        self.singles(&stage);
+        if stage.fit.is_far() {
+            self.afresh(&stage);
+        }
+        Ok(stage)
+    }
+
     /// Fall of chi-square of a fitted set against the baseline, less the price of its parameters.
     pub fn net_gain(&self, effects: &[String]) -> f64 {
         let (Some(base), Some(fit)) = (self.fits.get(&[]), self.fits.get(effects)) else { return 0.0 };
@@ -142,11 +166,11 @@ impl Search<'_> {
     }
 
     /// Fits a set once more from where a larger one came, less the rest of that, and keeps the better fit: a further effect
-    /// may have helped the search only. A carriage is searched from so many starts that this finds nothing.
+    /// may have helped the search only.
     pub fn settle_below(&mut self, larger: &[String], set: &[String]) {
         let Some(fit) = self.fits.get(larger) else { return };
         let (values, chi_square) = (fit.values(), fit.chi_square);
-        if self.problem.experiment.kind == Kind::SingleWheel
+        if !self.problem.strategy().budget().refits_from_larger
             || self.settled.insert([sorted(larger), sorted(set)], chi_square) == Some(chi_square)
         {
             return;
@@ -190,10 +214,24 @@ impl Search<'_> {
     pub fn whitened_columns(&self, effects: &[String], values: &[f64]) -> Result<Vec<Vec<f64>>, PredictionError> {
         let free = self.problem.free(effects);
         self.problem.predict(&free, |predict| {
-            let (layout, whitening) = (&self.problem.layout, self.ground.whitening);
+            let (layout, whitening) = (&self.problem.layout, self.context.whitening);
             let weighted = Weighted { predict, layout, free: &free, whitening, robust: f64::INFINITY, whole: true };
             Ok(weighted.columns(&predict.slopes(values)?.1, values))
         })?
+    }
+
+    /// Whitened residual of a fitted set, priors' rows last.
+    ///
+    /// # Errors
+    /// [`PredictionError`] where the model has no answer at the fit.
+    pub fn whitened_residual(&self, effects: &[String], values: &[f64]) -> Result<Vec<f64>, PredictionError> {
+        let free = self.problem.free(effects);
+        let modelled = self.modelled(effects)?.unwrap_or_else(|| vec![f64::NAN; self.problem.layout.len()]);
+        self.problem.predict(&free, |predict| {
+            let (layout, whitening) = (&self.problem.layout, self.context.whitening);
+            let weighted = Weighted { predict, layout, free: &free, whitening, robust: f64::INFINITY, whole: true };
+            weighted.whitened(&modelled, values)
+        })
     }
 
     /// Fits a set from another start and keeps the better fit.
@@ -232,20 +270,20 @@ impl Search<'_> {
         known.contains_key(&(sorted(effects), fit.chi_square.to_bits()))
     }
 
-    /// Refits single effects on top of a stage: all on a carriage, on a traverse the most promising by their sensitivities.
-    /// These say little where a traverse is far from the measurements: there all effects are fitted for a few steps, and the
+    /// Refits single effects on top of a stage: all or, where fits are dear, the most promising by their sensitivities.
+    /// These say little where the stage is far from the measurements: there all effects are fitted for a few steps, and the
     /// promise is what that gained.
     pub fn singles(&mut self, stage: &Stage) {
         let all = 0..stage.gains.singles.len();
-        if self.problem.experiment.kind == Kind::SingleWheel {
+        let Some(most) = self.problem.strategy().budget().singles else {
             return self.fit(all.map(|k| self.start(stage, k)).collect());
-        }
+        };
         if stage.fit.is_far() && !all.clone().any(|k| self.looks.contains_key(&self.with(stage, k))) {
             self.scout(stage);
         }
         let mut promises: Vec<(f64, Start)> = all.filter_map(|k| self.promise(stage, k)).collect();
         promises.sort_by(|a, b| b.0.total_cmp(&a.0));
-        promises.truncate(SINGLES_TRAVERSE);
+        promises.truncate(most);
         // A promise may not be kept: the bar for the others is what was gained then, and more than noise mostly promises.
         let mut gained = 0.0_f64;
         let common = |promise: f64| p_value(&stage.draws, |draw| draw.single, promise) > COMMON;
@@ -288,7 +326,7 @@ impl Search<'_> {
 
     /// Refits the pairs that look best by their sensitivities.
     pub fn pairs(&mut self, stage: &Stage) {
-        let most = if self.problem.experiment.kind == Kind::Traverse { PAIRS_TRAVERSE } else { PAIRS_STEADY };
+        let most = self.problem.strategy().budget().pairs;
         let mut order = stage.gains.pairs.clone();
         order.sort_by(|a, b| b.2.total_cmp(&a.2));
         let mut sets = Vec::new();
@@ -341,7 +379,7 @@ impl Search<'_> {
         let made = if further && (self.watch.stopped() || !self.watch.has_time(STAGE)) {
             None
         } else {
-            match Stage::new(&self.ground, effects, fit.clone(), self.control) {
+            match Stage::new(&self.context, effects, fit.clone(), self.control) {
                 Err(PredictionError::Interrupted) => None,
                 made => Some(made?),
             }

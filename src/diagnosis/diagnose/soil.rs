@@ -2,18 +2,11 @@
 //! none, allows its cohesion, friction angle and exponent together.
 
 use super::search::Search;
-use super::verdict::REACH;
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::separate::rounded;
-use crate::measurement::Kind;
+use crate::diagnosis::thresholds::{REACH, SOIL_SHARE};
 use crate::soil_class::{SOIL_CLASSES, SoilClass};
-
-/// Share of a set's gain that holding the soil to a class may cost: other forms of effects move as much.
-const SHARE: f64 = 0.02;
-
-/// Classes that are tried on a traverse, where a fit is dear: the nearest.
-const TRIED: usize = 1;
 
 /// Why a fitted soil is not believable; `None` where it is, or where a believable soil fits about as well.
 pub(crate) fn unbelievable(search: &mut Search, effects: &[String], fit: &Calibration) -> Option<String> {
@@ -25,10 +18,8 @@ pub(crate) fn unbelievable(search: &mut Search, effects: &[String], fit: &Calibr
     if by_distance.first().is_none_or(|(nearest, _)| *nearest <= 0.0) {
         return None;
     }
-    if search.problem.experiment.kind == Kind::Traverse {
-        by_distance.truncate(TRIED);
-    }
-    let allowed = REACH.max(SHARE * search.gain(effects));
+    by_distance.truncate(search.problem.strategy().budget().soil_classes);
+    let allowed = REACH.max(SOIL_SHARE * search.gain(effects));
     let cost = |class: &SoilClass| search.cost_within(effects, fit, class);
     let costs = by_distance.iter().filter_map(|(_, class)| cost(class).map(|cost| (cost, *class)));
     let best = costs.min_by(|a, b| a.0.total_cmp(&b.0));

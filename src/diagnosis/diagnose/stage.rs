@@ -3,13 +3,15 @@
 use super::bootstrap::{Gains, Null, Projected, Statistics, p_value};
 use super::control::Control;
 use super::fits::Noise;
+use super::prepare::Prepared;
 use super::signature::{Sensitivities, sensitivities};
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::free::Free;
-use crate::diagnosis::linear_algebra::{Basis, Reach, dot};
+use crate::diagnosis::linear_algebra::{Basis, Reach, dot, norm};
 use crate::diagnosis::noise::{Repeats, Whitening};
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::Problem;
+use crate::diagnosis::thresholds::DETECTABLE;
 use crate::measurement::Prior;
 use crate::parallel::map_in_order;
 use std::collections::BTreeMap;
@@ -37,8 +39,8 @@ pub(crate) struct Stage {
     pub draws: Vec<Statistics>,
 }
 
-/// What a stage is seen through.
-pub(crate) struct Ground<'a> {
+/// What is the same for every stage of a search.
+pub(crate) struct StageContext<'a> {
     pub problem: &'a Problem<'a>,
     pub noise: &'a Noise,
     pub whitening: &'a Whitening,
@@ -48,7 +50,23 @@ pub(crate) struct Ground<'a> {
     pub flexible: &'a [Vec<f64>],
     /// Smooth functions by which the strength of an effect in the fit may vary.
     pub modulations: &'a [Vec<Vec<f64>>],
+    /// Bootstrap draws that are asked for.
     pub draws: usize,
+}
+
+impl<'a> StageContext<'a> {
+    /// Of a problem whose noise and baseline are known.
+    pub fn new(problem: &'a Problem<'a>, prepared: &'a Prepared, whitening: &'a Whitening, draws: usize) -> Self {
+        Self {
+            problem,
+            noise: &prepared.noise,
+            whitening,
+            repeats: prepared.repeats.as_ref(),
+            flexible: &prepared.flexible,
+            modulations: &prepared.modulations,
+            draws,
+        }
+    }
 }
 
 impl Stage {
@@ -58,19 +76,19 @@ impl Stage {
     /// # Errors
     /// [`PredictionError`] where the model has no answer at the fit.
     pub fn new(
-        ground: &Ground,
+        context: &StageContext,
         effects: &[String],
         fit: Calibration,
         control: &Control,
     ) -> Result<Self, PredictionError> {
-        let problem = ground.problem;
+        let problem = context.problem;
         let values = fit.values();
         let sensitivities = sensitivities(problem, effects, &values)?;
         let modelled = sensitivities.modelled.clone();
         let free = problem.free(effects);
         let priors: Vec<_> = free.iter().enumerate().filter_map(|(k, free)| Some((k, free.prior?))).collect();
         let difference: Vec<f64> = modelled.iter().zip(&problem.layout.measured).map(|(m, y)| m - y).collect();
-        let whitened = ground.whitening.apply(&difference);
+        let whitened = context.whitening.apply(&difference);
         let mut residual = whitened.clone();
         residual.extend(priors.iter().map(|(k, prior)| (values[*k] - prior.mean) / prior.deviation));
         let mut base = Vec::new();
@@ -83,42 +101,42 @@ impl Stage {
         }
         let none = vec![0.0; priors.len()];
         for column in &sensitivities.base[problem.base.len()..] {
-            for modulation in ground.modulations {
+            for modulation in context.modulations {
                 base.push((modulated(problem, column, modulation), none.clone()));
             }
         }
         let whiten = |column: &Vec<f64>| {
-            let mut all = ground.whitening.apply(column);
+            let mut all = context.whitening.apply(column);
             all.extend_from_slice(&none);
             all
         };
-        let absorbed = Projected::new(ground.whitening, &base, &[]).base;
-        let outside: Vec<Vec<f64>> = ground.flexible.iter().map(|column| absorbed.outside(&whiten(column))).collect();
+        let absorbed = Projected::new(context.whitening, &base, &[]).base;
+        let outside: Vec<Vec<f64>> = context.flexible.iter().map(|column| absorbed.outside(&whiten(column))).collect();
         let flexible = Basis::of(&outside);
-        let sets = sets_of_repeats(problem, ground.whitening);
+        let sets = sets_of_repeats(problem, context.whitening);
         let set_points = sets.iter().max().map_or(0, |last| last + 1);
         let null = Null {
             layout: &problem.layout,
-            noise: &ground.noise.models,
-            repeats: ground.repeats,
+            noise: &context.noise.models,
+            repeats: context.repeats,
             base: &base,
             signatures: &sensitivities.signatures,
             sets: &sets,
             flexible: &flexible,
             pairs: effects.is_empty(),
         };
-        let (observed, _, projected) = null.statistics(ground.whitening, &whitened);
+        let (observed, _, projected) = null.statistics(context.whitening, &whitened);
         // With an effect added a parameter may come back from its bound, and one may return to its prior.
         let freed: Vec<(Vec<f64>, Reach)> = (0..sensitivities.base.len())
             .filter(|k| fit.parameters[*k].at_bound)
             .map(|k| {
-                let mut column = ground.whitening.apply(&sensitivities.base[k]);
+                let mut column = context.whitening.apply(&sensitivities.base[k]);
                 column.extend(priors.iter().map(|prior| prior_row(&free, &values, k, prior)));
                 (projected.base.outside(&column), free[k].reach(values[k]))
             })
             .collect();
         let gains = projected.gains(&projected.base.outside(&residual), &freed, effects.is_empty());
-        let numbers: Vec<u64> = (0..ground.draws as u64).collect();
+        let numbers: Vec<u64> = (0..context.draws as u64).collect();
         let draw = |k: &u64| (!(control.stop)()).then(|| null.draw(*k));
         let draws = map_in_order(&numbers, draw).into_iter().flatten().collect();
         Ok(Self {
@@ -145,6 +163,18 @@ impl Stage {
         let along = self.flexible.squares_within(residual);
         let mean = self.draws.iter().map(|draw| draw.structure).sum::<f64>() / self.draws.len().max(1) as f64;
         (along - kept * mean, p_value(&self.draws, |draw| kept * draw.structure, along))
+    }
+
+    /// Share of the visible effects that could be there at the full range of their parameters without being found.
+    pub fn blind_share(&self) -> f64 {
+        let all = self.sensitivities.signatures.len();
+        let blind = (0..all).filter(|k| self.largest_size(*k) < DETECTABLE).count();
+        if all == 0 { 1.0 } else { blind as f64 / all as f64 }
+    }
+
+    /// Whitened size of what effect number `k` changes beyond the calibration over the range of its parameters.
+    pub fn largest_size(&self, k: usize) -> f64 {
+        self.projected.views[k].iter().flatten().map(|column| norm(column)).fold(0.0, f64::max)
     }
 
     /// Index of an effect among the signatures.

@@ -2,16 +2,7 @@
 
 use super::search::Search;
 use super::stage::Stage;
-use crate::diagnosis::calibrate::{CalibratedParameter, Calibration};
 use crate::diagnosis::free::Free;
-use crate::measurement::Kind;
-
-/// Further starts as shares of a parameter's range, in case the neutral value is a poor place to look from: a flexible
-/// wheel's misfit first rises with its compliance, since the calibration leans the other way.
-const STARTS: [f64; 3] = [0.1, 0.3, 0.6];
-
-/// Share of its range by which a parameter on a bound is moved inwards before a refit.
-const OFF_BOUND: f64 = 0.1;
 
 /// Share of its range by which an effect that is all but neutral differs from neutral.
 const NEARLY: f64 = 0.002;
@@ -29,21 +20,14 @@ impl Search<'_> {
         let (_, view, coefficients) = &stage.gains.singles[k];
         let promised = signature.views.get(*view).map(|view| view.start(&candidate.free, coefficients));
         let mut starts: Vec<Vec<f64>> = promised.iter().map(|own| self.joined(stage, k, soil, own)).collect();
-        match self.problem.experiment.kind {
-            Kind::SingleWheel => starts.extend(self.shares(stage, k, soil, &STARTS)),
-            Kind::Traverse if starts.is_empty() => starts.extend(self.shares(stage, k, soil, &STARTS[..1])),
-            Kind::Traverse => {}
-        }
+        let further = self.problem.strategy().further_starts(!starts.is_empty());
+        starts.extend(self.shares(stage, k, soil, further));
         (effects, starts)
     }
 
-    /// Where fits of further effects start: the stage's values, on a traverse off their bounds. A carriage's fits start from
-    /// several strengths, which lead off the bounds as well; moved inwards first, the published wheel's ended slightly worse.
+    /// Where fits of further effects start.
     fn origin(&self, stage: &Stage) -> Vec<f64> {
-        match self.problem.experiment.kind {
-            Kind::SingleWheel => stage.fit.values(),
-            Kind::Traverse => off_bounds(&stage.fit),
-        }
+        self.problem.strategy().origin(&stage.fit)
     }
 
     /// Starts at a soil with candidate number `k` at these shares of its ranges.
@@ -73,17 +57,6 @@ impl Search<'_> {
             None => self.start(stage, k).1.into_iter().next(),
         }
     }
-}
-
-/// The values of a fit, those on a bound moved inwards: with an effect added a parameter may be wanted back inside, and a
-/// search that starts on its bound sees little of that.
-fn off_bounds(fit: &Calibration) -> Vec<f64> {
-    let inside = |parameter: &CalibratedParameter| {
-        let (low, high) = (parameter.variable.min, parameter.variable.max);
-        let margin = if parameter.at_bound { OFF_BOUND * (high - low) } else { 0.0 };
-        parameter.value.clamp(low + margin, high - margin)
-    };
-    fit.parameters.iter().map(inside).collect()
 }
 
 /// A parameter of an effect at its neutral value, moved off a bound on which that may lie: a search cannot leave a corner.

@@ -5,24 +5,7 @@ use super::doubts::Doubt;
 use super::result::Verdict;
 use super::search::Search;
 use super::stage::Stage;
-
-/// An effect is named below this p-value, corrected for the number of candidates.
-pub(crate) const NAMED: f64 = 0.01;
-/// The baseline misses something up to this p-value; three tests share the risk of a false alarm.
-const MISFIT: f64 = 0.005;
-/// Probability from which an effect predicts better than the baseline.
-pub(crate) const BETTER: f64 = 0.95;
-/// Share of the explainable chi-square that may stay, and from which nothing is named.
-pub(crate) const MAY_STAY: f64 = 0.2;
-pub(crate) const TOO_MUCH: f64 = 0.5;
-/// A rival ties within this fall of chi-square (a likelihood ratio of 20), or within this share of the gain, which form
-/// errors of the effects' laws reach.
-pub(crate) const REACH: f64 = 6.0;
-const REACH_SHARE: f64 = 0.02;
-/// Largest share of rows without an answer beside which a verdict is given in full: one row in twenty may be odd.
-const UNANSWERED: f64 = 0.05;
-/// Cosine of signatures from which two effects can stand for each other.
-pub(crate) const ALIKE: f64 = 0.8;
+use crate::diagnosis::thresholds::{ALIKE, MAY_BE_UNANSWERED, MAY_STAY, MISFIT, REACH, REACH_SHARE, TOO_MUCH};
 
 /// A verdict and what it rests on.
 #[derive(Clone, Debug)]
@@ -62,7 +45,7 @@ impl Judgement {
     /// Rows that the calibrated baseline cannot answer count against the model: beyond a share of them it explains nothing
     /// in full.
     pub fn with_unanswered(&mut self, share: f64) {
-        if share <= UNANSWERED {
+        if share <= MAY_BE_UNANSWERED {
             return;
         }
         let words = format!("the model has no answer in {:.0} % of the rows, which counts against it", 100.0 * share);

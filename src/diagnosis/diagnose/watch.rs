@@ -4,7 +4,7 @@ use super::control::{Control, Progress};
 use super::fits::{Noise, Outcome, Task};
 use super::untried::{Untried, named};
 use crate::diagnosis::halt::Halt;
-use crate::measurement::Kind;
+use crate::diagnosis::kinds::Strategy;
 use crate::parallel::map_in_order;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -23,29 +23,41 @@ pub(crate) enum Phase {
     Done,
 }
 
-/// What is known of a stage beforehand.
+impl Phase {
+    /// All, in their order.
+    const ALL: [Self; 9] = [
+        Self::Baseline,
+        Self::Noise,
+        Self::Singles,
+        Self::Sets,
+        Self::LeftOut,
+        Self::Rivals,
+        Self::Profiles,
+        Self::Next,
+        Self::Done,
+    ];
+}
+
+/// What is known of a stage beforehand, whatever the kind of the experiment.
 struct Row {
     words: &'static str,
     /// Share of the expected work that is done when the stage begins.
     from: f64,
     /// Share of a budget, of what is left of it after the baseline, by which the stage's last piece has to end.
     until: f64,
-    /// Bound of the work of a usual stage in single fits, for a carriage and for a traverse: the number of
-    /// fits, and what other work took in fits on the shipped wheel and on a reduced traverse of the generator.
-    most: [f64; 2],
 }
 
 /// By [`Phase`].
 const ROWS: [Row; 9] = [
-    Row { words: "calibrating the baseline", from: 0.0, until: 1.0, most: [1.0, 2.0] },
-    Row { words: "what noise alone would give", from: 0.15, until: 1.0, most: [1.0, 1.0] },
-    Row { words: "fitting each effect", from: 0.3, until: 0.5, most: [24.0, 8.0] },
-    Row { words: "looking for the best set", from: 0.5, until: 0.65, most: [30.0, 8.0] },
-    Row { words: "predicting what was left out", from: 0.75, until: 0.8, most: [12.0, 2.0] },
-    Row { words: "fitting what could stand in its place", from: 0.85, until: 0.88, most: [4.0, 3.0] },
-    Row { words: "profiles", from: 0.9, until: 0.94, most: [8.0, 6.0] },
-    Row { words: "planning the next experiment", from: 0.95, until: 1.0, most: [2.0, 6.0] },
-    Row { words: "done", from: 1.0, until: 1.0, most: [0.0, 0.0] },
+    Row { words: "calibrating the baseline", from: 0.0, until: 1.0 },
+    Row { words: "what noise alone would give", from: 0.15, until: 1.0 },
+    Row { words: "fitting each effect", from: 0.3, until: 0.5 },
+    Row { words: "looking for the best set", from: 0.5, until: 0.65 },
+    Row { words: "predicting what was left out", from: 0.75, until: 0.8 },
+    Row { words: "fitting what could stand in its place", from: 0.85, until: 0.88 },
+    Row { words: "profiles", from: 0.9, until: 0.94 },
+    Row { words: "planning the next experiment", from: 0.95, until: 1.0 },
+    Row { words: "done", from: 1.0, until: 1.0 },
 ];
 
 /// Share of the way by which a new estimate of the end moves the one that is told: more where it is sooner.
@@ -62,7 +74,7 @@ const ENOUGH: usize = 2;
 /// Keeps time and tells the caller.
 pub(crate) struct Watch<'a> {
     control: &'a Control<'a>,
-    kind: Kind,
+    strategy: &'static dyn Strategy,
     start: Instant,
     state: Mutex<State>,
 }
@@ -102,14 +114,14 @@ impl State {
     }
 
     /// Most of the stage that is still to be done, in single fits: the batch at hand, or what is known of the stage.
-    fn here(&self, column: usize) -> f64 {
+    fn here(&self, strategy: &dyn Strategy) -> f64 {
         let batch = self.planned.saturating_sub(self.done) as f64 * self.weight.unwrap_or(1.0);
-        batch.max(ROWS[self.phase as usize].most[column] - self.within)
+        batch.max(strategy.work(self.phase) - self.within)
     }
 }
 
 impl<'a> Watch<'a> {
-    pub fn new(control: &'a Control<'a>, kind: Kind) -> Self {
+    pub fn new(control: &'a Control<'a>, strategy: &'static dyn Strategy) -> Self {
         let state = State {
             phase: Phase::Baseline,
             trying: String::new(),
@@ -126,7 +138,7 @@ impl<'a> Watch<'a> {
             known: 0.0,
             untried: Vec::new(),
         };
-        Self { control, kind, start: Instant::now(), state: Mutex::new(state) }
+        Self { control, strategy, start: Instant::now(), state: Mutex::new(state) }
     }
 
     /// Whether the caller asked to end.
@@ -137,11 +149,6 @@ impl<'a> Watch<'a> {
     /// What simulations ask.
     pub fn halt(&self) -> Halt<'a> {
         Halt::when(self.control.stop)
-    }
-
-    /// Of [`Row::most`].
-    fn column(&self) -> usize {
-        usize::from(self.kind == Kind::Traverse)
     }
 
     fn now(&self) -> f64 {
@@ -181,7 +188,7 @@ impl<'a> Watch<'a> {
         let remaining = self.remaining(state, now);
         let row = &ROWS[state.phase as usize];
         let next = ROWS.get(state.phase as usize + 1).map_or(1.0, |next| next.from);
-        let within = state.within / (state.within + state.here(self.column())).max(1.0);
+        let within = state.within / (state.within + state.here(self.strategy)).max(1.0);
         // A stage may turn out to be longer than was known.
         state.share = state.share.max(row.from + within * (next - row.from));
         (self.control.progress)(Progress {
@@ -199,8 +206,8 @@ impl<'a> Watch<'a> {
         if state.phase == Phase::Done {
             return Some(0.0);
         }
-        let later: f64 = ROWS[state.phase as usize + 1..].iter().map(|row| row.most[self.column()]).sum();
-        let mut end = now + state.cost(now)? * (state.here(self.column()) + later);
+        let later: f64 = Phase::ALL[state.phase as usize + 1..].iter().map(|phase| self.strategy.work(*phase)).sum();
+        let mut end = now + state.cost(now)? * (state.here(self.strategy) + later);
         if let Some(budget) = self.control.budget {
             end = end.min(budget.as_secs_f64().max(now));
         }

@@ -8,24 +8,16 @@
 use super::{NoiseModel, Repeats, estimate, estimate_alone};
 use crate::diagnosis::layout::Layout;
 use crate::diagnosis::linear_algebra::Basis;
+use crate::diagnosis::thresholds::{ENOUGH_REPEATS, LEAST_LEFT, LEAST_SHARE_LEFT, NOISE_CONTRADICTED};
 use crate::measurement::Experiment;
 use std::collections::BTreeMap;
-
-/// Degrees of freedom from which repeats may contradict a stated noise, and by which ratio they must differ.
-const ENOUGH_REPEATS: usize = 10;
-const CONTRADICTION: f64 = 1.3;
-
-/// What a curve and the calibration must leave of a signal's values for the scatter about it to say something: so many, which
-/// tell a standard deviation to a quarter, and this share, so that the curve never passes through the measurements.
-const LEAST_LEFT: f64 = 10.0;
-const LEAST_SHARE_LEFT: f64 = 0.5;
 
 /// Smallest share of a signal's scatter over the experiment that stands in for an unknown noise: no instrument resolves a
 /// millionth of its range, and a model that meets the rows to rounding tells nothing of the noise.
 const RESOLUTION: f64 = 1e-6;
 
 /// A calibrated model against the measurements, and functions along the conditions.
-pub(crate) struct Evidence<'a> {
+pub(crate) struct FittedResidual<'a> {
     pub experiment: &'a Experiment,
     pub layout: &'a Layout,
     pub repeats: &'a Repeats,
@@ -51,17 +43,17 @@ pub(crate) struct Decided {
 }
 
 /// Decides on the noise of every signal.
-pub(crate) fn decide(evidence: &Evidence) -> Decided {
+pub(crate) fn decide(fitted: &FittedResidual) -> Decided {
     let mut decided = Decided::default();
-    for signal in evidence.experiment.signals() {
-        let stated = evidence.experiment.noise.get(&signal).copied().filter(|deviation| *deviation > 0.0);
-        let model = match (stated, evidence.by_repeats(&signal)) {
-            (Some(stated), Some(seen)) => evidence.stated_and_repeated(&signal, stated, seen, &mut decided),
+    for signal in fitted.experiment.signals() {
+        let stated = fitted.experiment.noise.get(&signal).copied().filter(|deviation| *deviation > 0.0);
+        let model = match (stated, fitted.by_repeats(&signal)) {
+            (Some(stated), Some(seen)) => fitted.stated_and_repeated(&signal, stated, seen, &mut decided),
             (None, Some(seen)) => seen,
-            (Some(stated), None) => evidence.stated(&signal, stated, &mut decided.cautions),
-            (None, None) => evidence.about_a_curve(&signal).unwrap_or_else(|| {
+            (Some(stated), None) => fitted.stated(&signal, stated, &mut decided.cautions),
+            (None, None) => fitted.about_a_curve(&signal).unwrap_or_else(|| {
                 decided.unknown.push(signal.clone());
-                evidence.about_the_model(&signal)
+                fitted.about_the_model(&signal)
             }),
         };
         decided.models.insert(signal, model);
@@ -69,7 +61,7 @@ pub(crate) fn decide(evidence: &Evidence) -> Decided {
     decided
 }
 
-impl Evidence<'_> {
+impl FittedResidual<'_> {
     /// Noise from repeats. Where the inputs of repeats differ the residual has the model's share of that taken off; where only
     /// their recording differs it adds scatter. What remains is an upper bound either way, so the smaller is taken.
     fn by_repeats(&self, signal: &str) -> Option<NoiseModel> {
@@ -84,7 +76,7 @@ impl Evidence<'_> {
     fn stated_and_repeated(&self, signal: &str, stated: f64, seen: NoiseModel, decided: &mut Decided) -> NoiseModel {
         let ratio = seen.deviation / stated;
         let freedom = self.repeats.degrees_of_freedom(self.layout, signal);
-        if freedom < ENOUGH_REPEATS || (1.0 / CONTRADICTION..=CONTRADICTION).contains(&ratio) {
+        if freedom < ENOUGH_REPEATS || (1.0 / NOISE_CONTRADICTED..=NOISE_CONTRADICTED).contains(&ratio) {
             return NoiseModel { deviation: stated, ..seen };
         }
         decided.contradicted.push(signal.to_owned());
@@ -101,13 +93,13 @@ impl Evidence<'_> {
         let Some(own) = self.about_a_curve(signal) else { return NoiseModel::white(stated) };
         let scatter =
             format!("measurements scatter by {:.3e} about a smooth curve along the conditions", own.deviation);
-        if own.deviation > CONTRADICTION * stated {
+        if own.deviation > NOISE_CONTRADICTED * stated {
             cautions.push(format!(
                 "the stated noise of {signal}, {stated:.3e}, may be too small: {scatter}; it is taken as stated, since that curve may be too stiff to follow what the model lacks; repeats would tell"
             ));
             return NoiseModel::white(stated);
         }
-        if own.deviation * CONTRADICTION < stated {
+        if own.deviation * NOISE_CONTRADICTED < stated {
             cautions.push(format!(
                 "the stated noise of {signal}, {stated:.3e}, looks too large: {scatter}; weak effects stay hidden"
             ));

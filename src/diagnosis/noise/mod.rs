@@ -8,7 +8,7 @@ mod labels;
 mod model;
 mod whitening;
 
-pub(crate) use decide::{Decided, Evidence, decide};
+pub(crate) use decide::{Decided, FittedResidual, decide};
 pub(crate) use estimate::{Repeats, estimate, estimate_alone, estimate_near};
 pub(crate) use floor::noise_floors;
 pub use floor::{FloorSource, NoiseFloor, Pooled};

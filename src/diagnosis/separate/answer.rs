@@ -4,10 +4,11 @@ use super::look::Look;
 use super::separation::{expect_all, models, planned_noise};
 use super::strength::smallest;
 use super::suggest::Question;
-use super::variation::{Variation, variations};
-use crate::diagnosis::diagnose::{ALIKE, DETECTABLE, Untried};
+use super::variation::Variation;
+use crate::diagnosis::diagnose::Untried;
 use crate::diagnosis::linear_algebra::norm;
 use crate::diagnosis::problem::Problem;
+use crate::diagnosis::thresholds::{ALIKE, DETECTABLE};
 use crate::parallel::map_in_order;
 use bekker_modeldescription::Role;
 
@@ -59,7 +60,8 @@ pub(super) fn answers(question: &Question) -> Vec<Answer> {
         return Vec::new();
     }
     let model = question.problem.improved(&question.problem.base, question.values);
-    let variations = variations(&model, &question.problem.experiment, question.problem.halt);
+    let strategy = question.problem.strategy();
+    let variations = strategy.variations(&model, &question.problem.experiment, question.problem.halt);
     let ask = |variation: &Variation| {
         with_look(question, variation, |_, look| {
             let seen = |id: &String| look.size(id) >= DETECTABLE;

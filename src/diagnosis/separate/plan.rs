@@ -1,16 +1,9 @@
-//! Experiments to be made: run lists with their inputs, the measured columns empty.
+//! What plans of all kinds of experiments share: run lists with their inputs, the measured columns empty. The plans themselves
+//! stand with the [kinds](crate::diagnosis::kinds).
 
 use crate::measurement::{Experiment, Kind, Run, Table, TableError};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-
-mod single_wheel;
-mod traverse;
-
-pub use single_wheel::SingleWheelPlan;
-pub(crate) use single_wheel::carried;
-pub use traverse::TraversePlan;
-pub(crate) use traverse::{all_signals, reach};
 
 /// Why there is no such experiment.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -31,7 +24,7 @@ pub enum PlanError {
 }
 
 /// Fails where a list is empty or one of its numbers is not as `allowed` says.
-fn check(
+pub(crate) fn check(
     name: &'static str,
     values: &[f64],
     expected: &'static str,
@@ -46,7 +39,7 @@ fn check(
 }
 
 /// A table of inputs, row by row, beside empty columns for what will be measured.
-fn sheet(inputs: &[String], rows: &[Vec<f64>], measured: &[String]) -> Result<Table, TableError> {
+pub(crate) fn sheet(inputs: &[String], rows: &[Vec<f64>], measured: &[String]) -> Result<Table, TableError> {
     let mut table = Table::new(inputs.iter().chain(measured).cloned())?;
     for row in rows {
         let gaps = std::iter::repeat_n(None, measured.len());
@@ -55,7 +48,7 @@ fn sheet(inputs: &[String], rows: &[Vec<f64>], measured: &[String]) -> Result<Ta
     Ok(table)
 }
 
-fn experiment(name: &str, kind: Kind, parameters: &BTreeMap<String, f64>, runs: Vec<Run>) -> Experiment {
+pub(crate) fn experiment(name: &str, kind: Kind, parameters: &BTreeMap<String, f64>, runs: Vec<Run>) -> Experiment {
     Experiment {
         effects: Vec::new(),
         name: name.to_owned(),
@@ -72,7 +65,7 @@ fn experiment(name: &str, kind: Kind, parameters: &BTreeMap<String, f64>, runs: 
 }
 
 /// a, b, c .. for the repeats of a run.
-fn letter(repeat: usize) -> String {
+pub(crate) fn letter(repeat: usize) -> String {
     match u8::try_from(repeat) {
         Ok(k) if k < 26 => char::from(b'a' + k).to_string(),
         _ => format!("r{}", repeat + 1),

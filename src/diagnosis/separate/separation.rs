@@ -4,17 +4,15 @@ use super::look::Look;
 use super::noise::{AssumedNoise, NoiseSource, planned};
 use super::strength::{SmallestStrength, smallest};
 use crate::diagnosis::compare::CompareError;
-use crate::diagnosis::diagnose::{ALIKE, DETECTABLE, prepare, prune};
+use crate::diagnosis::diagnose::{prepare, prune};
 use crate::diagnosis::given::Given;
 use crate::diagnosis::linear_algebra::norm;
 use crate::diagnosis::noise::{FloorSource, NoiseModel};
 use crate::diagnosis::problem::Problem;
+use crate::diagnosis::thresholds::{ALIKE, DETECTABLE, SAME_SIGNATURE};
 use crate::measurement::Experiment;
 use crate::parallel::map_in_order;
 use std::collections::BTreeMap;
-
-/// Cosine from which two effects are the same to an experiment.
-const SAME: f64 = 0.99;
 
 /// How to look.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,7 +45,7 @@ pub enum Likeness {
 impl Likeness {
     fn of(cosine: f64) -> Self {
         match cosine {
-            cosine if cosine > SAME => Self::Same,
+            cosine if cosine > SAME_SIGNATURE => Self::Same,
             cosine if cosine > ALIKE => Self::Alike,
             _ => Self::Different,
         }
@@ -170,10 +168,10 @@ pub fn separate(
     Ok(Separation { name, calibrated, noise, absorbing, effects, invisible, pairs, sources })
 }
 
-type Ground = (Vec<f64>, BTreeMap<String, AssumedNoise>, Vec<String>);
+type Reference = (Vec<f64>, BTreeMap<String, AssumedNoise>, Vec<String>);
 
 /// Values of the free parameters, noise, and what cannot be seen at all, after a calibration.
-fn fitted(problem: &mut Problem) -> Result<Ground, CompareError> {
+fn fitted(problem: &mut Problem) -> Result<Reference, CompareError> {
     let prepared = prepare(problem)?;
     let noise = prepared.noise.models.iter().map(|(signal, model)| {
         let source = match prepared.floors.get(signal).map(|floor| floor.source()) {
@@ -190,7 +188,7 @@ fn fitted(problem: &mut Problem) -> Result<Ground, CompareError> {
 }
 
 /// The same at the given parameters.
-fn as_given(problem: &mut Problem) -> Result<Ground, CompareError> {
+fn as_given(problem: &mut Problem) -> Result<Reference, CompareError> {
     expect_all(problem);
     let values: Vec<f64> = problem.base.iter().map(|free| free.start).collect();
     let modelled = problem.predict(&problem.base, |predict| predict.values(&values))??;

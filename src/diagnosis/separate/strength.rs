@@ -1,8 +1,8 @@
 //! The smallest strength of an effect that an experiment would show.
 
 use super::look::Look;
-use crate::diagnosis::diagnose::DETECTABLE;
 use crate::diagnosis::problem::{Candidate, Problem};
+use crate::diagnosis::thresholds::DETECTABLE;
 use bekker_modeldescription::Variable;
 
 /// Steps towards a change of the detectable size, and the share to which it is met.

@@ -7,10 +7,11 @@
 use super::Suggestion;
 use super::answer::{Answer, Now, answers, rounded, strengths};
 use super::special::{Rig, SOIL_TEST, special};
-use crate::diagnosis::diagnose::{ALIKE, Verdict, Watch};
+use crate::diagnosis::diagnose::{Verdict, Watch};
 use crate::diagnosis::failure::{Failure, quantity};
 use crate::diagnosis::noise::NoiseModel;
 use crate::diagnosis::problem::Problem;
+use crate::diagnosis::thresholds::{ALIKE, CLEARER, NOTABLE};
 use std::collections::BTreeMap;
 
 /// What a diagnosis could not decide.
@@ -36,10 +37,7 @@ pub(crate) struct Question<'a> {
 /// Most suggestions.
 const MOST: usize = 3;
 /// Effects and pairs named in one suggestion.
-const NAMED: usize = 3;
-/// A fall of a cosine by less is no reason for an experiment, nor is a signature that stands out by less than this factor more.
-const NOTABLE: f64 = 0.1;
-const CLEARER: f64 = 1.5;
+const LISTED: usize = 3;
 
 /// What to do next, the most decisive first: what contradicts a verdict, what separates a tie or confirms a name, where the
 /// misfit is, what the noise is, and last what could not be seen at all. Nothing after a stop.
@@ -114,7 +112,7 @@ fn specials(question: &Question, rig: &Rig, pairs: &[usize]) -> Vec<Suggestion> 
     // The one that decides most comes first; the table's order stays otherwise.
     found.sort_by_key(|(_, served)| std::cmp::Reverse(served.len()));
     let worded = |(text, served): (&str, Vec<&[String; 2]>)| {
-        let between: Vec<String> = served.iter().take(NAMED).map(|[a, b]| format!("{a} and {b}")).collect();
+        let between: Vec<String> = served.iter().take(LISTED).map(|[a, b]| format!("{a} and {b}")).collect();
         let mut effects: Vec<String> = served.iter().flat_map(|pair| pair.iter().cloned()).collect();
         effects.sort();
         effects.dedup();
@@ -200,17 +198,17 @@ fn described(question: &Question, answer: &Answer, now: &Now) -> Suggestion {
             effects.extend(pair.iter().filter(|id| !effects.contains(id)).cloned().collect::<Vec<_>>());
         }
     }
-    let hidden = reasons.len().saturating_sub(NAMED);
-    reasons.truncate(NAMED);
+    let hidden = reasons.len().saturating_sub(LISTED);
+    reasons.truncate(LISTED);
     if hidden > 0 {
         reasons.push(format!("{hidden} more pairs come apart"));
     }
     let shown: Vec<&String> =
         question.blind.iter().zip(&answer.seen).filter(|(_, seen)| **seen).map(|(id, _)| id).collect();
     if !shown.is_empty() {
-        let mut words = strengths(question, answer, &shown[..shown.len().min(NAMED)]);
-        if shown.len() > NAMED {
-            words.push(format!("{} more", shown.len() - NAMED));
+        let mut words = strengths(question, answer, &shown[..shown.len().min(LISTED)]);
+        if shown.len() > LISTED {
+            words.push(format!("{} more", shown.len() - LISTED));
         }
         reasons.push(format!("it would show {}", words.join(", ")));
         effects.extend(shown.into_iter().cloned());

@@ -1,7 +1,7 @@
 //! A plan for a wheel on a carriage.
 
-use super::{PlanError, check, experiment, handy, letter, sheet};
 use crate::carriage::{Rig, steady_point};
+use crate::diagnosis::separate::plan::{PlanError, check, experiment, handy, letter, sheet};
 use crate::measurement::{Experiment, Kind, Run};
 use crate::model::Model;
 use std::collections::BTreeMap;

@@ -1,10 +1,11 @@
 //! The prediction of single-wheel experiments: every row is a steady point of its own.
 
-use super::halt::Halt;
-use super::layout::Layout;
-use super::prediction::{Predict, PredictionError};
-use super::unanswered::{Answers, MISSED_BY, Unanswered, all_answered};
 use crate::carriage::{Rig, SteadyError, SteadyPoint, partial, share_not_carried, steady_point};
+use crate::diagnosis::halt::Halt;
+use crate::diagnosis::layout::Layout;
+use crate::diagnosis::prediction::{Predict, PredictionError};
+use crate::diagnosis::thresholds::MISSED_BY;
+use crate::diagnosis::unanswered::{Answers, Unanswered, all_answered};
 use crate::measurement::Experiment;
 use crate::scalar::{Dual, Scalar};
 use bekker_modeldescription::Parameters;
@@ -16,7 +17,7 @@ pub(crate) struct SingleWheelPrediction<'a> {
     layout: &'a Layout,
     /// One a run, with what is known of that run.
     rigs: Vec<Rig>,
-    names: &'a [String],
+    names: Vec<String>,
     halt: Halt<'a>,
     /// Steady points to be computed; rows that repeat one follow it.
     points: Vec<Point>,
@@ -38,10 +39,10 @@ impl<'a> SingleWheelPrediction<'a> {
         experiment: &'a Experiment,
         layout: &'a Layout,
         rigs: Vec<Rig>,
-        names: &'a [String],
+        names: Vec<String>,
         halt: Halt<'a>,
     ) -> Self {
-        let points = points(experiment, &rigs, names);
+        let points = points(experiment, &rigs, &names);
         let missed_by = |signal: String| (signal.clone(), MISSED_BY * layout.scatter(&signal));
         let missed_by = experiment.signals().into_iter().map(missed_by).collect();
         Self { experiment, layout, rigs, names, halt, points, missed_by }
@@ -175,7 +176,7 @@ fn points(experiment: &Experiment, rigs: &[Rig], names: &[String]) -> Vec<Point>
 }
 
 /// The signals that `measurement` knows for a single wheel.
-pub(super) fn signal<S: Copy>(point: &SteadyPoint<S>, name: &str) -> S {
+pub(crate) fn signal<S: Copy>(point: &SteadyPoint<S>, name: &str) -> S {
     match name {
         "drawbar_pull" => point.drawbar_pull,
         "torque" => point.torque,

@@ -1,6 +1,6 @@
 //! A plan for a rover on a profile.
 
-use super::{PlanError, check, experiment, handy, letter, sheet};
+use crate::diagnosis::separate::plan::{PlanError, check, experiment, handy, letter, sheet};
 use crate::measurement::{Experiment, Kind, Run, Table};
 use crate::model::Model;
 use std::collections::BTreeMap;

@@ -8,13 +8,13 @@
 //! and chunks of derivatives, are computed in parallel; nothing is summed between them, so the bits do not depend on the
 //! number of threads.
 
-use super::free::Free;
-use super::guide::Guide;
-use super::halt::Halt;
-use super::layout::Layout;
-use super::prediction::{Derivatives, Predict, PredictionError};
-use super::recorded::{Drives, Recorded, Traced};
-use super::unanswered::{Answers, Unanswered, all_answered};
+use crate::diagnosis::free::Free;
+use crate::diagnosis::guide::Guide;
+use crate::diagnosis::halt::Halt;
+use crate::diagnosis::layout::Layout;
+use crate::diagnosis::prediction::{Derivatives, Predict, PredictionError};
+use crate::diagnosis::recorded::{Drives, Recorded, Traced};
+use crate::diagnosis::unanswered::{Answers, Unanswered, all_answered};
 use crate::measurement::{Experiment, Run as Measured};
 use crate::model::{ControlKind, Model};
 use crate::parallel::map_in_order;

@@ -1,0 +1,137 @@
+//! A wheel on a carriage: every row is a steady point, which the model computes in under a millisecond.
+
+mod plan;
+mod prediction;
+mod shapes;
+mod variations;
+
+use super::{Budget, LeftOut, Strategy};
+use crate::carriage::Rig;
+use crate::diagnosis::calibrate::Calibration;
+use crate::diagnosis::compare::CompareError;
+use crate::diagnosis::curves::Axis;
+use crate::diagnosis::diagnose::{Phase, Shape};
+use crate::diagnosis::effort::Effort;
+use crate::diagnosis::free::Free;
+use crate::diagnosis::halt::Halt;
+use crate::diagnosis::layout::Layout;
+use crate::diagnosis::least_squares::Pace;
+use crate::diagnosis::precedence::{Choice, Rank};
+use crate::diagnosis::prediction::{Predict, PredictionError};
+use crate::diagnosis::problem::Problem;
+use crate::diagnosis::separate::variation::Variation;
+use crate::measurement::{Experiment, Run};
+use crate::model::{Model, ModelKind};
+
+pub use plan::SingleWheelPlan;
+use prediction::SingleWheelPrediction;
+pub(crate) use prediction::signal;
+
+/// Further starts as shares of a parameter's range, in case the neutral value is a poor place to look from: a flexible
+/// wheel's misfit first rises with its compliance, since the calibration leans the other way.
+const STARTS: [f64; 3] = [0.1, 0.3, 0.6];
+
+/// The inputs of a steady point.
+const INPUTS: [&str; 3] = ["slip", "load", "wheel_speed"];
+
+/// The strategy for a wheel on a carriage.
+#[derive(Debug)]
+pub(super) struct SingleWheel;
+
+impl Strategy for SingleWheel {
+    /// A rover that is named stays one, though a single wheel of it was measured.
+    fn finds_carriage(&self, choice: &Choice) -> Result<bool, CompareError> {
+        Ok(choice.rank == Rank::Nobody || choice.model.kind == ModelKind::Carriage)
+    }
+
+    fn commanded_wheels(&self, _: &Experiment) -> usize {
+        0
+    }
+
+    /// A rover that was given a wheel tested on a carriage may not be able to stand or drive with it.
+    fn unfit(&self, improved: &Model) -> Option<String> {
+        let unfit = improved.check_drive().err()?;
+        Some(format!("the improved model puts the measured wheel and soil on a rover that cannot use them: {unfit}"))
+    }
+
+    fn uncounted_rows(&self, _: &Run) -> usize {
+        0
+    }
+
+    /// Steady points have no step.
+    fn coarse_step(&self, _: &Experiment) -> Option<f64> {
+        None
+    }
+
+    fn prediction<'p>(&self, problem: &'p Problem, free: &'p [Free]) -> Result<Box<dyn Predict + 'p>, PredictionError> {
+        let names: Vec<String> = free.iter().map(|free| free.variable.name.clone()).collect();
+        let rigs = problem.models.iter().map(|model| Rig::of(&model.rover)).collect();
+        Ok(Box::new(SingleWheelPrediction::new(&problem.experiment, &problem.layout, rigs, names, problem.halt)))
+    }
+
+    fn conditions(&self, _: &Experiment) -> Vec<String> {
+        INPUTS.map(str::to_owned).to_vec()
+    }
+
+    fn axes(&self) -> &'static [Axis] {
+        &Axis::ALL
+    }
+
+    fn discrepancy(&self, experiment: &Experiment, layout: &Layout, _: &[f64]) -> Vec<Shape> {
+        shapes::discrepancy(experiment, layout)
+    }
+
+    fn modulations(&self, experiment: &Experiment, layout: &Layout, _: &[f64]) -> Vec<Shape> {
+        shapes::modulations(experiment, layout)
+    }
+
+    /// Fits are cheap: every effect is refitted, from many starts.
+    fn budget(&self) -> Budget {
+        Budget {
+            calibration: Effort { draws: 64, searches: 5, pace: Pace::PATIENT, where_far: None },
+            singles: None,
+            pairs: 24,
+            soil_classes: usize::MAX,
+            profiles_of_calibrated: true,
+            // Searches start from so many places that a refit from a larger set finds nothing.
+            refits_from_larger: false,
+            predicts_whole: true,
+        }
+    }
+
+    /// The number of fits, and what other work takes in fits on the shipped wheel.
+    fn work(&self, phase: Phase) -> f64 {
+        match phase {
+            Phase::Baseline | Phase::Noise => 1.0,
+            Phase::Singles => 24.0,
+            Phase::Sets => 30.0,
+            Phase::LeftOut => 12.0,
+            Phase::Rivals => 4.0,
+            Phase::Profiles => 8.0,
+            Phase::Next => 2.0,
+            Phase::Done => 0.0,
+        }
+    }
+
+    fn further_starts(&self, _: bool) -> &'static [f64] {
+        &STARTS
+    }
+
+    /// The values as they are: several strengths of the effect lead off the bounds as well; moved inwards first, the published
+    /// wheel's fits ended slightly worse.
+    fn origin(&self, fit: &Calibration) -> Vec<f64> {
+        fit.values()
+    }
+
+    fn can_be_led(&self, _: &Calibration) -> bool {
+        false
+    }
+
+    fn left_out(&self, _: &Calibration) -> LeftOut {
+        LeftOut::Refit
+    }
+
+    fn variations(&self, model: &Model, experiment: &Experiment, _: Halt) -> Vec<Variation> {
+        variations::variations(model, experiment)
+    }
+}

@@ -1,0 +1,167 @@
+//! A rover on a profile: every run is a time series, whose simulation takes tenths of a second.
+
+mod plan;
+mod prediction;
+mod shapes;
+mod variations;
+
+use super::{Budget, LeftOut, Strategy};
+use crate::diagnosis::calibrate::{CalibratedParameter, Calibration};
+use crate::diagnosis::compare::CompareError;
+use crate::diagnosis::curves::Axis;
+use crate::diagnosis::diagnose::{Phase, Shape};
+use crate::diagnosis::effort::Effort;
+use crate::diagnosis::free::Free;
+use crate::diagnosis::halt::Halt;
+use crate::diagnosis::layout::Layout;
+use crate::diagnosis::least_squares::Pace;
+use crate::diagnosis::precedence::Choice;
+use crate::diagnosis::prediction::{Predict, PredictionError};
+use crate::diagnosis::problem::Problem;
+use crate::diagnosis::separate::variation::Variation;
+use crate::measurement::{Experiment, Run};
+use crate::model::{Model, ModelKind};
+
+pub use plan::TraversePlan;
+use prediction::TraversePrediction;
+
+/// Time at the start of a run that no fit counts, s, and the largest share of its rows that this may be. A simulated
+/// rover starts at rest; how contacts break loose there, and how deep a standing wheel sinks, are assumptions of the model,
+/// and a real one may have been moving.
+const BREAKING_LOOSE: f64 = 0.5;
+const BREAKING_LOOSE_SHARE: f64 = 0.1;
+
+/// Inner step of a diagnosis where rows allow it, s, and how far off its grid a row may lie, in steps. On waves and ditches
+/// this step changes torques by under 1 mN m and sinkage by 4 um, far below any measurement, and a diagnosis simulates the
+/// experiment hundreds of times.
+const COARSE: f64 = 0.005;
+const ON_GRID: f64 = 1e-3;
+
+/// The start of a fit, as a share of a parameter's range, where the sensitivities promise none.
+const STARTS: [f64; 1] = [0.1];
+
+/// Share of its range by which a parameter on a bound is moved inwards before a refit.
+const OFF_BOUND: f64 = 0.1;
+
+/// The strategy for a traverse.
+#[derive(Debug)]
+pub(super) struct Traverse;
+
+impl Strategy for Traverse {
+    fn finds_carriage(&self, choice: &Choice) -> Result<bool, CompareError> {
+        if choice.model.kind == ModelKind::Carriage {
+            let label = &choice.label;
+            return Err(CompareError::Vehicle(format!(
+                "a traverse needs a rover, and {label} is a wheel on a carriage"
+            )));
+        }
+        Ok(false)
+    }
+
+    fn commanded_wheels(&self, experiment: &Experiment) -> usize {
+        experiment.runs.iter().map(|run| run.inputs.len()).max().unwrap_or(0)
+    }
+
+    /// The rover that was measured could drive.
+    fn unfit(&self, _: &Model) -> Option<String> {
+        None
+    }
+
+    fn uncounted_rows(&self, run: &Run) -> usize {
+        let Some(time) = run.data.column("time") else { return 0 };
+        let early = time.iter().take_while(|t| **t - time[0] < BREAKING_LOOSE).count();
+        early.min((BREAKING_LOOSE_SHARE * time.len() as f64) as usize)
+    }
+
+    fn coarse_step(&self, experiment: &Experiment) -> Option<f64> {
+        let on_grid = |run: &Run| {
+            let time = run.data.column("time").unwrap_or_default();
+            time.iter().all(|t| {
+                let steps = (t - time[0]) / COARSE;
+                (steps - steps.round()).abs() < ON_GRID
+            })
+        };
+        experiment.runs.iter().all(on_grid).then_some(COARSE)
+    }
+
+    fn prediction<'p>(&self, problem: &'p Problem, free: &'p [Free]) -> Result<Box<dyn Predict + 'p>, PredictionError> {
+        let models = problem.models.clone();
+        let prediction = TraversePrediction::new(&problem.experiment, &problem.layout, models, free, problem.guided)?;
+        Ok(Box::new(prediction.until(problem.halt)))
+    }
+
+    fn conditions(&self, experiment: &Experiment) -> Vec<String> {
+        let mut names = vec!["time".to_owned()];
+        names.extend(experiment.runs.first().into_iter().flat_map(|run| run.inputs.clone()));
+        names.extend(["x", "pitch"].map(str::to_owned));
+        names
+    }
+
+    /// A run has a course of its own: there is no curve over an input.
+    fn axes(&self) -> &'static [Axis] {
+        &[]
+    }
+
+    fn discrepancy(&self, experiment: &Experiment, layout: &Layout, modelled: &[f64]) -> Vec<Shape> {
+        shapes::discrepancy(experiment, layout, modelled)
+    }
+
+    fn modulations(&self, experiment: &Experiment, layout: &Layout, modelled: &[f64]) -> Vec<Shape> {
+        shapes::modulations(experiment, layout, modelled)
+    }
+
+    /// Fits are dear. Few draws do, unless they end far from the measurements: where a soil lets the rover get stuck its cost
+    /// is flat, so that many draws are needed to find one that gets through.
+    fn budget(&self) -> Budget {
+        Budget {
+            calibration: Effort { draws: 8, searches: 1, pace: Pace::BRISK, where_far: Some((40, 3)) },
+            singles: Some(8),
+            pairs: 4,
+            soil_classes: 1,
+            profiles_of_calibrated: false,
+            refits_from_larger: true,
+            predicts_whole: false,
+        }
+    }
+
+    /// The number of fits, and what other work takes in fits on a reduced traverse of the generator.
+    fn work(&self, phase: Phase) -> f64 {
+        match phase {
+            Phase::Noise => 1.0,
+            Phase::Baseline | Phase::LeftOut => 2.0,
+            Phase::Rivals => 3.0,
+            Phase::Profiles | Phase::Next => 6.0,
+            Phase::Singles | Phase::Sets => 8.0,
+            Phase::Done => 0.0,
+        }
+    }
+
+    fn further_starts(&self, promised: bool) -> &'static [f64] {
+        if promised { &[] } else { &STARTS }
+    }
+
+    /// Values on a bound are moved inwards: with an effect added a parameter may be wanted back inside, and a search that
+    /// starts on its bound sees little of that.
+    fn origin(&self, fit: &Calibration) -> Vec<f64> {
+        let inside = |parameter: &CalibratedParameter| {
+            let (low, high) = (parameter.variable.min, parameter.variable.max);
+            let margin = if parameter.at_bound { OFF_BOUND * (high - low) } else { 0.0 };
+            parameter.value.clamp(low + margin, high - margin)
+        };
+        fit.parameters.iter().map(inside).collect()
+    }
+
+    /// Near the measurements a rover needs no lead.
+    fn can_be_led(&self, fit: &Calibration) -> bool {
+        fit.is_far()
+    }
+
+    /// Far from the measurements a linear step means little.
+    fn left_out(&self, fit: &Calibration) -> LeftOut {
+        if fit.is_far() { LeftOut::ShortRefit } else { LeftOut::Step }
+    }
+
+    fn variations(&self, model: &Model, experiment: &Experiment, halt: Halt) -> Vec<Variation> {
+        variations::variations(model, experiment, halt)
+    }
+}
