@@ -26,8 +26,6 @@
 //! | [`model`] | all of it in one value; TOML in and out; a run | all above |
 //! | [`batch`] | many runs stepped together | model |
 //! | [`snapshot`] | the moving state of a run as bytes | |
-//! | [`reproduction`] | the thesis's results beside ours | model |
-//! | [`script`] | drives written down with what they must give, for every door | model |
 //! | [`measurement`], [`diagnosis`], [`report`] | experiments, comparison, calibration, pages | model |
 //!
 //! ```
@@ -63,18 +61,14 @@ pub mod model;
 pub mod motor;
 pub mod obstacle;
 #[cfg(feature = "experiments")]
-mod parallel;
+pub mod parallel;
 mod recording;
 #[cfg(feature = "report")]
 pub mod report;
-#[cfg(feature = "experiments")]
-pub mod reproduction;
 #[cfg(feature = "rigid")]
 pub mod rigid;
 pub mod rover;
 pub mod scalar;
-#[cfg(feature = "experiments")]
-pub mod script;
 pub mod sensors;
 pub mod signals;
 pub mod simulation;

@@ -2,7 +2,7 @@
 
 /// `f` of every item, in the order of the items. With the feature `parallel` the items are shared out among rayon's
 /// threads; each result depends on its item alone, so the bits are the same for any number of them.
-pub(crate) fn map_in_order<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + Send + Sync) -> Vec<R> {
+pub fn map_in_order<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + Send + Sync) -> Vec<R> {
     #[cfg(feature = "parallel")]
     {
         use rayon::prelude::*;
@@ -13,7 +13,8 @@ pub(crate) fn map_in_order<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + 
 }
 
 /// How many items are worked on at a time.
-pub(crate) fn threads() -> usize {
+#[must_use]
+pub fn threads() -> usize {
     #[cfg(feature = "parallel")]
     {
         rayon::current_num_threads()

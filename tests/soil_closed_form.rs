@@ -10,8 +10,8 @@ use bekker::estimation::soil::{
     ClosedForm, Reading, drawbar_pull, friction_angle_at, pressure_sinkage, reduce_annulus, strength_line,
 };
 use bekker::linear_stress::LinearStress;
-use bekker::reproduction::instruments::{Bevameter, Noise};
 use bekker::soil::Soil;
+use bekker_reproduction::instruments::{Bevameter, Noise};
 use test_wheel::{LOADS, SLIPS, sand, truths, wheel};
 
 /// Rounding of closed forms through quotients and roots.

@@ -105,7 +105,7 @@ fn property_estimates_are_unbiased_and_consistent_over_seeds() {
     // The prior must be about the truth for its part of the error to be as its covariance says: it is drawn.
     let (mut nees, mut nis, mut off, mut count) = (0.0, 0.0, Vector3::zeros(), 0);
     for seed in 0..SEEDS {
-        let mut stream = bekker::reproduction::instruments::Noise::new(90_000 + seed);
+        let mut stream = bekker_reproduction::instruments::Noise::new(90_000 + seed);
         let parameters = SoilIdentification {
             cohesion_deviation: 300.0,
             friction_angle_deviation: 0.05,

@@ -9,10 +9,10 @@ use bekker::estimation::EstimationError;
 use bekker::estimation::consistency::chi_square_interval;
 use bekker::estimation::soil::{KinematicSinkage, SoilIdentification, SoilIdentifier, WheelUse};
 use bekker::model::{Model, nominal};
-use bekker::reproduction::on_board::{OnBoard, SensorNoise};
 use bekker::rover::Rover;
 use bekker::signals::{LinkMeasurement, Measurement, WheelMeasurement};
 use bekker::soil::Soil;
+use bekker_reproduction::on_board::{OnBoard, SensorNoise};
 
 const NO_NOISE: SensorNoise =
     SensorNoise { angle: 0.0, velocity: 0.0, wheel_speed: 0.0, torque: 0.0, contact_angle: 0.0 };

@@ -2,9 +2,9 @@
 
 use crate::output::say;
 use anyhow::{Context, Result, bail};
-use bekker::script::{Core, Door, Script, drive};
 use bekker_fmu_import::{Fmu, FmuDoor};
 use bekker_fmu_package::{Options, Version};
+use bekker_script::{Core, Door, Script, drive};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 

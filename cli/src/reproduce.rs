@@ -3,8 +3,7 @@
 use crate::output::{say, write};
 use crate::progress;
 use anyhow::{Context, Result, bail};
-use bekker::report::reproduction_page;
-use bekker::reproduction::{Finding, STUDIES, Study, plot_csv, rows_csv};
+use bekker_reproduction::{Finding, STUDIES, Study, plot_csv, reproduction_page, rows_csv};
 use std::path::{Path, PathBuf};
 
 /// Compute the thesis's results (sections 2.4, 2.6 and 4.4) and write them beside the published ones.

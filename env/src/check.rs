@@ -1,11 +1,11 @@
-//! Scripted tests, see [`bekker::script`].
+//! Scripted tests, see [`bekker_script`].
 
 use crate::error::{self, InputError, ModelError, SimulationError};
 use crate::model::Model;
-use bekker::script::{
+use bekker_fmu_import::{Fmu, FmuDoor, ImportError};
+use bekker_script::{
     Core, Deviation, Door, DoorError, Problem, Report as CoreReport, Script as CoreScript, ScriptError, drive,
 };
-use bekker_fmu_import::{Fmu, FmuDoor, ImportError};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -163,7 +163,7 @@ impl Report {
     /// `value`, `expected`, `size`, `allowed`, or None.
     #[getter]
     fn signals<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
-        let one = |signal: &bekker::script::SignalReport| {
+        let one = |signal: &bekker_script::SignalReport| {
             let dict = PyDict::new(py);
             dict.set_item("name", &signal.name)?;
             dict.set_item("compared", signal.compared)?;

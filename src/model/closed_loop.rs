@@ -83,8 +83,8 @@ pub struct Control {
 }
 
 impl Control {
-    /// Gains of velocity control for wheels of a 3 kg rover side; the default ones are for the 10 kg rover's.
-    pub(crate) fn lighten(&mut self) {
+    /// Sets the gains of velocity control for the wheels of a 3 kg rover side; the default ones are for the 10 kg rover's.
+    pub fn lighten(&mut self) {
         (self.velocity.kp, self.velocity.ki) = (0.1, 5.0);
     }
 

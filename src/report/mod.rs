@@ -5,10 +5,11 @@ mod diagnosis;
 mod kinds;
 mod page;
 mod plots;
-mod reproduction;
 mod units;
 mod words;
 
 pub use comparison::comparison_page;
 pub use diagnosis::diagnosis_page;
-pub use reproduction::reproduction_page;
+pub use page::{Page, escape, table};
+pub use plots::{LinePlot, Series};
+pub use units::short;

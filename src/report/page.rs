@@ -1,18 +1,21 @@
 //! The page around the sections: style, plotting library, theme.
 
+use super::plots::{LinePlot, lines};
 use plotly::Plot;
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
-/// A page in the making.
-pub(super) struct Page {
+/// A page in the making: one HTML file with style, plots and their library in it.
+pub struct Page {
     title: String,
     body: String,
     plots: usize,
 }
 
 impl Page {
+    /// An empty page with its title, plain text.
+    #[must_use]
     pub fn new(title: &str) -> Self {
         Self { title: escape(title), body: String::new(), plots: 0 }
     }
@@ -24,18 +27,18 @@ impl Page {
     }
 
     /// Adds a heading and the sentence under it, both plain text.
-    pub fn section(&mut self, heading: &str, lead: &str) {
+    pub(super) fn section(&mut self, heading: &str, lead: &str) {
         self.html(&format!("<h2>{}</h2>\n<p class=\"lead\">{}</p>", escape(heading), escape(lead)));
     }
 
-    /// The same with a place to which links of the page can go.
+    /// Adds a heading and the sentence under it (none where empty), both plain text; links of the page can go to `#place`.
     pub fn section_at(&mut self, place: &str, heading: &str, lead: &str) {
         let lead = if lead.is_empty() { String::new() } else { format!("\n<p class=\"lead\">{}</p>", escape(lead)) };
         self.html(&format!("<h2 id=\"{place}\">{}</h2>{lead}", escape(heading)));
     }
 
     /// Adds plots side by side as far as the width allows, each with its title; returns what [`again`](Page::again) needs.
-    pub fn plots(&mut self, plots: &[(String, Plot)]) -> Vec<(String, usize)> {
+    pub(super) fn plots(&mut self, plots: &[(String, Plot)]) -> Vec<(String, usize)> {
         let mut drawn = Vec::new();
         self.body.push_str(if plots.len() == 1 { "<div class=\"wide\">\n" } else { "<div class=\"row\">\n" });
         for (title, plot) in plots {
@@ -54,8 +57,14 @@ impl Page {
         drawn
     }
 
+    /// Adds plots of lines side by side as far as the width allows, each with its title.
+    pub fn lines(&mut self, plots: &[LinePlot]) {
+        let plots: Vec<(String, Plot)> = plots.iter().map(|plot| (plot.title.clone(), lines(plot))).collect();
+        self.plots(&plots);
+    }
+
     /// Draws plots a second time from the same data, under other boxes and lists.
-    pub fn again(&mut self, plots: &[(String, usize)]) {
+    pub(super) fn again(&mut self, plots: &[(String, usize)]) {
         self.body.push_str(if plots.len() == 1 { "<div class=\"wide\">\n" } else { "<div class=\"row\">\n" });
         for (title, source) in plots {
             self.plots += 1;
@@ -73,6 +82,7 @@ impl Page {
     }
 
     /// The finished page; it states its own size.
+    #[must_use]
     pub fn finish(self) -> String {
         let Self { title, mut body, .. } = self;
         let size = (plotting_library().len() + STYLE.len() + SCRIPT.len() + body.len()) as f64 / 1e6;
@@ -99,12 +109,14 @@ fn plotting_library() -> String {
 }
 
 /// Plain text as HTML.
-pub(super) fn escape(text: &str) -> String {
+#[must_use]
+pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// A table: header cells and rows of cells, all plain text; the first column names the row.
-pub(super) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
+#[must_use]
+pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
     let cells = |tag: &str, cells: &mut dyn Iterator<Item = &str>| {
         cells.map(|cell| format!("<{tag}>{}</{tag}>", escape(cell))).collect::<String>()
     };

@@ -96,8 +96,9 @@ pub(super) fn digits(value: f64) -> String {
     }
 }
 
-/// [`digits`] without trailing zeros.
-pub(super) fn short(value: f64) -> String {
+/// Three significant digits without trailing zeros, without an exponent where that is short.
+#[must_use]
+pub fn short(value: f64) -> String {
     let text = digits(value);
     if text.contains('e') {
         text.replace(".00e", "e")

@@ -3,10 +3,10 @@
 
 use bekker::diagnosis::Rig;
 use bekker::estimation::soil::{Deviations, Reading};
-use bekker::reproduction::instruments::{Carriage, CarriagePoint, Noise};
 use bekker::rover::Rover;
 use bekker::soil::Soil;
 use bekker::wheel::Wheel;
+use bekker_reproduction::instruments::{Carriage, CarriagePoint, Noise};
 
 /// Noise of a carriage: 0.2 N, 10 mN m, 0.5 mm, 1 % slip.
 pub const NOISE: Deviations = Deviations { load: 0.2, torque: 0.01, sinkage: 0.0005, slip: 0.01 };

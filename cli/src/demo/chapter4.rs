@@ -4,8 +4,8 @@ use crate::output::say;
 use anyhow::{Context, Result};
 use bekker::measurement::Table;
 use bekker::model::{Model, Summary};
-use bekker::reproduction::{Course, Drive, drive, drive_at};
 use bekker::terrain::Terrain;
+use bekker_reproduction::{Course, Drive, drive, drive_at};
 use std::path::{Path, PathBuf};
 
 /// Half a metre of level ground and two waves; a rover that has not arrived in time is reported with what it has done.

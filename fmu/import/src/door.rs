@@ -4,8 +4,8 @@ use crate::ImportError;
 use crate::archive::Fmu;
 use crate::description::{Kind, Version};
 use crate::slave::Slave;
-use bekker::script::{Door, Script};
 use bekker::simulation::Status;
+use bekker_script::{Door, Script};
 
 /// The output that says why a simulation ended: its values are the places in [`Status::WORDS`].
 const EVENT: &str = "event";

@@ -1,7 +1,7 @@
 //! Functional Mock-up Units as doors of scripted tests: co-simulation of FMI 2.0 and 3.0 through the C functions.
 //!
 //! An [`Fmu`] is unpacked while it lives. A [`Slave`] is one instance of it; [`FmuDoor`] drives one through a script of
-//! [`bekker::script`]. The FMU may be anyone's: it is asked for the variables that the script names, and whatever it
+//! [`bekker_script`]. The FMU may be anyone's: it is asked for the variables that the script names, and whatever it
 //! lacks is an error that says so.
 
 mod archive;

@@ -1,15 +1,41 @@
-//! Lines over an abscissa, as a finding holds them.
+//! Lines over an abscissa.
 
 use super::{COLOURS, all_rounded, axis, layout_with};
-use crate::reproduction::{Plot as Lines, Series};
 use plotly::common::{Line, Mode};
 use plotly::{Plot, Scatter};
+use serde::Serialize;
 
 /// Longer series are thinned to this many points: more than a screen shows.
 const MOST_POINTS: usize = 1500;
 
+/// One line of a plot.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Series {
+    /// Its name in the legend.
+    pub name: String,
+    /// Abscissae, in the unit of the plot's label.
+    pub x: Vec<f64>,
+    /// Ordinates, in the unit of the plot's label; NaN leaves a gap.
+    pub y: Vec<f64>,
+}
+
+/// A plot of lines.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LinePlot {
+    /// Name for files and anchors: `figure_2_23a`.
+    pub id: String,
+    /// Title.
+    pub title: String,
+    /// Label of the abscissa with its unit: "time, s".
+    pub x_label: String,
+    /// Label of the ordinate with its unit.
+    pub y_label: String,
+    /// The lines.
+    pub series: Vec<Series>,
+}
+
 /// A plot of one line a series.
-pub(in crate::report) fn lines(of: &Lines) -> Plot {
+pub(in crate::report) fn lines(of: &LinePlot) -> Plot {
     let mut plot = Plot::new();
     for (k, series) in of.series.iter().enumerate() {
         let (x, y) = thinned(series);

@@ -14,6 +14,7 @@ mod steps;
 pub(super) use candidates::{probabilities, visible_shares};
 pub(super) use conditions::{Condition, Samples, conditions};
 pub(super) use lines::lines;
+pub use lines::{LinePlot, Series};
 pub(super) use map::map;
 pub(super) use overlay::steady::MOST_NAMED;
 pub(super) use overlay::{Panel, controls, over_time, overlays, steady};
