@@ -122,25 +122,10 @@ impl<P: Parameters<f64> + ?Sized> Lookup for P {}
 /// Up to three of the known names that look like `name`, the most alike first.
 #[must_use]
 pub fn nearest(name: &str, known: impl IntoIterator<Item = String>) -> Vec<String> {
-    let mut near: Vec<(usize, String)> = known.into_iter().map(|other| (distance(name, &other), other)).collect();
+    let mut near: Vec<(usize, String)> =
+        known.into_iter().map(|other| (strsim::levenshtein(name, &other), other)).collect();
     near.sort();
     near.into_iter().filter(|(d, n)| *d <= 2 + n.len() / 4).take(3).map(|(_, n)| n).collect()
-}
-
-/// Levenshtein distance, for suggestions only.
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, ca) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, cb) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(ca != *cb);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
 }
 
 /// Joins a prefix and a field name.

@@ -1,4 +1,7 @@
 //! Long columns: orthonormal bases and projections, and least squares with signs over a few of them.
+//!
+//! By hand: a basis here grows column by column and decides for each whether it is new, which nalgebra's QR does not, and its
+//! Cholesky subtracts in another order and has no relative threshold, so results would differ in their last bits.
 
 /// A column counts as dependent on those before it where less than this share of it is new.
 const NEW_SHARE: f64 = 1e-6;

@@ -6,7 +6,6 @@
 
 mod archive;
 mod documentation;
-mod icon;
 mod layout;
 
 pub use bekker_fmu::{Kind, Offer};
@@ -22,6 +21,10 @@ pub const LIBRARY: &[u8] = include_bytes!(env!("BEKKER_FMU_LIBRARY"));
 
 /// The library with all that the small one leaves out: the plant of rigid bodies, wheels on a carriage.
 pub const RIGID_LIBRARY: &[u8] = include_bytes!(env!("BEKKER_FMU_RIGID_LIBRARY"));
+
+/// The icon of an FMU, a rover in profile on its ground: as a picture of points, and as the drawing of which that was made.
+const ICON_PNG: &[u8] = include_bytes!("icon.png");
+const ICON_SVG: &[u8] = include_bytes!("icon.svg");
 
 /// Notices of the crates in the libraries, made by `fmu/scripts/third_party.py`.
 const THIRD_PARTY: &str = include_str!("../third-party.txt");
@@ -159,14 +162,13 @@ fn papers(archive: &mut Archive, version: Version, description: &Description) ->
     archive.file("documentation/index.html", documentation::html(description).as_bytes())?;
     archive.file("documentation/licenses/license.txt", LICENSE.as_bytes())?;
     archive.file("documentation/licenses/third-party.txt", THIRD_PARTY.as_bytes())?;
-    let icon = icon::png().map_err(zip::result::ZipError::from)?;
     match version {
-        Version::Fmi2 => archive.file("model.png", &icon)?,
+        Version::Fmi2 => archive.file("model.png", ICON_PNG)?,
         Version::Fmi3 => {
             let terminals = description.terminals().map_err(undescribed)?;
             archive.file("terminalsAndIcons/terminalsAndIcons.xml", terminals.as_bytes())?;
-            archive.file("terminalsAndIcons/icon.png", &icon)?;
-            archive.file("terminalsAndIcons/icon.svg", icon::svg().as_bytes())?;
+            archive.file("terminalsAndIcons/icon.png", ICON_PNG)?;
+            archive.file("terminalsAndIcons/icon.svg", ICON_SVG)?;
         }
     }
     Ok(())
