@@ -1,8 +1,8 @@
 //! A wheel on a carriage: the steady point at a load, a slip and a wheel speed.
 
 use crate::contact::{self, Forces, rolling_on};
-use crate::effects::{BodyMotion, Effects, ExpressionFailure, Local, Place};
-use crate::motor;
+use crate::effects::{BodyMotion, Effects, ExpressionFailure, Place};
+use crate::motor::{self, Drivetrain};
 use crate::rover::{Environment, Rover};
 use crate::scalar::{Dual, Scalar};
 use crate::soil::Soil;
@@ -137,37 +137,34 @@ impl<S: Scalar> Rig<S> {
             normal_velocity: zero,
             velocity,
         };
-        let mut local = Local::new(self.true_wheel(), self.soil);
-        self.effects.contact(&place, &mut local)?;
-        let sunk = sinkage - local.deflection;
-        let mut forces = rolling_on(&local.wheel, &local.soil, &local.surface, sunk, velocity, spin);
-        self.effects.forces(&place, &local, &mut forces)?;
+        let (local, mut forces) = self.effects.contact(&place, self.true_wheel(), self.soil, |local| {
+            let sunk = sinkage - local.deflection;
+            rolling_on(&local.wheel, &local.soil, &local.surface, sunk, velocity, spin)
+        })?;
         forces.torque = motor::torque_behind(&self.effects, spin, forces.torque)?;
         if let Some(gain) = self.effects.torque_gain() {
             forces.torque /= gain;
         }
         forces.drawbar += self.effects.body_force(&BodyMotion { travelled: zero, velocity })?;
-        Ok((forces, sunk))
+        Ok((forces, sinkage - local.deflection))
     }
 
     /// The wheel as it is.
     fn true_wheel(&self) -> Wheel<S> {
-        let mut wheel = self.wheel;
-        self.effects.wheel(&mut wheel);
-        wheel
+        self.effects.wheel(&self.wheel).unwrap_or(self.wheel)
     }
 
     /// Slip of the true wheel where that of the nominal one is `slip`.
     fn true_slip(&self, velocity: S, spin: S, slip: f64) -> S {
-        if self.effects.radius_scale.deviation.is_exactly(0.0) {
-            return S::from(slip);
+        match self.effects.wheel(&self.wheel) {
+            None => S::from(slip),
+            Some(wheel) => contact::slip(velocity, wheel.radius * spin),
         }
-        contact::slip(velocity, self.true_wheel().radius * spin)
     }
 
     /// The load that the soil carries where the carriage is set to `load`.
     fn true_load(&self, load: f64) -> S {
-        self.effects.payload.mass * self.environment.gravity + load
+        self.effects.added_mass().map_or(S::from(load), |mass| mass * self.environment.gravity + load)
     }
 }
 

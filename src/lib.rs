@@ -14,7 +14,8 @@
 //! | [`soil`], [`terrain`], [`wheel`] | what the wheel rolls on, and the wheel | [`scalar`] |
 //! | [`contact`] | the forces between them | soil, wheel |
 //! | [`linear_stress`] | the thesis's closed forms, a named alternative with its measured error | soil, wheel |
-//! | [`motor`], [`effects`] | drives, and missing physics to be switched on | contact |
+//! | [`motor`] | drives | |
+//! | [`effects`] | missing physics to be switched on, one file an effect; others register their own | contact, motor, signals |
 //! | [`carriage`] | steady points of one wheel under a load | effects, rover |
 //! | [`rover`] | bodies, joints, equations of motion, rest | effects, terrain, motor |
 //! | [`simulation`] | a rover in motion, with a fixed step | rover |

@@ -1,6 +1,5 @@
 //! A DC motor with gear at each wheel (4.6-4.10).
 
-use crate::effects::{Effects, ExpressionFailure};
 use crate::scalar::Scalar;
 use crate::snapshot::moving_beside;
 use bekker_modeldescription::{Unit, parameters};
@@ -23,6 +22,89 @@ parameters! {
 
 moving_beside!(Motor { gear_ratio, torque_constant, resistance, inverse_torque_limit, inverse_current_limit });
 
+/// Share of the reachable torque above which a limit is near.
+const NEAR: f64 = 0.5;
+
+/// Torques that a motor can give at one wheel speed, wheel side, N m, and the slopes of both ends in the speed, N m s/rad.
+#[derive(Clone, Copy, Debug)]
+pub struct TorqueRange<S = f64> {
+    /// The smallest.
+    pub least: S,
+    /// The largest.
+    pub most: S,
+    /// Slope of the smallest.
+    pub least_slope: S,
+    /// Slope of the largest.
+    pub most_slope: S,
+}
+
+impl<S: Scalar> TorqueRange<S> {
+    /// What both allow.
+    #[cfg_attr(feature = "batch", inline(always))]
+    pub(crate) fn and(self, other: Self) -> Self {
+        let (above, below) = (self.least.below(other.least), other.most.below(self.most));
+        Self {
+            least: S::select(above, other.least, self.least),
+            least_slope: S::select(above, other.least_slope, self.least_slope),
+            most: S::select(below, other.most, self.most),
+            most_slope: S::select(below, other.most_slope, self.most_slope),
+        }
+    }
+
+    /// The torque within the range that is nearest to `torque`, and its slope in the wheel speed.
+    ///
+    /// The integrator is told of the slope before an end binds: a step may run into it, and the slope that it is told
+    /// changes nothing in the order of its error.
+    #[cfg_attr(feature = "batch", inline(always))]
+    fn nearest(&self, torque: S) -> (S, S) {
+        let (most, least) = (self.most, self.least);
+        let torque = torque.smaller(most).larger(least);
+        let at_most = (most * NEAR).below(torque) | most.under(0.0);
+        let at_least = torque.below(least * NEAR) | least.over(0.0);
+        let slope = S::select(at_least, self.least_slope, S::from(0.0));
+        (torque, S::select(at_most, self.most_slope, slope))
+    }
+}
+
+/// Torque behind a gear, N m on the wheel's side, with its slopes in the torque before it and in the wheel speed.
+#[derive(Clone, Copy, Debug)]
+pub struct Geared<S = f64> {
+    /// Torque behind the gear.
+    pub torque: S,
+    /// Slope in the torque before the gear.
+    pub by_torque: S,
+    /// Slope in the wheel speed, N m s/rad.
+    pub by_speed: S,
+}
+
+/// What stands between the torque that a drive is asked for and the rim, torques on the wheel's side, N m. The ideal drive
+/// has nothing of it; the effects say what a real one has.
+pub trait Drivetrain<S: Scalar> {
+    /// Why a value has no meaning.
+    type Failure;
+
+    /// True torque over the torque that the drive computes from its current; `None` where they are the same.
+    fn torque_gain(&self) -> Option<S>;
+
+    /// Torques that the motor can give at this wheel speed, rad/s; `None` without a limit.
+    fn torque_range(&self, motor: &Motor<S>, speed: S) -> Option<TorqueRange<S>>;
+
+    /// Share of that limit which `torque` takes; `None` without a limit.
+    fn share_of_limit(&self, motor: &Motor<S>, speed: S, torque: S) -> Option<S>;
+
+    /// Torque behind the gear for a `torque` before it, and its slope in the wheel speed where `slope` is that before it.
+    fn gear(&self, speed: S, torque: S, slope: S) -> (S, S);
+
+    /// Torque before the gear that gives `torque` behind it.
+    fn gear_input(&self, speed: S, torque: S) -> S;
+
+    /// Friction torque, positive against forward turning, and its slope in the wheel speed, N m s/rad.
+    ///
+    /// # Errors
+    /// Where it is not finite.
+    fn drive_friction(&self, speed: S) -> Result<(S, S), Self::Failure>;
+}
+
 /// What one drive gives at one instant; torques on the wheel's side of the gear, N m.
 #[derive(Clone, Copy, Debug)]
 pub struct Driven<S = f64> {
@@ -34,24 +116,22 @@ pub struct Driven<S = f64> {
     pub slope: S,
 }
 
-/// What a drive of the data sheet `motor` gives where the `actual` motor is another and `command` is asked of it.
+/// What a drive of the data sheet `motor` gives at the wheel speed `speed` (rad/s) where the `actual` motor is another and
+/// the torque `command` (N m) is asked of it.
 ///
 /// # Errors
-/// [`ExpressionFailure`] where a friction of the user's own is not finite.
+/// Where the friction is not finite.
 #[cfg_attr(feature = "batch", inline(always))]
-pub fn drive<S: Scalar>(
+pub fn drive<S: Scalar, T: Drivetrain<S>>(
     motor: &Motor<S>,
     actual: &Motor<S>,
-    effects: &Effects<S>,
+    train: &T,
     speed: S,
     command: S,
-) -> Result<Driven<S>, ExpressionFailure> {
-    let (motor_torque, limit_slope) = limited_torque(motor, actual, effects, speed, command);
-    let (behind_gear, slope) = match effects.gear_efficiency.output(speed, motor_torque) {
-        None => (motor_torque, limit_slope),
-        Some(geared) => (geared.torque, geared.by_torque * limit_slope + geared.by_speed),
-    };
-    let (friction, friction_slope) = effects.drive_friction(speed)?;
+) -> Result<Driven<S>, T::Failure> {
+    let (motor_torque, limit_slope) = limited_torque(motor, actual, train, speed, command);
+    let (behind_gear, slope) = train.gear(speed, motor_torque, limit_slope);
+    let (friction, friction_slope) = train.drive_friction(speed)?;
     Ok(Driven { motor_torque, rim_torque: behind_gear - friction, slope: slope - friction_slope })
 }
 
@@ -59,18 +139,24 @@ pub fn drive<S: Scalar>(
 /// its limits.
 ///
 /// # Errors
-/// [`ExpressionFailure`] where a friction of the user's own is not finite.
+/// Where the friction is not finite.
 #[cfg_attr(feature = "batch", inline(always))]
-pub fn torque_behind<S: Scalar>(effects: &Effects<S>, speed: S, rim_torque: S) -> Result<S, ExpressionFailure> {
-    let behind_gear = rim_torque + effects.drive_friction(speed)?.0;
-    Ok(effects.gear_efficiency.input(speed, behind_gear).unwrap_or(behind_gear))
+pub fn torque_behind<S: Scalar, T: Drivetrain<S>>(train: &T, speed: S, rim_torque: S) -> Result<S, T::Failure> {
+    let behind_gear = rim_torque + train.drive_friction(speed)?.0;
+    Ok(train.gear_input(speed, behind_gear))
 }
 
 /// Torque that the motor gives when `torque` is asked of it at this wheel speed, wheel side, N m: within
-/// the torque limit (4.14), the current limit and what the effects allow (supply voltage). Also its slope in
+/// the torque limit (4.14), the current limit and what the drivetrain allows (supply voltage). Also its slope in
 /// the speed, N m s/rad, which is steep where the back-EMF limits it.
 #[cfg_attr(feature = "batch", inline(always))]
-fn limited_torque<S: Scalar>(motor: &Motor<S>, actual: &Motor<S>, effects: &Effects<S>, speed: S, torque: S) -> (S, S) {
+fn limited_torque<S: Scalar>(
+    motor: &Motor<S>,
+    actual: &Motor<S>,
+    train: &impl Drivetrain<S>,
+    speed: S,
+    torque: S,
+) -> (S, S) {
     let mut given = torque;
     let mut clamp = |inverse: S, unit: S| {
         if !inverse.is_exactly(0.0) {
@@ -78,25 +164,34 @@ fn limited_torque<S: Scalar>(motor: &Motor<S>, actual: &Motor<S>, effects: &Effe
             given = given.smaller(limit).larger(-limit);
         }
     };
-    // The drive's own limits, in the torque that it reckons with.
+    // The drive's own limits, in the torque that it computes from its current.
     clamp(motor.inverse_torque_limit, S::from(1.0));
     clamp(motor.inverse_current_limit, motor.gear_ratio * motor.torque_constant);
-    if let Some(gain) = effects.torque_gain() {
+    if let Some(gain) = train.torque_gain() {
         given *= gain;
     }
-    let slope = effects.motor_torque(actual, speed, &mut given);
-    (given, slope)
+    match train.torque_range(actual, speed) {
+        None => (given, S::from(0.0)),
+        Some(range) => range.nearest(given),
+    }
 }
 
 /// Share of its limits that a drive of the data sheet `motor` has left where `torque` is asked of it: 1 without limits,
 /// negative where one binds.
-pub(crate) fn reserve<S: Scalar>(motor: &Motor<S>, actual: &Motor<S>, effects: &Effects<S>, speed: S, torque: S) -> S {
+pub(crate) fn reserve<S: Scalar>(
+    motor: &Motor<S>,
+    actual: &Motor<S>,
+    train: &impl Drivetrain<S>,
+    speed: S,
+    torque: S,
+) -> S {
     let asked = torque.abs();
     let by_torque = asked * motor.inverse_torque_limit;
     let by_current = asked * motor.inverse_current_limit / (motor.gear_ratio * motor.torque_constant);
-    let given = effects.torque_gain().map_or(torque, |gain| torque * gain);
-    let by_voltage = effects.voltage_limit.share(actual, speed, given);
-    S::from(1.0) - by_torque.larger(by_current).larger(by_voltage)
+    let given = train.torque_gain().map_or(torque, |gain| torque * gain);
+    let taken = by_torque.larger(by_current);
+    let taken = train.share_of_limit(actual, speed, given).map_or(taken, |share| taken.larger(share));
+    S::from(1.0) - taken
 }
 
 /// Motor current for a torque on the wheel's side of the gear: I = T / (N K_t) (4.7, 4.9), A.

@@ -1,5 +1,5 @@
 //! What every effect of the library promises: neutral to the last bit, finite within its bounds, continuous in its
-//! parameters, and seen where `EXPECTED` says and only there. Driven by the library's own table.
+//! parameters, and seen where its facts say and only there. Driven by the library's own table.
 
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
@@ -7,7 +7,7 @@
 mod support;
 
 use bekker::diagnosis::{Rig, SteadyError, steady_point};
-use bekker::effects::EFFECTS;
+use bekker::effects::{EFFECTS, Effects, Facts, Needs};
 use bekker::model::RunError;
 use bekker::modeldescription::{Parameters, Role};
 use bekker::rover::Rover;
@@ -40,59 +40,23 @@ const ROUNDING: f64 = 1e-11;
 const DRAWS: usize = 4;
 const DRAWS_OF_ALL: usize = 40;
 
-/// Where an effect shows.
-struct Expected {
-    id: &'static str,
-    /// Signals of a wheel on a carriage; none: it changes nothing there, to the last bit.
-    carriage: &'static [&'static str],
-    /// Drives and signals of each; a drive with none changes nothing, one that is not listed is not judged.
-    drives: &'static [(Drive, &'static [&'static str])],
-}
-
-const fn expected(
-    id: &'static str,
-    carriage: &'static [&'static str],
-    drives: &'static [(Drive, &'static [&'static str])],
-) -> Expected {
-    Expected { id, carriage, drives }
-}
-
 use Drive::{Imposed, Linked, Torque};
 
-/// The columns "shows in" and "no signature at all" of the physics behind the library.
-const EXPECTED: &[Expected] = &[
-    expected("slip_sinkage", &["sinkage", "drawbar_pull"], &[(Imposed, &["wheel[1].sinkage"])]),
-    expected("exit_angle", &["drawbar_pull", "sinkage"], &[(Imposed, &["wheel[1].sinkage"])]),
-    expected("multi_pass", &[], &[(Imposed, &["wheel[1].torque", "wheel[1].sinkage"])]),
-    expected("grousers", &["drawbar_pull", "torque", "sinkage"], &[(Imposed, &["wheel[1].torque"])]),
-    expected("bulldozing", &["drawbar_pull"], &[(Imposed, &["wheel[1].torque", "wheel[1].sinkage"])]),
-    expected("flexible_wheel", &["sinkage"], &[(Imposed, &["wheel[1].sinkage"])]),
-    expected("rate", &["sinkage"], &[(Imposed, &["wheel[1].sinkage"])]),
-    expected("moisture", &["drawbar_pull", "torque"], &[(Imposed, &["wheel[1].torque"])]),
-    expected("soft_patch", &[], &[(Imposed, &["wheel[1].sinkage", "wheel[1].torque"])]),
-    expected("slope_strength", &[], &[(Imposed, &["wheel[1].torque", "wheel[1].slip"])]),
-    expected("coulomb_friction", &["torque"], &[(Imposed, &["wheel[1].torque"])]),
-    expected("viscous_friction", &["torque"], &[(Imposed, &["wheel[1].torque"])]),
-    expected("gear_efficiency", &["torque"], &[(Imposed, &["wheel[1].torque"])]),
-    expected("torque_scale", &["torque"], &[(Imposed, &["wheel[1].torque"])]),
-    expected("winding_heat", &[], &[(Imposed, &["power"])]),
-    expected("voltage_limit", &[], &[(Imposed, &[]), (Torque, &["wheel[1].speed"])]),
-    expected("radius_scale", &["drawbar_pull"], &[(Imposed, &["x"])]),
-    expected("payload", &["sinkage"], &[(Imposed, &["wheel[1].sinkage", "wheel[1].torque"])]),
-    expected("centre_of_mass", &[], &[(Imposed, &["wheel[1].torque"])]),
-    expected("pitch_bias", &[], &[(Imposed, &["pitch"])]),
-    expected("drag", &["drawbar_pull"], &[(Imposed, &["wheel[1].torque"])]),
-    expected("tether", &[], &[(Imposed, &["wheel[1].torque"])]),
-    expected("sensor_lag", &[], &[(Imposed, &["velocity"])]),
-    expected("suspension_friction", &[], &[(Imposed, &[]), (Linked, &["pitch"])]),
-    expected("rim_adhesion", &["drawbar_pull", "torque"], &[(Imposed, &["wheel[1].torque"])]),
-];
+/// What the library says of an effect.
+fn facts(id: &str) -> Facts {
+    Effects::<f64>::default().facts_of(id).unwrap_or_else(|| panic!("the library does not know {id}"))
+}
 
-fn expectation(id: &str) -> &'static Expected {
-    EXPECTED
-        .iter()
-        .find(|row| row.id == id)
-        .unwrap_or_else(|| panic!("{id} has no row in EXPECTED: where does it show?"))
+/// Drives in which an effect is judged, and the signals of each in which it has to show; none: it changes nothing, to the
+/// last bit.
+fn drives_of(id: &str) -> Vec<(Drive, &'static [&'static str])> {
+    let facts = facts(id);
+    let seen = facts.seen_on_rover;
+    match facts.needs {
+        Needs::Nothing => vec![(Imposed, seen)],
+        Needs::CommandedTorque => vec![(Imposed, &[]), (Torque, seen)],
+        Needs::Joints => vec![(Imposed, &[]), (Linked, seen)],
+    }
 }
 
 fn neutral(id: &str) -> Settings {
@@ -199,9 +163,9 @@ fn property_signals_are_continuous_in_the_parameters() {
             assert_continuous(&format!("{id} on a carriage"), share, halving, &|share| {
                 carriage(&on_the_way(id, share)).unwrap()
             });
-            for (kind, _) in expectation(id).drives {
+            for (kind, _) in drives_of(id) {
                 let what = format!("{id}, {kind:?}");
-                assert_continuous(&what, share, halving, &|share| drive(*kind, &on_the_way(id, share)).unwrap());
+                assert_continuous(&what, share, halving, &|share| drive(kind, &on_the_way(id, share)).unwrap());
             }
         }
     }
@@ -257,10 +221,11 @@ fn property_effects_show_where_they_should_and_nowhere_else() {
     let none = Settings::new();
     let steady = carriage(&none).unwrap();
     for (id, _) in EFFECTS {
-        let (row, on) = (expectation(id), switched_on(id));
-        assert_seen(&format!("{id} on a carriage"), &steady, &carriage(&on).unwrap(), row.carriage);
-        for (kind, signals) in row.drives {
-            let (base, on) = (drive(*kind, &none).unwrap(), drive(*kind, &on).unwrap());
+        let (facts, on) = (facts(id), switched_on(id));
+        assert!(!facts.seen_on_rover.is_empty(), "{id}: its facts say nowhere that it shows");
+        assert_seen(&format!("{id} on a carriage"), &steady, &carriage(&on).unwrap(), facts.seen_on_carriage);
+        for (kind, signals) in drives_of(id) {
+            let (base, on) = (drive(kind, &none).unwrap(), drive(kind, &on).unwrap());
             assert_seen(&format!("{id}, {kind:?}"), &base, &on, signals);
         }
     }

@@ -223,6 +223,7 @@ impl Model {
             ControlKind::Rtc => "rtc",
             ControlKind::Slip => "slip",
             ControlKind::EqualTorque => "equal_torque",
+            ControlKind::Registered => "registered",
         }
     }
 

@@ -10,7 +10,7 @@ mod unit;
 mod variable;
 pub mod xml;
 
-pub use parameters::{Lookup, ParameterError, Parameters, join, nearest};
+pub use parameters::{Lookup, Over, ParameterError, Parameters, join, nearest};
 pub use recorded_unit::{STANDARD_GRAVITY, UnitError};
 pub use unit::{DisplayUnit, Exponents, Unit};
 pub use variable::{Role, Variable};

@@ -14,6 +14,19 @@ pub trait Parameters<S> {
     fn values(&self, f: &mut dyn FnMut(S));
 }
 
+/// A group of numbers that exists over any scalar.
+pub trait Over<S, T> {
+    /// The same group over `T`.
+    type Output;
+
+    /// The group with `f` of every number.
+    #[must_use]
+    fn over(&self, f: &dyn Fn(S) -> T) -> Self::Output;
+
+    /// Replaces every number by `f` of it and of the one in its place in `other`.
+    fn merge(&mut self, other: &Self::Output, f: &dyn Fn(S, T) -> S);
+}
+
 /// Why a parameter could not be read or set.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ParameterError {
@@ -181,6 +194,19 @@ macro_rules! parameters {
             pub fn map<T>(&self, f: &dyn Fn(S) -> T) -> $group<T> {
                 let _ = f;
                 $group { $($field: f(self.$field),)* }
+            }
+        }
+
+        impl<S: Copy, T: Copy> $crate::Over<S, T> for $group<S> {
+            type Output = $group<T>;
+
+            fn over(&self, f: &dyn Fn(S) -> T) -> $group<T> {
+                self.map(f)
+            }
+
+            fn merge(&mut self, other: &$group<T>, f: &dyn Fn(S, T) -> S) {
+                let _ = (other, &f);
+                $(self.$field = f(self.$field, other.$field);)*
             }
         }
 

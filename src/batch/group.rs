@@ -30,7 +30,8 @@ impl Kind {
     pub fn of(run: &Run) -> Option<Self> {
         let simulation = run.in_joint_coordinates()?;
         let rover = simulation.rover();
-        if simulation.lags() || rover.effects.custom.iter().next().is_some() {
+        let own = rover.effects.custom.iter().next().is_some() || !rover.effects.registered.is_empty();
+        if simulation.lags() || own {
             return None;
         }
         let mut neutral = Vec::new();
@@ -240,8 +241,7 @@ impl<A: Arch> SideBySide<A> {
         <Lanes<A> as crate::scalar::Scalar>::wide(
             #[inline(always)]
             || {
-                motion.integrator.now.write_signals(rover, &motion.state, &motion.energies, signals);
-                rover.effects.record(motion.state.start_x, &mut signals.body, &mut signals.wheels);
+                motion.integrator.now.sense(rover, &motion.state, &motion.energies, signals);
             },
         );
     }

@@ -33,6 +33,12 @@ pub struct Forces<S = f64> {
 
 moving_beside!(Forces { normal, drawbar, torque });
 
+impl<S> AsMut<Self> for Forces<S> {
+    fn as_mut(&mut self) -> &mut Self {
+        self
+    }
+}
+
 impl<S: Scalar> Forces<S> {
     /// No force.
     #[must_use]

@@ -134,6 +134,12 @@ pub struct Touch<S = f64> {
 
 moving_beside!(Touch { forces, rate, slopes });
 
+impl<S> AsMut<Forces<S>> for Touch<S> {
+    fn as_mut(&mut self) -> &mut Forces<S> {
+        &mut self.forces
+    }
+}
+
 /// Forces on a wheel in `motion` with this `surface` of its rim.
 #[inline(never)]
 pub fn touch<S: Scalar>(wheel: &Wheel<S>, soil: &Soil<S>, surface: &Surface<S>, motion: &Motion<S>) -> Touch<S> {

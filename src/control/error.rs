@@ -77,6 +77,11 @@ pub enum ControlError {
         /// The measured pitch, rad.
         pitch: f64,
     },
+    /// The model is to be driven by a registered control law and has none.
+    #[error(
+        "control.kind = \"registered\", but the model has no control law of another crate; expected one, by `drive_by`"
+    )]
+    NoLaw,
     /// An estimator in the loop could not be built or took no reading.
     #[error(transparent)]
     Estimation(Box<EstimationError>),

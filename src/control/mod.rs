@@ -7,12 +7,13 @@
 //! | [`EqualTorqueController`] | the same torque for all wheels, from the body's speed |
 //! | [`SlipController`] | the same slip at all wheels; it is told the true slip ([`Privileged`]), and a bound for the others |
 //!
-//! All know the rover only as [`Nominal`] describes it.
+//! All know the rover only as [`Nominal`] describes it. Another crate adds its own, see [`registered`].
 
 mod equal_torque;
 mod error;
 mod nominal;
 mod posture;
+pub mod registered;
 pub mod rtc;
 mod slip;
 mod tuning;
@@ -22,6 +23,7 @@ pub use equal_torque::{EqualTorque, EqualTorqueController};
 pub use error::ControlError;
 pub use nominal::{Nominal, NominalLink};
 pub use posture::Posture;
+pub use registered::{ControlLaw, History, RegisteredLaw};
 pub use rtc::{Criterion, Footing, Outcome, RoughTerrainControl, Rtc, RtcOptions, Solver, Strength};
 pub use slip::{Privileged, SlipControl, SlipController};
 pub use tuning::{TunedVelocity, soil_slope};

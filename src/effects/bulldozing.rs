@@ -1,6 +1,6 @@
 //! Soil that a wheel pushes ahead.
 
-use super::{Effect, Local, Place};
+use super::{Effect, Facts, Local, Place, SOIL_TEST};
 use crate::scalar::{Mask, Scalar};
 use bekker_modeldescription::{Unit, parameters};
 use std::f64::consts::FRAC_PI_4;
@@ -27,6 +27,15 @@ impl<S: Scalar> Bulldozing<S> {
 }
 
 impl<S: Scalar> Effect<S> for Bulldozing<S> {
+    fn facts(&self) -> Facts {
+        Facts {
+            seen_on_carriage: &["drawbar_pull"],
+            seen_on_rover: &["wheel[1].torque", "wheel[1].sinkage"],
+            advice: &[SOIL_TEST],
+            ..Facts::USUAL
+        }
+    }
+
     #[cfg_attr(feature = "batch", inline(always))]
     fn surface(&self, place: &Place<S>, local: &mut Local<S>) {
         let sunk = place.sinkage.over(0.0);

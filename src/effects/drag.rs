@@ -1,7 +1,8 @@
-//! Horizontal resistances at the chassis reference point.
+//! A constant resistance at the chassis reference point.
 
-use super::{BodyMotion, Effect};
-use crate::scalar::{Mask, Scalar};
+use super::radius_scale::TOWED_OVER_FLOOR;
+use super::{Advice, BodyMotion, Effect, Facts};
+use crate::scalar::Scalar;
 use bekker_modeldescription::{Unit, parameters};
 
 /// Speed over which the resistance changes its sign, m/s.
@@ -15,15 +16,24 @@ parameters! {
     }
 }
 
-parameters! {
-    /// A force that grows with the distance travelled forward: k (x - x_0).
-    pub struct Tether {
-        /// Stiffness k.
-        stiffness: [Unit::NEWTON_PER_METRE] = 0.0, 0.0..=100.0, Effect, "dragged cable: 0.1-1 N/m";
-    }
-}
-
 impl<S: Scalar> Effect<S> for Drag<S> {
+    fn facts(&self) -> Facts {
+        Facts {
+            seen_on_carriage: &["drawbar_pull"],
+            seen_on_rover: &["wheel[1].torque"],
+            typical: &[("force", 2.0)],
+            advice: const {
+                &[
+                    Advice::carriage(
+                        "move the carriage with the wheel lifted: the force that remains is the resistance of the carriage",
+                    ),
+                    TOWED_OVER_FLOOR,
+                ]
+            },
+            ..Facts::USUAL
+        }
+    }
+
     #[cfg_attr(feature = "batch", inline(always))]
     fn body_force(&self, motion: &BodyMotion<S>) -> Option<S> {
         if self.force.is_exactly(0.0) {
@@ -31,16 +41,5 @@ impl<S: Scalar> Effect<S> for Drag<S> {
         }
         let norm = (motion.velocity * motion.velocity + REVERSAL_SPEED * REVERSAL_SPEED).sqrt();
         Some(-(self.force * motion.velocity / norm))
-    }
-}
-
-impl<S: Scalar> Effect<S> for Tether<S> {
-    #[cfg_attr(feature = "batch", inline(always))]
-    fn body_force(&self, motion: &BodyMotion<S>) -> Option<S> {
-        let pulls = motion.travelled.over(0.0);
-        if self.stiffness.is_exactly(0.0) || !pulls.any() {
-            return None;
-        }
-        Some(S::select(pulls, -(self.stiffness * motion.travelled), S::from(0.0)))
     }
 }

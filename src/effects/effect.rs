@@ -1,79 +1,24 @@
-//! What an effect is: hooks into the simulation, and what they see.
+//! What an effect is: parameters, hooks into the simulation, and facts about it.
 
-use crate::contact::{Forces, Surface};
-use crate::motor::Motor;
+use super::facts::Facts;
+use super::place::{BodyMotion, Local, Place};
+use super::sensor_lag::RecordingLag;
+use super::winding_heat::Warming;
+use crate::contact::Forces;
+use crate::motor::{Geared, Motor, TorqueRange};
 use crate::rover::Body;
 use crate::scalar::Scalar;
 use crate::signals::{BodySignals, WheelSignals};
-use crate::soil::Soil;
 use crate::wheel::Wheel;
 use bekker_modeldescription::Parameters;
 
-/// Where and how a wheel touches the ground.
-#[derive(Clone, Copy, Debug)]
-pub struct Place<S = f64> {
-    /// Wheel, 0 at the rear.
-    pub wheel: usize,
-    /// Position of the contact foot along x, m; none on a carriage, whose ground is the same everywhere.
-    pub x: Option<S>,
-    /// Wheels that have passed this ground, see [`crate::rover::Track`]; 0 where no effect remembers.
-    pub passes: S,
-    /// Contact angle, uphill positive, rad.
-    pub contact_angle: S,
-    /// Slip as far as it is established, see [`crate::contact::Motion::established_slip`].
-    pub slip: S,
-    /// Sinkage of the wheel's undeformed outline, m.
-    pub sinkage: S,
-    /// Velocity of the wheel centre along the normal, m/s.
-    pub normal_velocity: S,
-    /// Velocity of the wheel centre along the tangent, m/s.
-    pub velocity: S,
-}
-
-/// Wheel and soil as one contact sees them; effects may change them.
-#[derive(Clone, Copy, Debug)]
-pub struct Local<S = f64> {
-    /// The wheel.
-    pub wheel: Wheel<S>,
-    /// The soil under it.
-    pub soil: Soil<S>,
-    /// How the rim meets the soil.
-    pub surface: Surface<S>,
-    /// Deflection of the wheel along the normal, m: what the outline sinks deeper than the soil.
-    pub deflection: S,
-}
-
-impl<S: Scalar> Local<S> {
-    /// A smooth rigid wheel.
-    #[must_use]
-    #[cfg_attr(feature = "batch", inline(always))]
-    pub fn new(wheel: Wheel<S>, soil: Soil<S>) -> Self {
-        Self { wheel, soil, surface: Surface::default(), deflection: S::from(0.0) }
-    }
-}
-
-/// Motion of the chassis reference point.
-#[derive(Clone, Copy, Debug)]
-pub struct BodyMotion<S = f64> {
-    /// Position along x since the start, m.
-    pub travelled: S,
-    /// Velocity along x, m/s.
-    pub velocity: S,
-}
-
-/// Torque behind a gear, N m on the wheel's side, with its slopes in the torque before it and in the wheel speed.
-#[derive(Clone, Copy, Debug)]
-pub struct Geared<S = f64> {
-    /// Torque behind the gear.
-    pub torque: S,
-    /// Slope in the torque before the gear.
-    pub by_torque: S,
-    /// Slope in the wheel speed, N m s/rad.
-    pub by_speed: S,
-}
-
-/// Hooks of an effect into the simulation; the defaults change nothing.
+/// Hooks of an effect into the simulation, and facts about it; the default hooks change nothing.
+///
+/// At the neutral values of its parameters an effect must change nothing, bit for bit: its hooks return early.
 pub trait Effect<S: Scalar>: Parameters<S> {
+    /// What others need to know of the effect.
+    fn facts(&self) -> Facts;
+
     /// Changes wheel and soil at a contact, before the stresses are integrated.
     #[cfg_attr(feature = "batch", inline(always))]
     fn contact(&self, place: &Place<S>, local: &mut Local<S>) {
@@ -86,9 +31,9 @@ pub trait Effect<S: Scalar>: Parameters<S> {
         let _ = (place, local);
     }
 
-    /// Whether the effect needs to know which ground has been passed.
+    /// Whether the effect needs [`Place::passes`], the number of wheels that have passed the ground.
     #[cfg_attr(feature = "batch", inline(always))]
-    fn remembers(&self) -> bool {
+    fn counts_passes(&self) -> bool {
         false
     }
 
@@ -98,19 +43,26 @@ pub trait Effect<S: Scalar>: Parameters<S> {
         let _ = (place, local, forces);
     }
 
-    /// Changes the wheel of the data sheet into the true one.
+    /// The true wheel in place of `wheel`, where they differ.
     #[cfg_attr(feature = "batch", inline(always))]
-    fn wheel(&self, wheel: &mut Wheel<S>) {
+    fn wheel(&self, wheel: &Wheel<S>) -> Option<Wheel<S>> {
         let _ = wheel;
+        None
     }
 
-    /// Changes a true radius back into the one that the records are reckoned with.
+    /// Changes a true radius back into the one from which slip is computed for the records.
     #[cfg_attr(feature = "batch", inline(always))]
     fn recorded_radius(&self, radius: &mut S) {
         let _ = radius;
     }
 
-    /// Changes the chassis of the data sheet into the true one.
+    /// Mass at the chassis' centre of mass that the data sheet does not have, kg.
+    #[cfg_attr(feature = "batch", inline(always))]
+    fn added_mass(&self) -> Option<S> {
+        None
+    }
+
+    /// Changes the chassis of the data sheet into the true one, apart from [`added_mass`](Self::added_mass).
     #[cfg_attr(feature = "batch", inline(always))]
     fn chassis(&self, body: &mut Body<S>) {
         let _ = body;
@@ -122,9 +74,51 @@ pub trait Effect<S: Scalar>: Parameters<S> {
         let _ = (winding_rise, motor);
     }
 
-    /// True torque over the torque that the drive reckons with.
+    /// The law by which a winding warms that dissipates `power` (W).
+    #[cfg_attr(feature = "batch", inline(always))]
+    fn warming(&self, power: S) -> Option<Warming<S>> {
+        let _ = power;
+        None
+    }
+
+    /// True torque over the torque that the drive computes from its current.
     #[cfg_attr(feature = "batch", inline(always))]
     fn torque_gain(&self) -> Option<S> {
+        None
+    }
+
+    /// Torques that the motor can give at this wheel speed (rad/s), where the effect limits them.
+    #[cfg_attr(feature = "batch", inline(always))]
+    fn torque_range(&self, motor: &Motor<S>, speed: S) -> Option<TorqueRange<S>> {
+        let _ = (motor, speed);
+        None
+    }
+
+    /// Share of that limit which `torque` (wheel side, N m) takes; over 1 it is out of reach.
+    #[cfg_attr(feature = "batch", inline(always))]
+    fn share_of_limit(&self, motor: &Motor<S>, speed: S, torque: S) -> Option<S> {
+        let _ = (motor, speed, torque);
+        None
+    }
+
+    /// Torque behind the gear for a `torque` (N m) before it at this wheel speed (rad/s), all on the wheel's side.
+    #[cfg_attr(feature = "batch", inline(always))]
+    fn gear(&self, speed: S, torque: S) -> Option<Geared<S>> {
+        let _ = (speed, torque);
+        None
+    }
+
+    /// Torque before the gear that gives `torque` behind it: the inverse of [`gear`](Self::gear).
+    #[cfg_attr(feature = "batch", inline(always))]
+    fn gear_input(&self, speed: S, torque: S) -> Option<S> {
+        let _ = (speed, torque);
+        None
+    }
+
+    /// Friction torque of a drive at this wheel speed (rad/s), wheel side, N m, and its slope in the speed, N m s/rad.
+    #[cfg_attr(feature = "batch", inline(always))]
+    fn drive_friction(&self, speed: S) -> Option<(S, S)> {
+        let _ = speed;
         None
     }
 
@@ -135,29 +129,21 @@ pub trait Effect<S: Scalar>: Parameters<S> {
         None
     }
 
+    /// Horizontal force on the chassis at its reference point, N.
+    #[cfg_attr(feature = "batch", inline(always))]
+    fn body_force(&self, motion: &BodyMotion<S>) -> Option<S> {
+        let _ = motion;
+        None
+    }
+
     /// Changes true signals into what is recorded at the same instant; the rover started at `start_x`.
     fn record(&self, start_x: S, body: &mut BodySignals<S>, wheels: &mut [WheelSignals<S>]) {
         let _ = (start_x, body, wheels);
     }
 
-    /// Friction torque of a drive at this wheel speed, wheel side, and its slope in the speed.
+    /// Lag and dead time between the signals and their record.
     #[cfg_attr(feature = "batch", inline(always))]
-    fn drive_friction(&self, speed: S) -> Option<(S, S)> {
-        let _ = speed;
-        None
-    }
-
-    /// Limits the torque of a motor, wheel side, at this wheel speed; where it limits, the slope in the speed.
-    #[cfg_attr(feature = "batch", inline(always))]
-    fn motor_torque(&self, motor: &Motor<S>, speed: S, torque: &mut S) -> Option<S> {
-        let _ = (motor, speed, torque);
-        None
-    }
-
-    /// Horizontal force on the chassis at its reference point, N.
-    #[cfg_attr(feature = "batch", inline(always))]
-    fn body_force(&self, motion: &BodyMotion<S>) -> Option<S> {
-        let _ = motion;
+    fn lag(&self) -> Option<RecordingLag<S>> {
         None
     }
 }

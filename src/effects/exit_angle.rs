@@ -1,6 +1,6 @@
 //! Exit angle of the contact.
 
-use super::{Effect, Local, Place};
+use super::{Effect, Facts, Local, Place};
 use crate::scalar::Scalar;
 use bekker_modeldescription::{Unit, parameters};
 
@@ -13,6 +13,10 @@ parameters! {
 }
 
 impl<S: Scalar> Effect<S> for ExitAngle<S> {
+    fn facts(&self) -> Facts {
+        Facts { seen_on_carriage: &["drawbar_pull", "sinkage"], seen_on_rover: &["wheel[1].sinkage"], ..Facts::USUAL }
+    }
+
     #[cfg_attr(feature = "batch", inline(always))]
     fn contact(&self, _place: &Place<S>, local: &mut Local<S>) {
         local.surface.exit_ratio += self.lambda;

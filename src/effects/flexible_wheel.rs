@@ -1,6 +1,7 @@
 //! A wheel that flattens under its load.
 
-use super::{Effect, Local, Place};
+use super::radius_scale::HARD_PLATE;
+use super::{Effect, Facts, Local, Place};
 use crate::scalar::{Mask, Scalar};
 use bekker_modeldescription::{Unit, parameters};
 
@@ -48,6 +49,15 @@ impl<S: Scalar> FlexibleWheel<S> {
 }
 
 impl<S: Scalar> Effect<S> for FlexibleWheel<S> {
+    fn facts(&self) -> Facts {
+        Facts {
+            seen_on_carriage: &["sinkage"],
+            seen_on_rover: &["wheel[1].sinkage"],
+            advice: &[HARD_PLATE],
+            ..Facts::USUAL
+        }
+    }
+
     #[cfg_attr(feature = "batch", inline(always))]
     fn surface(&self, place: &Place<S>, local: &mut Local<S>) {
         let sunk = place.sinkage.over(0.0);

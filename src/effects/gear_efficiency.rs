@@ -1,7 +1,9 @@
 //! Efficiency of the gear.
 
-use super::drive_friction::REVERSAL_SPEED;
-use super::{Effect, Geared};
+use super::coulomb_friction::REVERSAL_SPEED;
+use super::torque_scale::BACK_DRIVEN;
+use super::{Effect, Facts};
+use crate::motor::Geared;
 use crate::scalar::Scalar;
 use bekker_modeldescription::{Unit, parameters};
 
@@ -16,8 +18,6 @@ parameters! {
         eta: [Unit::ONE] = 1.0, 0.4..=1.0, Effect, "planetary gears of two to four stages, makers' data: 0.6-0.85";
     }
 }
-
-impl<S: Scalar> Effect<S> for GearEfficiency<S> {}
 
 /// The gear at one wheel speed, smooth in speed and torque.
 ///
@@ -55,10 +55,18 @@ impl<S: Scalar> Curve<S> {
     }
 }
 
-impl<S: Scalar> GearEfficiency<S> {
-    /// Torque behind the gear for a `torque` before it, both on the wheel's side; `None` without loss.
+impl<S: Scalar> Effect<S> for GearEfficiency<S> {
+    fn facts(&self) -> Facts {
+        Facts {
+            seen_on_carriage: &["torque"],
+            seen_on_rover: &["wheel[1].torque"],
+            advice: BACK_DRIVEN,
+            ..Facts::USUAL
+        }
+    }
+
     #[cfg_attr(feature = "batch", inline(always))]
-    pub(crate) fn output(&self, speed: S, torque: S) -> Option<Geared<S>> {
+    fn gear(&self, speed: S, torque: S) -> Option<Geared<S>> {
         if self.eta.is_exactly(1.0) {
             return None;
         }
@@ -74,9 +82,9 @@ impl<S: Scalar> GearEfficiency<S> {
         })
     }
 
-    /// Torque before the gear that gives `torque` behind it: the exact inverse; `None` without loss.
+    /// The exact inverse of [`gear`](Effect::gear).
     #[cfg_attr(feature = "batch", inline(always))]
-    pub(crate) fn input(&self, speed: S, torque: S) -> Option<S> {
+    fn gear_input(&self, speed: S, torque: S) -> Option<S> {
         if self.eta.is_exactly(1.0) {
             return None;
         }

@@ -1,6 +1,6 @@
 //! Lugs on the rim.
 
-use super::{Effect, Local, Place};
+use super::{Effect, Facts, Header, Local, Place, SOIL_TEST};
 use crate::scalar::Scalar;
 use bekker_modeldescription::{Unit, parameters};
 use std::f64::consts::FRAC_PI_2;
@@ -17,6 +17,19 @@ parameters! {
 }
 
 impl<S: Scalar> Effect<S> for Grousers<S> {
+    fn facts(&self) -> Facts {
+        Facts {
+            seen_on_carriage: &["drawbar_pull", "torque", "sinkage"],
+            seen_on_rover: &["wheel[1].torque"],
+            advice: &[SOIL_TEST],
+            headers: &[
+                Header { words: &["grouser", "height"], parameter: "height" },
+                Header { words: &["lug", "height"], parameter: "height" },
+            ],
+            ..Facts::USUAL
+        }
+    }
+
     #[cfg_attr(feature = "batch", inline(always))]
     fn surface(&self, _place: &Place<S>, local: &mut Local<S>) {
         if self.height.is_exactly(0.0) {

@@ -1,206 +1,89 @@
 //! Missing physics: a library of effects, each a group of parameters with a neutral value.
 //!
 //! At its neutral value an effect changes nothing, bit for bit: its hooks return early. Switching one
-//! on is setting its parameters, the same act in every door. A new effect is one file and one line in
-//! the table below. What the library lacks a user can add as an expression, see [`custom`].
+//! on is setting its parameters, the same act in every door. Whatever concerns one effect stands in its
+//! file: parameters, hooks ([`Effect`]), what it has for a memory, and what others need to know of it ([`Facts`]). A new
+//! effect is one such file and one line in the table below. What the library lacks a user can add as an expression, see
+//! [`custom`], or in Rust from another crate, see [`registered`].
 
 mod bulldozing;
+mod centre_of_mass;
+mod coulomb_friction;
 pub mod custom;
 mod drag;
-mod drive_friction;
 mod effect;
 mod exit_angle;
+mod facts;
 mod flexible_wheel;
 mod gear_efficiency;
 mod grousers;
-mod local_strength;
+mod moisture;
 mod multi_pass;
+mod payload;
+mod pitch_bias;
+mod place;
 mod radius_scale;
 mod rate;
+pub mod registered;
 mod rim_adhesion;
-mod sensors;
+mod sensor_lag;
 mod slip_sinkage;
+mod slope_strength;
+mod soft_patch;
 mod suspension_friction;
+mod table;
+mod tether;
 mod torque_scale;
-mod unmodelled_mass;
+mod viscous_friction;
 mod voltage_limit;
 mod winding_heat;
 
 use crate::contact::Forces;
-use crate::motor::Motor;
+use crate::motor::{Drivetrain, Motor, TorqueRange};
 use crate::rover::Body;
 use crate::scalar::Scalar;
 use crate::signals::{BodySignals, WheelSignals};
+use crate::soil::Soil;
 use crate::wheel::Wheel;
 use bekker_modeldescription::{Parameters, Variable, join};
 use custom::CustomEffects;
+use registered::RegisteredEffects;
+use std::fmt;
+use table::{effects, last_first};
 
 pub use bulldozing::Bulldozing;
+pub use centre_of_mass::CentreOfMass;
+pub use coulomb_friction::CoulombFriction;
 pub use custom::{DefinitionError, EffectDefinition, ExpressionFailure};
-pub use drag::{Drag, Tether};
-pub use drive_friction::{CoulombFriction, ViscousFriction};
-pub use effect::{BodyMotion, Effect, Geared, Local, Place};
+pub use drag::Drag;
+pub use effect::Effect;
 pub use exit_angle::ExitAngle;
+pub use facts::{Advice, Equipment, Facts, Header, Needs, SOIL_TEST};
 pub use flexible_wheel::FlexibleWheel;
 pub use gear_efficiency::GearEfficiency;
 pub use grousers::Grousers;
-pub use local_strength::{Moisture, SlopeStrength, SoftPatch};
-pub use multi_pass::MultiPass;
+pub use moisture::Moisture;
+pub use multi_pass::{MultiPass, Track};
+pub use payload::Payload;
+pub use pitch_bias::PitchBias;
+pub use place::{BodyMotion, Local, Place};
 pub use radius_scale::RadiusScale;
 pub use rate::Rate;
+pub use registered::{RegisteredEffect, Registrable};
 pub use rim_adhesion::RimAdhesion;
-pub use sensors::{PitchBias, SensorLag};
+pub(crate) use sensor_lag::Lagged;
+pub use sensor_lag::{RecordingLag, SensorLag};
 pub use slip_sinkage::SlipSinkage;
+pub use slope_strength::SlopeStrength;
+pub use soft_patch::SoftPatch;
 pub use suspension_friction::SuspensionFriction;
+pub use tether::Tether;
 pub use torque_scale::TorqueScale;
-pub use unmodelled_mass::{CentreOfMass, Payload};
+pub use viscous_friction::ViscousFriction;
 pub use voltage_limit::VoltageLimit;
-pub use winding_heat::WindingHeat;
+pub use winding_heat::{Warming, WindingHeat};
 
-/// Declares the library: one line an effect.
-macro_rules! effects {
-    ($($(#[doc = $doc:literal])+ $id:ident: $group:ident,)*) => {
-        /// The library of effects. All are present in every rover and neutral by default.
-        #[derive(Clone, Debug, PartialEq)]
-        pub struct Effects<S = f64> {
-            $($(#[doc = $doc])+ pub $id: $group<S>,)*
-            /// The user's own, after those of the library.
-            pub custom: CustomEffects<S>,
-        }
-
-        impl<S: From<f64>> Default for Effects<S> {
-            fn default() -> Self {
-                Self { $($id: $group::default(),)* custom: CustomEffects::default() }
-            }
-        }
-
-        impl<S: Copy> Effects<S> {
-            /// The same effects over another scalar.
-            #[must_use]
-            pub fn map<T>(&self, f: &dyn Fn(S) -> T) -> Effects<T> {
-                Effects { $($id: self.$id.map(f),)* custom: self.custom.map(f) }
-            }
-        }
-
-        impl<S: Scalar> Parameters<S> for Effects<S> {
-            fn visit(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut S)) {
-                $(self.$id.visit(&join(prefix, stringify!($id)), f);)*
-                self.custom.visit(prefix, f);
-            }
-
-            fn values(&self, f: &mut dyn FnMut(S)) {
-                $(self.$id.values(f);)*
-                self.custom.values(f);
-            }
-        }
-
-        /// Ids and meanings of all effects, in the library's order.
-        pub const EFFECTS: &[(&str, &str)] = &[$((stringify!($id), concat!($($doc),+)),)*];
-
-        /// Sums of the hooks over the library and the user's own effects.
-        impl<S: Scalar> Effects<S> {
-            /// What a contact sees of wheel, soil and rim.
-            #[cfg_attr(feature = "batch", inline(always))]
-            pub(crate) fn contact(&self, place: &Place<S>, local: &mut Local<S>) -> Result<(), ExpressionFailure> {
-                $(self.$id.contact(place, local);)*
-                self.custom.contact(place, local)?;
-                $(self.$id.surface(place, local);)*
-                Ok(())
-            }
-
-            /// Whether an effect needs to know which ground has been passed.
-            #[cfg_attr(feature = "batch", inline(always))]
-            pub(crate) fn remember(&self) -> bool {
-                false $(|| self.$id.remembers())*
-            }
-
-            #[cfg_attr(feature = "batch", inline(always))]
-            pub(crate) fn forces(
-                &self,
-                place: &Place<S>,
-                local: &Local<S>,
-                forces: &mut Forces<S>,
-            ) -> Result<(), ExpressionFailure> {
-                $(self.$id.forces(place, local, forces);)*
-                self.custom.forces(place, forces)
-            }
-
-            #[cfg_attr(feature = "batch", inline(always))]
-            pub(crate) fn wheel(&self, wheel: &mut Wheel<S>) {
-                $(self.$id.wheel(wheel);)*
-            }
-
-            #[cfg_attr(feature = "batch", inline(always))]
-            pub(crate) fn recorded_radius(&self, mut radius: S) -> S {
-                $(self.$id.recorded_radius(&mut radius);)*
-                radius
-            }
-
-            #[cfg_attr(feature = "batch", inline(always))]
-            pub(crate) fn chassis(&self, body: &mut Body<S>) {
-                $(self.$id.chassis(body);)*
-            }
-
-            #[cfg_attr(feature = "batch", inline(always))]
-            pub(crate) fn motor(&self, winding_rise: S, motor: &mut Motor<S>) {
-                $(self.$id.motor(winding_rise, motor);)*
-            }
-
-            /// Product of the gains; `None` where there is none.
-            #[cfg_attr(feature = "batch", inline(always))]
-            pub(crate) fn torque_gain(&self) -> Option<S> {
-                let mut product: Option<S> = None;
-                $(if let Some(gain) = self.$id.torque_gain() {
-                    product = Some(product.map_or(gain, |before| before * gain));
-                })*
-                product
-            }
-
-            #[cfg_attr(feature = "batch", inline(always))]
-            pub(crate) fn joint_friction(&self, rate: S) -> S {
-                let mut sum = S::from(0.0);
-                $(if let Some(coefficient) = self.$id.joint_friction(rate) {
-                    sum += coefficient;
-                })*
-                sum
-            }
-
-            pub(crate) fn record(&self, start_x: S, body: &mut BodySignals<S>, wheels: &mut [WheelSignals<S>]) {
-                $(self.$id.record(start_x, body, wheels);)*
-            }
-
-            /// Friction torque of a drive and its slope in the wheel speed.
-            #[cfg_attr(feature = "batch", inline(always))]
-            pub(crate) fn drive_friction(&self, speed: S) -> Result<(S, S), ExpressionFailure> {
-                let mut sum = self.custom.drive_friction(speed)?;
-                $(if let Some((torque, slope)) = self.$id.drive_friction(speed) {
-                    sum.0 += torque;
-                    sum.1 += slope;
-                })*
-                Ok(sum)
-            }
-
-            /// Limits `torque`; returns the slope in the wheel speed of the limit that binds, 0 where none does.
-            #[cfg_attr(feature = "batch", inline(always))]
-            pub(crate) fn motor_torque(&self, motor: &Motor<S>, speed: S, torque: &mut S) -> S {
-                let mut slope = S::from(0.0);
-                $(if let Some(limited) = self.$id.motor_torque(motor, speed, torque) {
-                    slope = limited;
-                })*
-                slope
-            }
-
-            #[cfg_attr(feature = "batch", inline(always))]
-            pub(crate) fn body_force(&self, motion: &BodyMotion<S>) -> Result<S, ExpressionFailure> {
-                let mut sum = self.custom.body_force(motion)?;
-                $(if let Some(force) = self.$id.body_force(motion) {
-                    sum += force;
-                })*
-                Ok(sum)
-            }
-        }
-    };
-}
+pub use crate::motor::Geared;
 
 effects! {
     /// Slip-sinkage: the sinkage exponent grows with slip.
@@ -255,23 +138,67 @@ effects! {
     rim_adhesion: RimAdhesion,
 }
 
+impl<S: Scalar> Effects<S> {
+    /// What there is to know of the effect `id`; nothing where it is unknown or given as an expression.
+    #[must_use]
+    pub fn facts_of(&self, id: &str) -> Option<Facts> {
+        self.facts().find(|(known, _)| *known == id).map(|(_, facts)| facts)
+    }
+}
+
 impl Effects {
     /// Adds an effect of the user's own, neutral; one that is there already, with the same definition, stays as it is.
     ///
     /// # Errors
     /// [`DefinitionError`] where the definition is refused or its id taken.
     pub fn add(&mut self, definition: EffectDefinition) -> Result<(), DefinitionError> {
-        if EFFECTS.iter().any(|(id, _)| *id == definition.id) {
-            let owner = "an effect of the library".to_owned();
-            return Err(DefinitionError::Taken { id: definition.id, owner });
-        }
+        refuse_taken(&definition.id, self.registered.iter().map(RegisteredEffect::id), "a registered effect")?;
         self.custom.add(definition)
+    }
+
+    /// Registers the effect `G` of another crate, neutral, under `id`; see [`registered`]. The id is the first part of its
+    /// parameters' names, so it must not be that of other names of a model, which
+    /// [`Model::register_effect`](crate::model::Model::register_effect) makes sure of.
+    ///
+    /// # Errors
+    /// [`DefinitionError`] where the id is no name or taken.
+    pub fn register<G: Registrable>(&mut self, id: &str, about: &str) -> Result<(), DefinitionError> {
+        custom::check_id(id)?;
+        refuse_taken(id, self.custom.iter().map(custom::CustomEffect::id), "an effect that is given as an expression")?;
+        self.registered.add::<G>(id, about)
+    }
+
+    /// Takes over, neutral or not, the effects that `other` has registered and this lacks.
+    ///
+    /// # Errors
+    /// [`DefinitionError::Taken`] where another effect has the id of one of them.
+    pub fn register_all_of(&mut self, other: &Self) -> Result<(), DefinitionError> {
+        for effect in other.registered.iter() {
+            refuse_taken(
+                effect.id(),
+                self.custom.iter().map(custom::CustomEffect::id),
+                "an effect given as an expression",
+            )?;
+            self.registered.add_copy(effect)?;
+        }
+        Ok(())
     }
 
     /// Ids and meanings of the library's effects and of the user's own: what a diagnosis may try.
     #[must_use]
     pub fn list(&self) -> Vec<(String, String)> {
-        let own = self.custom.iter().map(|effect| (effect.id(), effect.definition().about.as_str()));
-        EFFECTS.iter().copied().chain(own).map(|(id, about)| (id.to_owned(), about.trim().to_owned())).collect()
+        let custom = self.custom.iter().map(|effect| (effect.id(), effect.definition().about.as_str()));
+        let registered = self.registered.iter().map(|effect| (effect.id(), effect.about()));
+        let all = EFFECTS.iter().copied().chain(custom).chain(registered);
+        all.map(|(id, about)| (id.to_owned(), about.trim().to_owned())).collect()
     }
+}
+
+/// Refuses an id that the library has, or one of `others`, who are called `owner` then.
+fn refuse_taken<'a>(id: &str, mut others: impl Iterator<Item = &'a str>, owner: &str) -> Result<(), DefinitionError> {
+    let taken = |owner: &str| Err(DefinitionError::Taken { id: id.to_owned(), owner: owner.to_owned() });
+    if EFFECTS.iter().any(|(known, _)| *known == id) {
+        return taken("an effect of the library");
+    }
+    if others.any(|other| other == id) { taken(owner) } else { Ok(()) }
 }

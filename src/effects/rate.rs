@@ -1,6 +1,6 @@
 //! Resistance of the soil that grows with the speed of penetration.
 
-use super::{Effect, Local, Place};
+use super::{Advice, Effect, Facts, Local, Place};
 use crate::scalar::Scalar;
 use bekker_modeldescription::{Unit, parameters};
 
@@ -31,6 +31,20 @@ impl<S: Scalar> Rate<S> {
 }
 
 impl<S: Scalar> Effect<S> for Rate<S> {
+    fn facts(&self) -> Facts {
+        Facts {
+            seen_on_carriage: &["sinkage"],
+            seen_on_rover: &["wheel[1].sinkage"],
+            advice: const {
+                &[
+                    Advice::carriage("repeat a steady point at three wheel speeds that span a factor of ten"),
+                    Advice::rover("repeat a level run at three speeds that span a factor of ten"),
+                ]
+            },
+            ..Facts::USUAL
+        }
+    }
+
     #[cfg_attr(feature = "batch", inline(always))]
     fn contact(&self, place: &Place<S>, local: &mut Local<S>) {
         if !self.exponent.is_exactly(0.0) {

@@ -1,6 +1,6 @@
 //! A rim smoother than the soil.
 
-use super::{Effect, Local, Place};
+use super::{Effect, Facts, Local, Place, SOIL_TEST};
 use crate::scalar::Scalar;
 use bekker_modeldescription::{Unit, parameters};
 
@@ -15,6 +15,15 @@ parameters! {
 }
 
 impl<S: Scalar> Effect<S> for RimAdhesion<S> {
+    fn facts(&self) -> Facts {
+        Facts {
+            seen_on_carriage: &["drawbar_pull", "torque"],
+            seen_on_rover: &["wheel[1].torque"],
+            advice: &[SOIL_TEST],
+            ..Facts::USUAL
+        }
+    }
+
     #[cfg_attr(feature = "batch", inline(always))]
     fn surface(&self, _place: &Place<S>, local: &mut Local<S>) {
         if !self.loss.is_exactly(0.0) {

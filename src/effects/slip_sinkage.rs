@@ -1,6 +1,6 @@
 //! Slip-sinkage.
 
-use super::{Effect, Local, Place};
+use super::{Effect, Facts, Local, Place, SOIL_TEST};
 use crate::scalar::Scalar;
 use bekker_modeldescription::{Unit, parameters};
 
@@ -13,6 +13,15 @@ parameters! {
 }
 
 impl<S: Scalar> Effect<S> for SlipSinkage<S> {
+    fn facts(&self) -> Facts {
+        Facts {
+            seen_on_carriage: &["sinkage", "drawbar_pull"],
+            seen_on_rover: &["wheel[1].sinkage"],
+            advice: &[SOIL_TEST],
+            ..Facts::USUAL
+        }
+    }
+
     #[cfg_attr(feature = "batch", inline(always))]
     fn contact(&self, place: &Place<S>, local: &mut Local<S>) {
         if !self.n1.is_exactly(0.0) {

@@ -1,6 +1,6 @@
 //! Friction of the passive joints.
 
-use super::Effect;
+use super::{Advice, Effect, Equipment, Facts, Needs};
 use crate::scalar::Scalar;
 use bekker_modeldescription::{Unit, parameters};
 
@@ -16,6 +16,18 @@ parameters! {
 }
 
 impl<S: Scalar> Effect<S> for SuspensionFriction<S> {
+    fn facts(&self) -> Facts {
+        Facts {
+            needs: Needs::Joints,
+            seen_on_rover: &["pitch"],
+            advice: &[Advice {
+                equipment: Equipment::JointedRover,
+                text: "drive over a step on a hard floor and back: friction of the joints shows as hysteresis",
+            }],
+            ..Facts::USUAL
+        }
+    }
+
     #[cfg_attr(feature = "batch", inline(always))]
     fn joint_friction(&self, rate: S) -> Option<S> {
         if self.moment.is_exactly(0.0) {

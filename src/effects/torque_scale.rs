@@ -1,10 +1,20 @@
 //! A motor whose torque constant is not that of its data sheet.
 
-use super::Effect;
+use super::{Advice, Effect, Facts};
 use crate::motor::Motor;
 use crate::scalar::Scalar;
 use crate::signals::{BodySignals, WheelSignals};
 use bekker_modeldescription::{Unit, parameters};
+
+/// A scale acts the same way in both directions of the power, a loss does not.
+pub(super) const BACK_DRIVEN: &[Advice] = &[
+    Advice::carriage(
+        "drive and back-drive the wheel against a known torque (a brake or a hanging weight): a scale acts the same way in both, an efficiency does not",
+    ),
+    Advice::rover(
+        "drive and back-drive a lifted wheel against a known torque (a brake or a hanging weight): a scale acts the same way in both, an efficiency does not",
+    ),
+];
 
 parameters! {
     /// The true torque constant is (1 + d) K_t. Drives command and measure currents and reckon with K_t, so a
@@ -17,6 +27,15 @@ parameters! {
 }
 
 impl<S: Scalar> Effect<S> for TorqueScale<S> {
+    fn facts(&self) -> Facts {
+        Facts {
+            seen_on_carriage: &["torque"],
+            seen_on_rover: &["wheel[1].torque"],
+            advice: BACK_DRIVEN,
+            ..Facts::USUAL
+        }
+    }
+
     #[cfg_attr(feature = "batch", inline(always))]
     fn motor(&self, _winding_rise: S, motor: &mut Motor<S>) {
         if !self.deviation.is_exactly(0.0) {

@@ -1,6 +1,6 @@
 //! Warming of the motors' windings.
 
-use super::Effect;
+use super::{Advice, Effect, Facts};
 use crate::motor::Motor;
 use crate::scalar::Scalar;
 use bekker_modeldescription::{Unit, parameters};
@@ -24,6 +24,18 @@ parameters! {
 }
 
 impl<S: Scalar> Effect<S> for WindingHeat<S> {
+    fn facts(&self) -> Facts {
+        Facts {
+            seen_on_rover: &["power"],
+            advice: const {
+                &[Advice::rover(
+                    "let the loaded drive run for half an hour and record current and voltage: only heat changes with time",
+                )]
+            },
+            ..Facts::USUAL
+        }
+    }
+
     #[cfg_attr(feature = "batch", inline(always))]
     fn motor(&self, winding_rise: S, motor: &mut Motor<S>) {
         if !self.thermal_resistance.is_exactly(0.0) {
@@ -32,23 +44,40 @@ impl<S: Scalar> Effect<S> for WindingHeat<S> {
             motor.torque_constant *= S::from(1.0) - rise * MAGNET;
         }
     }
+
+    #[cfg_attr(feature = "batch", inline(always))]
+    fn warming(&self, power: S) -> Option<Warming<S>> {
+        if self.thermal_resistance.is_exactly(0.0) {
+            return None;
+        }
+        Some(Warming { end: self.thermal_resistance * power, time_constant: self.time_constant })
+    }
 }
 
-impl<S: Scalar> WindingHeat<S> {
-    /// Whether windings warm at all.
-    #[cfg_attr(feature = "batch", inline(always))]
-    pub(crate) fn acts(&self) -> bool {
-        !self.thermal_resistance.is_exactly(0.0)
+/// How a winding warms: towards a rise `end`, with a time constant.
+#[derive(Clone, Copy, Debug)]
+pub struct Warming<S = f64> {
+    /// Rise over its surroundings at which it would stay, K.
+    pub end: S,
+    /// Time constant, s.
+    pub time_constant: S,
+}
+
+impl<S: Scalar> Warming<S> {
+    /// Rate of the rise, K/s.
+    pub(crate) fn rate(&self, rise: S) -> S {
+        (self.end - rise) / self.time_constant
     }
 
-    /// Rate of a winding's rise at the power `dissipated`, W: K/s.
-    pub(crate) fn rate(&self, rise: S, dissipated: S) -> S {
-        (self.thermal_resistance * dissipated - rise) / self.time_constant
+    /// The rise after `h` seconds: exact where the law stays the same.
+    pub(crate) fn after(&self, rise: S, h: f64) -> S {
+        self.end + (rise - self.end) * (-(self.time_constant.recip() * h)).exp()
     }
 
-    /// The rise of a winding after `h` seconds at the power `dissipated`, W: exact where that is constant.
-    pub(crate) fn warmed(&self, rise: S, dissipated: S, h: f64) -> S {
-        let last = self.thermal_resistance * dissipated;
-        last + (rise - last) * (-(self.time_constant.recip() * h)).exp()
+    /// Two paths of heat at once: their rates add.
+    pub(super) fn beside(self, other: Self) -> Self {
+        let (rate, others) = (self.time_constant.recip(), other.time_constant.recip());
+        let both = rate + others;
+        Self { end: (self.end * rate + other.end * others) / both, time_constant: both.recip() }
     }
 }

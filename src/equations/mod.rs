@@ -37,9 +37,9 @@ pub enum NoEquations {
     #[error("{what} keeps a memory that is no state of a differential equation; expected {expected}, or co-simulation")]
     Memory {
         /// What keeps it.
-        what: &'static str,
+        what: String,
         /// What would do.
-        expected: &'static str,
+        expected: String,
     },
     /// The drives are not commanded by torques.
     #[error("differential equations need the wheels' torques for inputs; expected control.kind = \"torque\"")]
@@ -170,8 +170,7 @@ impl<S: Scalar> Equations<S> {
     /// [`DynamicsError`] where a wheel is beyond the ground or something is not finite.
     pub fn evaluate(&mut self) -> Result<(), DynamicsError> {
         self.evaluation.update(&self.rover, &self.state, &self.command)?;
-        self.evaluation.write_signals(&self.rover, &self.state, &self.energies, &mut self.signals);
-        self.rover.effects.record(self.state.start_x, &mut self.signals.body, &mut self.signals.wheels);
+        self.evaluation.sense(&self.rover, &self.state, &self.energies, &mut self.signals);
         Ok(())
     }
 
@@ -183,12 +182,12 @@ impl<S: Scalar> Equations<S> {
             f(rate[j]);
             f(acceleration[j]);
         }
-        let heat = &self.rover.effects.winding_heat;
         for (k, (wheel, state)) in self.evaluation.wheels.iter().zip(&self.state.wheels).enumerate() {
             f(self.evaluation.spin_rate(&self.rover, k));
             f(wheel.touch.rate.travel);
             f(wheel.touch.rate.turn);
-            f(if heat.acts() { heat.rate(state.winding_rise, wheel.winding_power()) } else { S::from(0.0) });
+            let warming = self.rover.effects.warming(wheel.winding_power());
+            f(warming.map_or(S::from(0.0), |warming| warming.rate(state.winding_rise)));
         }
         let powers = self.evaluation.powers();
         [powers.dissipated, powers.electrical, powers.drive, powers.soil_loss, powers.other_loss]

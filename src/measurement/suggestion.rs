@@ -3,7 +3,9 @@
 use super::columns::quoted;
 use super::experiment::Kind;
 use super::vocabulary::parameter;
+use crate::effects::Effects;
 use bekker_modeldescription::Unit;
+use std::borrow::Cow;
 
 /// What a name is likely to mean.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,24 +21,25 @@ pub(super) struct Suggestion {
 pub(super) enum Suggested {
     /// A signal under its name; of a wheel whose number the name does not give, its field alone.
     Signal(String),
-    Parameter(&'static str),
+    Parameter(String),
 }
 
 /// All of the words must be in the name.
+#[derive(Clone)]
 pub(super) struct Rule {
     words: &'static [&'static str],
-    meaning: &'static str,
+    meaning: Cow<'static, str>,
     sure: bool,
 }
 
 /// A rule whose words say it.
 pub(super) const fn sure(words: &'static [&'static str], meaning: &'static str) -> Rule {
-    Rule { words, meaning, sure: true }
+    Rule { words, meaning: Cow::Borrowed(meaning), sure: true }
 }
 
 /// A rule that is a guess.
 pub(super) const fn maybe(words: &'static [&'static str], meaning: &'static str) -> Rule {
-    Rule { words, meaning, sure: false }
+    Rule { words, meaning: Cow::Borrowed(meaning), sure: false }
 }
 
 const PARAMETERS: &[Rule] = &[
@@ -44,12 +47,24 @@ const PARAMETERS: &[Rule] = &[
     maybe(&["radius"], "wheel.radius"),
     sure(&["wheel", "width"], "wheel.width"),
     maybe(&["width"], "wheel.width"),
-    sure(&["grouser", "height"], "grousers.height"),
-    sure(&["lug", "height"], "grousers.height"),
     sure(&["cohesion"], "soil.cohesion"),
     sure(&["friction", "angle"], "soil.friction_angle"),
     sure(&["shear", "modulus"], "soil.shear_modulus"),
 ];
+
+/// What the effects say of headers that mean one of their parameters.
+fn parameters_of_effects() -> Vec<Rule> {
+    let effects = Effects::<f64>::default();
+    let rules = effects.facts().flat_map(|(id, facts)| {
+        let rule = move |header: &crate::effects::Header| Rule {
+            words: header.words,
+            meaning: format!("{id}.{}", header.parameter).into(),
+            sure: true,
+        };
+        facts.headers.iter().map(rule)
+    });
+    rules.collect()
+}
 
 /// Words that make of a column something else than the rest of its name says: a scatter, a sensor that is not modelled,
 /// an angle of slip, a wanted value.
@@ -68,7 +83,7 @@ pub(super) fn of(kind: Kind, name: &str) -> Option<Suggestion> {
         return None;
     }
     let signal = best(kind.format().rules(), &words).map(|rule| (rule, false));
-    let parameter = best(PARAMETERS, &words).map(|rule| (rule, true));
+    let parameter = best(&[PARAMETERS, &parameters_of_effects()].concat(), &words).map(|rule| (rule, true));
     // A parameter takes more words than a signal, or is none.
     let (rule, is_parameter) = match (signal, parameter) {
         (Some(signal), Some(parameter)) if parameter.0.words.len() < signal.0.words.len() => signal,
@@ -79,9 +94,9 @@ pub(super) fn of(kind: Kind, name: &str) -> Option<Suggestion> {
     if words.iter().any(|word| OTHER.contains(&word.as_str()) && !rule.words.contains(&word.as_str())) {
         return None;
     }
-    let signal = if is_parameter { rule.meaning.to_owned() } else { of_wheel(kind, rule.meaning, base) };
-    let unit = bracket.or_else(|| suffix(&unit_of(kind, &signal, is_parameter)?, &words, rule));
-    let target = if is_parameter { Suggested::Parameter(rule.meaning) } else { Suggested::Signal(signal) };
+    let meaning = if is_parameter { rule.meaning.to_string() } else { of_wheel(kind, &rule.meaning, base) };
+    let unit = bracket.or_else(|| suffix(&unit_of(kind, &meaning, is_parameter)?, &words, &rule));
+    let target = if is_parameter { Suggested::Parameter(meaning) } else { Suggested::Signal(meaning) };
     Some(Suggestion { target, unit, sure: rule.sure })
 }
 
@@ -120,12 +135,12 @@ pub(super) fn bracketed(name: &str) -> Option<String> {
     inside('[', ']').or_else(|| inside('(', ')')).filter(|unit| unit.parse::<f64>().is_err())
 }
 
-fn best(rules: &'static [Rule], words: &[String]) -> Option<&'static Rule> {
+fn best(rules: &[Rule], words: &[String]) -> Option<Rule> {
     let fits = |rule: &&Rule| rule.words.iter().all(|word| words.iter().any(|own| own == word));
     // A single letter means something only where it is all there is, but for a number and a unit.
     let alone =
         |rule: &&Rule| rule.words.concat().len() > 1 || words.first().is_some_and(|first| *first == rule.words[0]);
-    rules.iter().filter(fits).filter(alone).max_by_key(|rule| (rule.words.len(), rule.sure))
+    rules.iter().filter(fits).filter(alone).max_by_key(|rule| (rule.words.len(), rule.sure)).cloned()
 }
 
 /// Words of a name in lower case: parted by anything but letters and digits, by digits, and where a capital follows a

@@ -2,6 +2,7 @@
 
 use super::Model;
 use super::estimating::{ContactAngleSource, EstimatingRtc, SoilSource};
+use crate::control::registered::RegisteredController;
 use crate::control::{
     ControlError, Controller, Criterion, EqualTorque, EqualTorqueController, Nominal, NominalLink, RoughTerrainControl,
     Rtc, SlipControl, SlipController, Solver, Strength, TunedVelocity, VelocityControl, VelocityController,
@@ -37,6 +38,8 @@ pub enum ControlKind {
     Slip,
     /// The same torque for all wheels, from the body's speed: input `velocity_command`.
     EqualTorque,
+    /// A control law of another crate, see [`Model::drive_by`]: input `velocity_command`.
+    Registered,
 }
 
 parameters! {
@@ -88,11 +91,12 @@ impl Control {
         (self.velocity.kp, self.velocity.ki) = (0.1, 5.0);
     }
 
-    /// Control period where a controller decides, s; `None` where commands come from outside.
+    /// Control period where a controller of this crate decides, s; `None` where commands come from outside or from a
+    /// registered law, see [`Model::control_period`].
     #[must_use]
     pub fn period(&self) -> Option<f64> {
         match self.kind {
-            ControlKind::Torque | ControlKind::Speed => None,
+            ControlKind::Torque | ControlKind::Speed | ControlKind::Registered => None,
             ControlKind::SpeedLoop | ControlKind::Velocity | ControlKind::Slip => Some(self.velocity.period),
             ControlKind::VelocityTuned => Some(self.velocity_tuned.period),
             ControlKind::Rtc => Some(self.rtc_timing.period),
@@ -108,6 +112,7 @@ pub(super) enum AtWork {
     Rtc(Box<EstimatingRtc>),
     Slip(Box<SlipController>),
     EqualTorque(EqualTorqueController),
+    Registered(RegisteredController),
 }
 
 impl Moving for AtWork {
@@ -117,6 +122,7 @@ impl Moving for AtWork {
             Self::Rtc(controller) => controller.save(to),
             Self::Slip(controller) => controller.save(to),
             Self::EqualTorque(controller) => controller.save(to),
+            Self::Registered(controller) => controller.save(to),
         }
     }
 
@@ -126,6 +132,7 @@ impl Moving for AtWork {
             Self::Rtc(controller) => controller.load(from),
             Self::Slip(controller) => controller.load(from),
             Self::EqualTorque(controller) => controller.load(from),
+            Self::Registered(controller) => controller.load(from),
         }
     }
 }
@@ -137,6 +144,7 @@ impl fmt::Debug for AtWork {
             Self::Rtc(_) => "rough-terrain control",
             Self::Slip(_) => "slip control by the true slip",
             Self::EqualTorque(_) => "equal torque",
+            Self::Registered(_) => "a registered control law",
         })
     }
 }
@@ -165,6 +173,10 @@ impl AtWork {
             ControlKind::EqualTorque => {
                 Some(Self::EqualTorque(EqualTorqueController::new(&nominal, control.equal_torque)?))
             }
+            ControlKind::Registered => match &model.registered_law {
+                Some(law) => Some(Self::Registered(law.controller(&nominal)?)),
+                None => return Err(ControlError::NoLaw),
+            },
         })
     }
 
@@ -213,6 +225,7 @@ impl AtWork {
                 controller.command(measured, goal, command)
             }
             Self::EqualTorque(controller) => controller.command(measured, goal, command),
+            Self::Registered(controller) => controller.command(measured, goal, command),
         }
     }
 }

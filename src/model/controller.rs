@@ -38,7 +38,11 @@ impl Model {
     /// [`RunError::Control`] and others where a parameter makes no sense.
     pub fn start_controller(&self) -> Result<ControllerRun, RunError> {
         match self.control.kind {
-            ControlKind::Velocity | ControlKind::VelocityTuned | ControlKind::Rtc | ControlKind::EqualTorque => {}
+            ControlKind::Velocity
+            | ControlKind::VelocityTuned
+            | ControlKind::Rtc
+            | ControlKind::EqualTorque
+            | ControlKind::Registered => {}
             kind @ (ControlKind::Torque | ControlKind::Speed | ControlKind::SpeedLoop | ControlKind::Slip) => {
                 return Err(RunError::NoController { kind });
             }
@@ -47,7 +51,7 @@ impl Model {
         let refused = |source| RunError::Control { time: 0.0, source };
         let missing = RunError::NoController { kind: self.control.kind };
         let step_size = self.stepping.step_size;
-        let period = self.control.period().ok_or_else(|| missing.clone())?;
+        let period = self.control_period().ok_or_else(|| missing.clone())?;
         let (wheels, links) = (self.rover.wheels.len(), self.rover.links.len());
         Ok(ControllerRun {
             controller: AtWork::new(self).map_err(refused)?.ok_or(missing)?,

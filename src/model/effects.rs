@@ -28,22 +28,27 @@ impl Model {
             return Ok(());
         }
         let mut effects = self.rover.effects.clone();
-        let groups = groups_of_names();
         for definition in definitions {
             let id = definition.id.clone();
             effects.add(definition)?;
-            if groups.contains(&id) {
-                let owner = format!("the parameters or signals `{id}` of every model");
-                return Err(DefinitionError::Taken { id, owner });
-            }
+            self.refuse_taken(&id)?;
         }
         self.rover.effects = effects;
         Ok(())
     }
 }
 
+/// Refuses an id that is the first part of other names.
+pub(super) fn refuse_group(groups: &[String], id: &str) -> Result<(), DefinitionError> {
+    if !groups.iter().any(|group| group == id) {
+        return Ok(());
+    }
+    let owner = format!("the parameters or signals `{id}` of every model");
+    Err(DefinitionError::Taken { id: id.to_owned(), owner })
+}
+
 /// First parts of the names that parameters, inputs and signals have, whatever controls the model.
-fn groups_of_names() -> Vec<String> {
+pub(super) fn groups_of_names() -> Vec<String> {
     let mut model = Model::new("", Rover::two_wheeled());
     let mut signals = Signals::<f64>::of(1, 1);
     let mut names: Vec<String> = signals.list().into_iter().map(|(variable, _)| variable.name).collect();

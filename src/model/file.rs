@@ -245,6 +245,19 @@ impl Model {
     /// # Errors
     /// [`ModelError`] saying which name, where, and what was expected.
     pub fn from_toml(text: &str, folder: Option<&Path>) -> Result<Self, ModelError> {
+        Self::from_toml_with(text, folder, |_| Ok(()))
+    }
+
+    /// The same for a model with effects or a control law of other crates: `register` gives them to it before the
+    /// parameters are read, by [`Model::register_effect`] and [`Model::register_law`].
+    ///
+    /// # Errors
+    /// [`ModelError`].
+    pub fn from_toml_with(
+        text: &str,
+        folder: Option<&Path>,
+        register: impl FnOnce(&mut Self) -> Result<(), DefinitionError>,
+    ) -> Result<Self, ModelError> {
         let file: File = toml::from_str(text)?;
         let mut model = match &file.preset {
             Some(preset) => Self::preset(preset)?,
@@ -272,6 +285,7 @@ impl Model {
         }
         model.add_obstacles(&file.obstacle)?;
         model.define_effects(file.effect)?;
+        register(&mut model)?;
         model.set_parameters(&file.parameters)?;
         if let Some(soil) = file.control.and_then(|control| control.nominal_soil) {
             model.believe(&soil)?;

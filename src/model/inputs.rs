@@ -57,7 +57,8 @@ impl Inputs {
             | ControlKind::VelocityTuned
             | ControlKind::Rtc
             | ControlKind::Slip
-            | ControlKind::EqualTorque => Self::Velocity(VelocityCommand::default()),
+            | ControlKind::EqualTorque
+            | ControlKind::Registered => Self::Velocity(VelocityCommand::default()),
         }
     }
 

@@ -12,6 +12,7 @@ mod ordinary;
 mod origin;
 mod plant;
 mod presets;
+mod registering;
 mod rig;
 mod run;
 mod saving;
@@ -33,10 +34,13 @@ pub use stated::Stated;
 pub use summary::{Summary, SummaryBuilder};
 pub use variation::{Distribution, Variation, VariationError};
 
+use crate::control::RegisteredLaw;
+use crate::effects::{Facts, Needs};
 use crate::obstacle::{BodyContact, Obstacle};
 use crate::rover::Rover;
 use crate::sensors::Sensors;
 use bekker_modeldescription::{Parameters, Unit, Variable, join, parameters};
+use std::fmt;
 
 parameters! {
     /// Where a run starts.
@@ -67,7 +71,7 @@ impl Default for Stepping {
 }
 
 /// A rover on its ground, its sensors and control, and how to run them; or a wheel on a carriage, see [`ModelKind`].
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Model {
     /// Name for people.
     pub name: String,
@@ -89,6 +93,24 @@ pub struct Model {
     pub obstacles: Vec<Obstacle>,
     /// Friction of chassis and links on the ground; read by the plant of rigid bodies only.
     pub body_contact: BodyContact,
+    /// The control law of another crate, see [`Model::drive_by`].
+    pub registered_law: Option<RegisteredLaw>,
+}
+
+/// The text of a model without a registered law is the same, and with it its
+/// [`Fingerprint`](crate::snapshot::Fingerprint), whether or not one can be registered.
+impl fmt::Debug for Model {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, kind, stated, rover, start, sensors, control, stepping, obstacles, body_contact, .. } = self;
+        let mut text = f.debug_struct("Model");
+        text.field("name", name).field("kind", kind).field("stated", stated).field("rover", rover);
+        text.field("start", start).field("sensors", sensors).field("control", control).field("stepping", stepping);
+        text.field("obstacles", obstacles).field("body_contact", body_contact);
+        if let Some(law) = &self.registered_law {
+            text.field("registered_law", law);
+        }
+        text.finish()
+    }
 }
 
 impl Model {
@@ -106,6 +128,7 @@ impl Model {
             stepping: Stepping::default(),
             obstacles: Vec::new(),
             body_contact: BodyContact::default(),
+            registered_law: None,
         }
     }
 
@@ -125,14 +148,10 @@ impl Model {
 }
 
 /// Limits of the drives, which a wheel whose speed is imposed does not feel.
-const LIMITS: [&str; 3] =
-    ["motor.inverse_torque_limit", "motor.inverse_current_limit", "voltage_limit.inverse_voltage"];
-
-/// Friction of the joints, which a rigid chassis does not have.
-const JOINT_FRICTION: &str = "suspension_friction.moment";
+const LIMITS: [&str; 2] = ["motor.inverse_torque_limit", "motor.inverse_current_limit"];
 
 /// The whole vocabulary of this model: what something reads. Sensors and control are listed where there is
-/// a controller, the drives' limits where torques are commanded, friction of joints where there are links, obstacles
+/// a controller, the drives' limits where torques are commanded, effects where the rover has what they need, obstacles
 /// where the plant feels them.
 impl Parameters<f64> for Model {
     fn visit(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut f64)) {
@@ -141,9 +160,11 @@ impl Parameters<f64> for Model {
         }
         let limited = self.control.kind != ControlKind::Speed;
         let jointed = !self.rover.links.is_empty();
+        let unfelt = self.unfelt_effects(limited, jointed);
         self.rover.visit("", &mut |variable, place| {
             let name = variable.name.as_str();
-            if (limited || !LIMITS.contains(&name)) && (jointed || name != JOINT_FRICTION) {
+            let of_unfelt = || name.split_once('.').is_some_and(|(group, _)| unfelt.iter().any(|id| id == group));
+            if (limited || !LIMITS.contains(&name)) && !of_unfelt() {
                 f(Variable { name: join(prefix, &variable.name), ..variable }, place);
             }
         });
@@ -185,6 +206,17 @@ impl Parameters<f64> for Model {
                 self.sensors.body.visit(&join(prefix, "sensor"), f);
                 self.control.equal_torque.visit(&join(prefix, "equal_torque"), f);
             }
+            ControlKind::Registered => {
+                self.sensors.body.visit(&join(prefix, "sensor"), f);
+                self.sensors.encoder.visit(&join(prefix, "sensor"), f);
+                self.sensors.gyroscope.visit(&join(prefix, "sensor"), f);
+                if jointed {
+                    self.sensors.joint.visit(&join(prefix, "sensor"), f);
+                }
+                if let Some(law) = &mut self.registered_law {
+                    law.visit(prefix, f);
+                }
+            }
         }
         if let Some(soil) = &mut self.control.nominal_soil {
             soil.visit(&join(prefix, "nominal.soil"), f);
@@ -197,6 +229,17 @@ impl Parameters<f64> for Model {
 }
 
 impl Model {
+    /// Ids of the effects that need what this rover does not have.
+    fn unfelt_effects(&self, torques: bool, joints: bool) -> Vec<String> {
+        let lacks = |facts: &Facts| match facts.needs {
+            Needs::Nothing => false,
+            Needs::CommandedTorque => !torques,
+            Needs::Joints => !joints,
+        };
+        let all = self.rover.effects.facts();
+        all.filter(|(_, facts)| lacks(facts)).map(|(id, _)| id.to_owned()).collect()
+    }
+
     /// What a wheel on a carriage has, as [`Rig`](crate::carriage::Rig) lists it.
     fn visit_rig(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut f64)) {
         self.rover.environment.visit(prefix, f);

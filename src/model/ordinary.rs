@@ -2,6 +2,7 @@
 
 use super::{ControlKind, Model, Plant};
 use crate::equations::NoEquations;
+use bekker_modeldescription::{Parameters, Role};
 
 impl Model {
     /// Whether a run of this model is explicit differential equations and nothing else, see [`crate::equations`].
@@ -15,14 +16,20 @@ impl Model {
         if self.control.kind != ControlKind::Torque {
             return Err(NoEquations::Drive);
         }
-        let memory = |what, expected| Err(NoEquations::Memory { what, expected });
-        let effects = &self.rover.effects;
-        if effects.remember() {
-            return memory("the effect multi_pass", "multi_pass.growth = 0");
-        }
-        if effects.sensor_lag.acts() {
-            return memory("the effect sensor_lag", "sensor_lag.time_constant = 0 and sensor_lag.dead_time = 0");
+        if let Some(id) = self.rover.effects.with_memory() {
+            return Err(NoEquations::Memory { what: format!("the effect {id}"), expected: self.neutral(id) });
         }
         Ok(())
+    }
+    /// The effect `id` switched off, in words.
+    fn neutral(&self, id: &str) -> String {
+        let mut words = Vec::new();
+        self.rover.effects.clone().visit("", &mut |variable, _| {
+            let own = variable.name.split_once('.').is_some_and(|(group, _)| group == id);
+            if own && variable.role == Role::Effect {
+                words.push(format!("{} = {}", variable.name, variable.default));
+            }
+        });
+        words.join(" and ")
     }
 }

@@ -79,6 +79,7 @@ impl Model {
     /// [`DefinitionError`] where both define effects of the user's own with one id in different ways.
     pub fn with_rig_of(&self, tested: &Self) -> Result<Self, DefinitionError> {
         let mut rover = self.clone();
+        rover.rover.effects.register_all_of(&tested.rover.effects)?;
         let custom = &tested.rover.effects.custom;
         rover.define_effects(custom.iter().map(|effect| effect.definition().clone()).collect())?;
         let mut values = BTreeMap::new();

@@ -127,7 +127,7 @@ impl Run {
             ControlKind::Speed => Command::speed(zeros),
             _ => Command::torque(zeros),
         };
-        let seconds = model.control.period().unwrap_or(step_size);
+        let seconds = model.control_period().unwrap_or(step_size);
         let mut run = Self {
             simulation,
             sensors: SensorSuite::new(model.sensors, u64::from(model.stepping.seed)),

@@ -3,12 +3,11 @@
 use super::closed_loop::AtWork;
 use super::origin::Origin;
 use super::{AnyPlant, ControllerRun, Model, Run, RunError};
-use crate::effects::EFFECTS;
 use bekker_modeldescription::{Lookup, Parameters};
 
 impl Model {
     /// Whether the parameter `name` may change on the way, see [`Run::retune`]: soil, gravity, motors, sensors, the gains of
-    /// controllers, and effects but for those that change the wheels' size or the length of a memory. What makes the
+    /// controllers, and effects but for those that are not tunable ([`Facts`](crate::effects::Facts)). What makes the
     /// vehicle, the ground, the clocks and the estimators is decided at the start.
     #[must_use]
     pub fn is_tunable(&self, name: &str) -> bool {
@@ -18,9 +17,11 @@ impl Model {
             "velocity_control" | "velocity_tuned" | "rtc" | "slip_control" | "equal_torque" => {
                 !name.ends_with(".period")
             }
-            "radius_scale" | "sensor_lag" => false,
+            _ if self.registered_law.as_ref().is_some_and(|law| law.id() == group) => !name.ends_with(".period"),
             _ => {
-                EFFECTS.iter().any(|(id, _)| *id == group) || self.rover.effects.custom.iter().any(|e| e.id() == group)
+                let effects = &self.rover.effects;
+                let custom = || effects.custom.iter().any(|effect| effect.id() == group);
+                effects.facts_of(group).map_or_else(custom, |facts| facts.tunable)
             }
         }
     }

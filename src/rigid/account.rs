@@ -52,22 +52,23 @@ impl RigidBodies {
 
     /// Writes the signals from the present state, as sensors without memory see it.
     pub(super) fn sense(&mut self) {
-        self.integrator.now.write_signals(&self.rover, &self.state, &self.energies, &mut self.signals);
-        for ((signals, wheel), rigid) in
-            self.signals.wheels.iter_mut().zip(&self.integrator.now.wheels).zip(&self.wheel_contacts)
-        {
-            // Without a rigid contact the soil's own numbers stay, to the last bit.
-            if rigid.normal != [0.0, 0.0] {
-                let soil = wheel.touch.forces;
-                let total = |i: usize| soil.normal * wheel.normal[i] + soil.drawbar * wheel.tangent[i] + rigid.force[i];
-                let along = |i: usize| soil.normal * wheel.normal[i] + rigid.normal[i];
-                let length = along(0).hypot(along(1));
-                let (x, z) = (along(0) / length, along(1) / length);
-                signals.contact_angle = (-x).atan2(z);
-                signals.normal_force = total(0) * x + total(1) * z;
-                signals.drawbar_pull = total(0) * z - total(1) * x;
+        let Self { rover, state, energies, integrator, wheel_contacts, signals, .. } = self;
+        integrator.now.sense_beside(rover, state, energies, signals, |signals| {
+            let wheels = signals.wheels.iter_mut().zip(&integrator.now.wheels).zip(&*wheel_contacts);
+            for ((signals, wheel), rigid) in wheels {
+                // Without a rigid contact the soil's own numbers stay, to the last bit.
+                if rigid.normal != [0.0, 0.0] {
+                    let soil = wheel.touch.forces;
+                    let total =
+                        |i: usize| soil.normal * wheel.normal[i] + soil.drawbar * wheel.tangent[i] + rigid.force[i];
+                    let along = |i: usize| soil.normal * wheel.normal[i] + rigid.normal[i];
+                    let length = along(0).hypot(along(1));
+                    let (x, z) = (along(0) / length, along(1) / length);
+                    signals.contact_angle = (-x).atan2(z);
+                    signals.normal_force = total(0) * x + total(1) * z;
+                    signals.drawbar_pull = total(0) * z - total(1) * x;
+                }
             }
-        }
-        self.rover.effects.record(self.state.start_x, &mut self.signals.body, &mut self.signals.wheels);
+        });
     }
 }

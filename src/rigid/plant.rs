@@ -108,7 +108,7 @@ impl RigidBodies {
             energies: Energies::zero(),
             window: Window::at(state.position[0]),
             status: Status::Running,
-            recorder: Recorder::new(&rover.effects.sensor_lag, &signals, step_size),
+            recorder: Recorder::new(&rover.effects, &signals, step_size),
             signals,
             rover,
             state,

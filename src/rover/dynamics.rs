@@ -2,10 +2,9 @@
 
 use super::kinematics::{Frames, turn_jacobian};
 use super::linear::{Factors, Matrix, Vector, add_outer, add_scaled, dot, zeros};
-use super::track::passes;
-use super::{Rover, State};
+use super::{Rover, State, Track};
 use crate::contact::{Motion, Surface, Touch, slip, touch};
-use crate::effects::{BodyMotion, ExpressionFailure, Local, Place};
+use crate::effects::{BodyMotion, ExpressionFailure, Place};
 use crate::motor::{self, Motor};
 use crate::scalar::Scalar;
 use crate::signals::{Command, Drive};
@@ -282,34 +281,42 @@ impl<S: Scalar> Evaluation<S> {
             Drive::Torque => (state.wheels[k].spin, state.wheels[k].spin + body_rate),
             Drive::Speed => (asked - body_rate, asked),
         };
-        let true_wheel = rover.true_wheel();
-        let x = foot.position[0];
-        let mut local = Local::new(true_wheel, rover.terrain.soil(&rover.soil, x));
-        let mut motion = Motion {
+        let (true_wheel, x) = (rover.true_wheel(), foot.position[0]);
+        let soil = rover.terrain.soil(&rover.soil, x);
+        let motion = Motion {
             sinkage: true_wheel.radius - foot.distance,
             normal_velocity: wheel.normal_velocity,
             velocity: wheel.velocity,
             spin: wheel.spin,
             hold: state.wheels[k].hold,
         };
+        let tracks = state.wheels.iter().map(|wheel| &wheel.track);
         let place = Place {
             wheel: k,
             x: Some(x),
-            passes: if rover.effects.remember() { passes(&state.wheels, x) } else { S::from(0.0) },
+            passes: if rover.effects.counts_passes() { Track::passes(tracks, x) } else { S::from(0.0) },
             contact_angle: foot.angle,
-            slip: motion.established_slip(&local.wheel, &local.soil),
+            slip: motion.established_slip(&true_wheel, &soil),
             sinkage: motion.sinkage,
             normal_velocity: wheel.normal_velocity,
             velocity: wheel.velocity,
         };
-        rover.effects.contact(&place, &mut local)?;
+        let (distance, place_of_touch) = (foot.distance, &mut wheel.touch);
+        let (local, _) = rover.effects.contact(
+            &place,
+            true_wheel,
+            soil,
+            #[cfg_attr(feature = "batch", inline(always))]
+            move |local| {
+                let sinkage = local.wheel.radius - distance - local.deflection;
+                *place_of_touch = touch(&local.wheel, &local.soil, &local.surface, &Motion { sinkage, ..motion });
+                place_of_touch
+            },
+        )?;
         wheel.slip = slip(wheel.velocity, rover.effects.recorded_radius(local.wheel.radius) * wheel.spin);
         wheel.sinkage = local.wheel.radius - foot.distance - local.deflection;
         wheel.contact_angle = foot.angle;
         wheel.foot_x = x;
-        motion.sinkage = wheel.sinkage;
-        wheel.touch = touch(&local.wheel, &local.soil, &local.surface, &motion);
-        rover.effects.forces(&place, &local, &mut wheel.touch.forces)?;
         wheel.motor = rover.motor;
         rover.effects.motor(state.wheels[k].winding_rise, &mut wheel.motor);
         if drive == Drive::Torque {
@@ -362,12 +369,13 @@ impl<S: Scalar> Evaluation<S> {
         sum
     }
 
-    /// Warms the windings over `h` seconds, at whose start `before` held, and renews what depends on them.
+    /// Warms the windings, where they warm, over `h` seconds, at whose start `before` held, and renews what depends on them.
     #[cfg_attr(feature = "batch", inline(always))]
     pub fn warm(&mut self, rover: &Rover<S>, before: &Self, state: &mut State<S>, h: f64) {
         for ((wheel, before), moving) in self.wheels.iter_mut().zip(&before.wheels).zip(&mut state.wheels) {
             let mean = (before.winding_power() + wheel.winding_power()) * 0.5;
-            moving.winding_rise = rover.effects.winding_heat.warmed(moving.winding_rise, mean, h);
+            let Some(warming) = rover.effects.warming(mean) else { return };
+            moving.winding_rise = warming.after(moving.winding_rise, h);
             wheel.motor = rover.motor;
             rover.effects.motor(moving.winding_rise, &mut wheel.motor);
             wheel.current = motor::current(&wheel.motor, wheel.motor_torque);

@@ -6,7 +6,6 @@ pub(crate) mod linear;
 mod presets;
 mod rate;
 mod settle;
-mod track;
 
 use crate::contact::Hold;
 use crate::effects::Effects;
@@ -18,11 +17,11 @@ use crate::terrain::Terrain;
 use crate::wheel::Wheel;
 use bekker_modeldescription::{Parameters, Unit, Variable, join, parameters};
 
+pub use crate::effects::Track;
 pub use dynamics::DynamicsError;
 pub use linear::MAX_COORDINATES;
 pub use rate::StateRate;
 pub use settle::SettleError;
-pub use track::Track;
 
 /// Most wheels of a rover.
 pub const MAX_WHEELS: usize = 8;
@@ -138,9 +137,7 @@ impl<S: Scalar> Rover<S> {
     /// The wheel as it is: that of the data sheet, changed by the effects.
     #[cfg_attr(feature = "batch", inline(always))]
     pub(crate) fn true_wheel(&self) -> Wheel<S> {
-        let mut wheel = self.wheel;
-        self.effects.wheel(&mut wheel);
-        wheel
+        self.effects.wheel(&self.wheel).unwrap_or(self.wheel)
     }
 
     /// The chassis as it is.

@@ -1,7 +1,9 @@
 //! Numbers with exact derivatives.
 
+use super::part::{PART, PartDual};
 use super::{Scalar, functions};
-use num_dual::DualSVec64;
+use nalgebra::SVector;
+use num_dual::{Derivative, DualSVec64};
 
 /// A number with `N` exact partial derivatives.
 pub type Dual<const N: usize> = DualSVec64<N>;
@@ -9,6 +11,27 @@ pub type Dual<const N: usize> = DualSVec64<N>;
 impl<const N: usize> Scalar for Dual<N> {
     type Mask = bool;
     type Plain = f64;
+    type Part = PartDual;
+
+    fn parts() -> usize {
+        N.div_ceil(PART).max(1)
+    }
+
+    fn part(self, k: usize) -> PartDual {
+        let some =
+            |all: SVector<f64, N>| SVector::<f64, PART>::from_fn(|i, _| all.get(k * PART + i).copied().unwrap_or(0.0));
+        PartDual::new(self.re, Derivative::new(self.eps.0.map(some)))
+    }
+
+    fn with_part(self, k: usize, part: PartDual) -> Self {
+        let mut all = self.eps.0;
+        if part.eps.0.is_some() || all.is_some() {
+            let some = part.eps.0.unwrap_or_else(SVector::zeros);
+            let places = all.get_or_insert_with(SVector::zeros).iter_mut().skip(k * PART);
+            places.zip(&some).for_each(|(place, derivative)| *place = *derivative);
+        }
+        Self::new(part.re, Derivative::new(all))
+    }
 
     #[inline(always)]
     fn plain(self) -> f64 {

@@ -303,6 +303,20 @@ impl<A: Arch> DualNum for Lanes<A> {
 impl<A: Arch> Scalar for Lanes<A> {
     type Mask = A::M;
     type Plain = Self;
+    type Part = f64;
+
+    fn parts() -> usize {
+        WIDTH
+    }
+
+    fn part(self, k: usize) -> f64 {
+        self.lane(k)
+    }
+
+    fn with_part(mut self, k: usize, part: f64) -> Self {
+        self.put(k, part);
+        self
+    }
 
     #[inline(always)]
     fn plain(self) -> Self {

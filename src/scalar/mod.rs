@@ -13,6 +13,7 @@ mod dual;
 pub mod functions;
 #[cfg(feature = "batch")]
 mod lanes;
+mod part;
 mod plain;
 mod smooth;
 
@@ -31,6 +32,7 @@ pub(crate) use beside::beside;
 pub use dual::Dual;
 #[cfg(feature = "batch")]
 pub(crate) use lanes::Lanes;
+pub use part::{Both, Part, PartDual};
 pub(crate) use plain::ROUNDING;
 #[cfg(feature = "batch")]
 use plain::{SPLIT_BIAS, SPLIT_FRACTION, SPLIT_MAGIC, SPLIT_ROOT, SPLIT_SHIFT};
@@ -82,6 +84,22 @@ pub trait Scalar: DualNum<Primitive = f64> + Copy + Send + Sync {
     type Mask: Mask;
     /// The same without derivatives.
     type Plain: Plain<Mask = Self::Mask>;
+    /// What its parts are over, see [`Part`].
+    type Part: Part;
+
+    /// How many parts it has: one, or as many as there are numbers side by side, or groups of derivatives.
+    #[must_use]
+    fn parts() -> usize {
+        1
+    }
+
+    /// Part `k`.
+    #[must_use]
+    fn part(self, k: usize) -> Self::Part;
+
+    /// The same number with part `k` replaced.
+    #[must_use]
+    fn with_part(self, k: usize, part: Self::Part) -> Self;
 
     /// The real part, or the real parts side by side.
     #[must_use]

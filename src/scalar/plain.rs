@@ -17,6 +17,17 @@ pub(super) const SPLIT_BIAS: f64 = 4_503_599_627_370_496.0 + 1023.0;
 impl Scalar for f64 {
     type Mask = bool;
     type Plain = f64;
+    type Part = f64;
+
+    #[inline(always)]
+    fn part(self, _: usize) -> f64 {
+        self
+    }
+
+    #[inline(always)]
+    fn with_part(self, _: usize, part: f64) -> f64 {
+        part
+    }
 
     #[inline(always)]
     fn plain(self) -> f64 {

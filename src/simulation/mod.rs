@@ -105,7 +105,7 @@ impl<S: Scalar> Simulation<S> {
         let motion =
             Motion::new(&rover, state, &command).map_err(|source| StepError::Dynamics { time: 0.0, source })?;
         let signals = Signals::of(rover.wheels.len(), rover.links.len());
-        let recorder = Recorder::new(&rover.effects.sensor_lag, &signals, step_size);
+        let recorder = Recorder::new(&rover.effects, &signals, step_size);
         let mut simulation =
             Self { rover, motion, command, step_size, ticks: 0, status: Status::Running, recorder, signals };
         simulation.observe(Recorder::step);
@@ -208,8 +208,7 @@ impl<S: Scalar> Simulation<S> {
     /// Writes the signals from the present state, as sensors without memory see it.
     fn sense(&mut self) {
         let Motion { state, integrator, energies, .. } = &self.motion;
-        integrator.now.write_signals(&self.rover, state, energies, &mut self.signals);
-        self.rover.effects.record(state.start_x, &mut self.signals.body, &mut self.signals.wheels);
+        integrator.now.sense(&self.rover, state, energies, &mut self.signals);
     }
 
     /// Time since the start, s.

@@ -7,14 +7,29 @@ use crate::scalar::{Plain, Scalar};
 use crate::signals::Signals;
 
 impl<S: Scalar> Evaluation<S> {
-    /// Writes the true signals at this instant.
-    pub(crate) fn write_signals(
+    /// Writes the signals at this instant as sensors without memory record them.
+    #[inline]
+    pub(crate) fn sense(&self, rover: &Rover<S>, state: &State<S>, energies: &Energies<S>, signals: &mut Signals<S>) {
+        self.sense_beside(rover, state, energies, signals, |_| {});
+    }
+
+    /// The same where `beside` knows true signals better: where something else than the soil touches a wheel.
+    #[inline]
+    pub(crate) fn sense_beside(
         &self,
         rover: &Rover<S>,
         state: &State<S>,
         energies: &Energies<S>,
         signals: &mut Signals<S>,
+        beside: impl FnOnce(&mut Signals<S>),
     ) {
+        self.write_signals(rover, state, energies, signals);
+        beside(signals);
+        rover.effects.record(state.start_x, &mut signals.body, &mut signals.wheels);
+    }
+
+    /// Writes the true signals at this instant.
+    fn write_signals(&self, rover: &Rover<S>, state: &State<S>, energies: &Energies<S>, signals: &mut Signals<S>) {
         let powers = self.powers();
         let [vx, vz] = [state.rate[0], state.rate[1]];
         let body = &mut signals.body;

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, dead_code, reason = "a test may fail by panicking; not every test uses all of this")]
 
 use bekker::diagnosis::{Rig, SteadyError, steady_point};
-use bekker::effects::EFFECTS;
+use bekker::effects::{EFFECTS, Effects};
 use bekker::model::{ControlKind, Model, RunError};
 use bekker::modeldescription::{Lookup, Parameters, Role, Variable};
 use bekker::rover::Rover;
@@ -12,20 +12,6 @@ use bekker::terrain::{Profile, Terrain, Waves};
 
 /// Parameters by name.
 pub type Settings = Vec<(String, f64)>;
-
-/// Values that a rover of 10 kg can drive with, where a quarter of the range is too much, and what an effect needs
-/// beside it to act.
-const TYPICAL: [(&str, f64); 9] = [
-    ("coulomb_friction.torque", 0.1),
-    ("viscous_friction.coefficient", 0.05),
-    ("voltage_limit.inverse_voltage", 0.15),
-    ("drag.force", 2.0),
-    ("tether.stiffness", 1.0),
-    ("payload.mass", 0.5),
-    ("moisture.content", 0.1),
-    ("soft_patch.centre", 1.0),
-    ("soft_patch.half_width", 0.3),
-];
 
 /// All parameters of an effect.
 pub fn parameters_of(id: &str) -> Vec<Variable> {
@@ -44,14 +30,19 @@ pub fn free_parameters() -> Vec<Variable> {
 
 /// An effect at work: typical values, or a quarter of the way to the farther bound.
 pub fn switched_on(id: &str) -> Settings {
+    let facts = Effects::<f64>::default().facts_of(id).unwrap();
+    let typical = |variable: &Variable| {
+        let own = facts.typical.iter().find(|(name, _)| variable.name.strip_prefix(id) == Some(&format!(".{name}")));
+        own.map(|(_, value)| *value)
+    };
     let value = |variable: &Variable| {
         let farther = if variable.max - variable.default >= variable.default - variable.min {
             variable.max
         } else {
             variable.min
         };
-        match TYPICAL.iter().find(|(name, _)| *name == variable.name) {
-            Some((_, typical)) => *typical,
+        match typical(variable) {
+            Some(typical) => typical,
             None if variable.role == Role::Effect => variable.default + 0.25 * (farther - variable.default),
             None => variable.default,
         }
@@ -112,10 +103,15 @@ pub fn carriage(settings: &Settings) -> Result<Record, SteadyError> {
     rover.soil.shear_modulus = 0.01;
     let mut rig = Rig::of(&rover);
     settings.iter().for_each(|(name, value)| rig.set(name, *value).unwrap());
+    carriage_with(&rig)
+}
+
+/// The same of a rig that is made already.
+pub fn carriage_with(rig: &Rig) -> Result<Record, SteadyError> {
     let mut columns = ["drawbar_pull", "torque", "sinkage"].map(|name| (name.to_owned(), Vec::new()));
     for load in [20.0, 40.0] {
         for (slip, speed) in [(-0.2, 0.5), (0.05, 0.5), (0.3, 0.5), (0.3, 2.0), (0.7, 1.0), (-0.6, 0.5), (0.3, -0.5)] {
-            let point = steady_point(&rig, load, slip, speed)?;
+            let point = steady_point(rig, load, slip, speed)?;
             let values = [point.drawbar_pull, point.torque, point.sinkage];
             columns.iter_mut().zip(values).for_each(|((_, column), value)| column.push(value));
         }
@@ -155,7 +151,11 @@ pub fn model(drive: Drive, settings: &Settings) -> Model {
 
 /// All signals of a drive, row by row, until its end or an event.
 pub fn drive(kind: Drive, settings: &Settings) -> Result<Record, RunError> {
-    let model = model(kind, settings);
+    drive_model(kind, &model(kind, settings))
+}
+
+/// The same of a model that is made already.
+pub fn drive_model(kind: Drive, model: &Model) -> Result<Record, RunError> {
     let mut run = model.start()?;
     let names = run.signals().clone().list().into_iter().map(|(variable, _)| variable.name);
     let mut record = Record { signals: names.map(|name| (name, Vec::new())).collect(), event: None };

@@ -6,12 +6,13 @@
 
 use super::Suggestion;
 use super::answer::{Answer, Now, answers, rounded, strengths};
-use super::special::{Rig, SOIL_TEST, special};
+use super::special::{Rig, special};
 use crate::diagnosis::diagnose::{Verdict, Watch};
 use crate::diagnosis::failure::{Failure, quantity};
 use crate::diagnosis::noise::NoiseModel;
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::thresholds::{ALIKE, CLEARER, NOTABLE};
+use crate::effects::SOIL_TEST;
 use std::collections::BTreeMap;
 
 /// What a diagnosis could not decide.
@@ -88,7 +89,8 @@ fn contradiction(question: &Question, rig: &Rig) -> Suggestion {
     let names = question.named.join(", ");
     let text = if rig.untested_soil {
         format!(
-            "{SOIL_TEST}; and measure outside the present ranges: what was left out of the fit speaks against {names}"
+            "{}; and measure outside the present ranges: what was left out of the fit speaks against {names}",
+            SOIL_TEST.text
         )
     } else {
         format!(

@@ -296,6 +296,11 @@ fn share(trial: u32, k: usize) -> f64 {
     }
 }
 
+/// Refuses what cannot be the id of an effect.
+pub(crate) fn check_id(id: &str) -> Result<(), DefinitionError> {
+    check_name(id).map_err(|problem| DefinitionError::Invalid { id: id.to_owned(), key: "id".to_owned(), problem })
+}
+
 fn check_name(name: &str) -> Result<(), String> {
     let starts = name.starts_with(|c: char| c.is_ascii_lowercase());
     let allowed = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';

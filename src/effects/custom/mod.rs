@@ -59,6 +59,7 @@ use program::Program;
 use std::sync::Arc;
 use target::{Hook, Target};
 
+pub(crate) use definition::check_id;
 pub use definition::{DefinitionError, EffectDefinition, ParameterDefinition};
 pub use target::Mode;
 

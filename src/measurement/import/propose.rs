@@ -49,7 +49,7 @@ fn entry(survey: &Survey, column: &FoundColumn, kind: Kind) -> Result<Entry, Str
         return Err(reason.to_owned());
     }
     let mut entry = match &suggestion.target {
-        Suggested::Parameter(name) => Entry::to(To::Parameter((*name).to_owned())),
+        Suggested::Parameter(name) => Entry::to(To::Parameter(name.clone())),
         Suggested::Signal(signal) if signal == "time" && !column.is_numeric() && column.is_stamp() => {
             return Ok(Entry::to(To::TimeStamp));
         }

@@ -1,11 +1,21 @@
-//! Friction of the drive between the motor and the rim.
+//! Dry friction of the drive between the motor and the rim.
 
-use super::Effect;
+use super::{Advice, Effect, Facts};
 use crate::scalar::Scalar;
 use bekker_modeldescription::{Unit, parameters};
 
 /// Wheel speed over which losses of the drive change their sign, rad/s: small beside working speeds (2.5 rad/s).
 pub(super) const REVERSAL_SPEED: f64 = 0.01;
+
+/// Where friction of the drive acts alone, dry or viscous.
+pub(super) const SPUN_FREELY: &[Advice] = &[
+    Advice::carriage(
+        "spin the lifted wheel at two or more speeds and record its torque: without soil only the friction of the drive is left",
+    ),
+    Advice::rover(
+        "lift the rover, spin its wheels at two or more speeds and record their torques: without soil only the friction of the drives is left",
+    ),
+];
 
 parameters! {
     /// Dry friction: the motor's torque exceeds the rim's by T_c sgn(omega).
@@ -15,15 +25,17 @@ parameters! {
     }
 }
 
-parameters! {
-    /// Viscous friction: the motor's torque exceeds the rim's by B omega.
-    pub struct ViscousFriction {
-        /// Friction coefficient B, wheel side.
-        coefficient: [Unit::NEWTON_METRE_SECOND] = 0.0, 0.0..=5.0, Effect, "usual for geared rover drives: 0.01-0.1 N m s";
-    }
-}
-
 impl<S: Scalar> Effect<S> for CoulombFriction<S> {
+    fn facts(&self) -> Facts {
+        Facts {
+            seen_on_carriage: &["torque"],
+            seen_on_rover: &["wheel[1].torque"],
+            typical: &[("torque", 0.1)],
+            advice: SPUN_FREELY,
+            ..Facts::USUAL
+        }
+    }
+
     #[cfg_attr(feature = "batch", inline(always))]
     fn drive_friction(&self, speed: S) -> Option<(S, S)> {
         if self.torque.is_exactly(0.0) {
@@ -32,12 +44,5 @@ impl<S: Scalar> Effect<S> for CoulombFriction<S> {
         let norm = (speed * speed + REVERSAL_SPEED * REVERSAL_SPEED).sqrt();
         let slope = self.torque * (REVERSAL_SPEED * REVERSAL_SPEED) / (norm * norm * norm);
         Some((self.torque * speed / norm, slope))
-    }
-}
-
-impl<S: Scalar> Effect<S> for ViscousFriction<S> {
-    #[cfg_attr(feature = "batch", inline(always))]
-    fn drive_friction(&self, speed: S) -> Option<(S, S)> {
-        (!self.coefficient.is_exactly(0.0)).then(|| (self.coefficient * speed, self.coefficient))
     }
 }

@@ -1,0 +1,119 @@
+//! What the hooks of an effect see and change.
+
+use super::sensor_lag::RecordingLag;
+use super::winding_heat::Warming;
+use crate::contact::{Forces, Surface};
+use crate::motor::{Geared, TorqueRange};
+use crate::scalar::Scalar;
+use crate::soil::Soil;
+use crate::wheel::Wheel;
+use bekker_modeldescription::Over;
+
+/// Where and how a wheel touches the ground.
+#[derive(Clone, Copy, Debug)]
+pub struct Place<S = f64> {
+    /// Wheel, 0 at the rear.
+    pub wheel: usize,
+    /// Position of the contact foot along x, m; none on a carriage, whose ground is the same everywhere.
+    pub x: Option<S>,
+    /// Wheels that have passed this ground, see [`Track`](super::Track); 0 where no effect counts them.
+    pub passes: S,
+    /// Contact angle, uphill positive, rad.
+    pub contact_angle: S,
+    /// Slip as far as it is established, see [`crate::contact::Motion::established_slip`].
+    pub slip: S,
+    /// Sinkage of the wheel's undeformed outline, m.
+    pub sinkage: S,
+    /// Velocity of the wheel centre along the normal, m/s.
+    pub normal_velocity: S,
+    /// Velocity of the wheel centre along the tangent, m/s.
+    pub velocity: S,
+}
+
+impl<S: Copy> Place<S> {
+    /// The same over another scalar.
+    pub(crate) fn map<T>(&self, f: &dyn Fn(S) -> T) -> Place<T> {
+        Place {
+            wheel: self.wheel,
+            x: self.x.map(f),
+            passes: f(self.passes),
+            contact_angle: f(self.contact_angle),
+            slip: f(self.slip),
+            sinkage: f(self.sinkage),
+            normal_velocity: f(self.normal_velocity),
+            velocity: f(self.velocity),
+        }
+    }
+}
+
+/// Wheel and soil as one contact sees them; effects may change them.
+#[derive(Clone, Copy, Debug)]
+pub struct Local<S = f64> {
+    /// The wheel.
+    pub wheel: Wheel<S>,
+    /// The soil under it.
+    pub soil: Soil<S>,
+    /// How the rim meets the soil.
+    pub surface: Surface<S>,
+    /// Deflection of the wheel along the normal, m: what the outline sinks deeper than the soil.
+    pub deflection: S,
+}
+
+impl<S: Scalar> Local<S> {
+    /// A smooth rigid wheel.
+    #[must_use]
+    #[cfg_attr(feature = "batch", inline(always))]
+    pub fn new(wheel: Wheel<S>, soil: Soil<S>) -> Self {
+        Self { wheel, soil, surface: Surface::default(), deflection: S::from(0.0) }
+    }
+}
+
+/// Motion of the chassis reference point.
+#[derive(Clone, Copy, Debug)]
+pub struct BodyMotion<S = f64> {
+    /// Position along x since the start, m.
+    pub travelled: S,
+    /// Velocity along x, m/s.
+    pub velocity: S,
+}
+
+/// Lists the numbers of a struct, so that it can be taken over to another scalar.
+macro_rules! over {
+    ($part:ident { $($number:ident),* $(,)? }) => {
+        impl<S: Copy, T: Copy> Over<S, T> for $part<S> {
+            type Output = $part<T>;
+
+            fn over(&self, f: &dyn Fn(S) -> T) -> $part<T> {
+                $part { $($number: f(self.$number)),* }
+            }
+
+            fn merge(&mut self, other: &$part<T>, f: &dyn Fn(S, T) -> S) {
+                $(self.$number = f(self.$number, other.$number);)*
+            }
+        }
+    };
+}
+
+over!(BodyMotion { travelled, velocity });
+over!(Forces { normal, drawbar, torque });
+over!(Geared { torque, by_torque, by_speed });
+over!(RecordingLag { time_constant, dead_time });
+over!(Surface { exit_ratio, arc, arm, shear_radius, cohesion_gain, friction_gain, grip, resistance });
+over!(TorqueRange { least, most, least_slope, most_slope });
+over!(Warming { end, time_constant });
+
+impl<S: Copy, T: Copy> Over<S, T> for Local<S> {
+    type Output = Local<T>;
+
+    fn over(&self, f: &dyn Fn(S) -> T) -> Local<T> {
+        let (wheel, soil, surface) = (self.wheel.over(f), self.soil.over(f), self.surface.over(f));
+        Local { wheel, soil, surface, deflection: f(self.deflection) }
+    }
+
+    fn merge(&mut self, other: &Local<T>, f: &dyn Fn(S, T) -> S) {
+        self.wheel.merge(&other.wheel, f);
+        self.soil.merge(&other.soil, f);
+        self.surface.merge(&other.surface, f);
+        self.deflection = f(self.deflection, other.deflection);
+    }
+}
