@@ -137,8 +137,9 @@ impl<S: Scalar> Rig<S> {
             normal_velocity: zero,
             velocity,
         };
-        let (local, mut forces) = self.effects.contact(&place, self.true_wheel(), self.soil, |local| {
-            let sunk = sinkage - local.deflection;
+        let mut sunk = sinkage;
+        let (_, mut forces) = self.effects.contact(&place, self.true_wheel(), self.soil, |local| {
+            sunk = sinkage - local.deflection;
             rolling_on(&local.wheel, &local.soil, &local.surface, sunk, velocity, spin)
         })?;
         forces.torque = motor::torque_behind(&self.effects, spin, forces.torque)?;
@@ -146,7 +147,7 @@ impl<S: Scalar> Rig<S> {
             forces.torque /= gain;
         }
         forces.drawbar += self.effects.body_force(&BodyMotion { travelled: zero, velocity })?;
-        Ok((forces, sinkage - local.deflection))
+        Ok((forces, sunk))
     }
 
     /// The wheel as it is.

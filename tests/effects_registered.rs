@@ -7,12 +7,13 @@ mod support;
 
 use bekker::diagnosis::{Rig, steady_point};
 use bekker::effects::{
-    Bulldozing, CentreOfMass, CoulombFriction, Drag, ExitAngle, FlexibleWheel, GearEfficiency, Grousers, Moisture,
-    MultiPass, Payload, PitchBias, RadiusScale, Rate, Registrable, RimAdhesion, SensorLag, SlipSinkage, SlopeStrength,
-    SoftPatch, SuspensionFriction, Tether, TorqueScale, ViscousFriction, VoltageLimit, WindingHeat,
+    Bulldozing, CentreOfMass, CoulombFriction, Drag, Effects, ExitAngle, FlexibleWheel, GearEfficiency, Grousers,
+    Moisture, MultiPass, Payload, PitchBias, RadiusScale, Rate, Registrable, RimAdhesion, SensorLag, SlipSinkage,
+    SlopeStrength, SoftPatch, SuspensionFriction, Tether, TorqueScale, ViscousFriction, VoltageLimit, WindingHeat,
 };
 use bekker::model::Model;
 use bekker::modeldescription::{Lookup, Parameters};
+use bekker::motor::{self, Motor};
 use bekker::rover::Rover;
 use bekker::scalar::Dual;
 use bekker::signals::Command;
@@ -247,4 +248,40 @@ fn property_clones_saved_states_and_files_keep_registered_effects() {
     let mut again = read.start().unwrap();
     again.advance(600).unwrap();
     assert_eq!(again.signals(), run.signals());
+}
+
+#[test]
+fn analytic_of_two_limits_the_tighter_one_holds_whichever_is_asked_first() {
+    let supplies = |library: f64, registered: f64| {
+        let mut model = model(Drive::Torque, &Settings::new());
+        model.register_effect::<VoltageLimit>("supply", "").unwrap();
+        model.set("voltage_limit.inverse_voltage", library).unwrap();
+        model.set("supply.inverse_voltage", registered).unwrap();
+        drive_model(Drive::Torque, &model).unwrap().bits()
+    };
+    let tight = supplies(0.15, 0.0);
+    assert_ne!(tight, supplies(0.05, 0.0), "the tighter limit binds");
+    assert_eq!(tight, supplies(0.15, 0.05));
+    assert_eq!(tight, supplies(0.05, 0.15));
+}
+
+#[test]
+fn analytic_gears_in_series_are_inverted_from_the_last_one_on() {
+    let mut effects = Effects::default();
+    effects.gear_efficiency.eta = 0.8;
+    effects.register::<GearEfficiency>("second", "").unwrap();
+    effects.set("second.eta", 0.9).unwrap();
+    let motor = Motor::default();
+    for (speed, torque) in [(2.0, 1.0), (2.0, -1.0), (-0.02, 0.5), (0.0, 0.3)] {
+        let driven = motor::drive(&motor, &motor, &effects, speed, torque).unwrap();
+        let back = motor::torque_behind(&effects, speed, driven.rim_torque).unwrap();
+        assert!((back - torque).abs() < ROUNDING, "{back} of {torque}");
+        let h = 1e-6;
+        let at = |speed: f64| motor::drive(&motor, &motor, &effects, speed, torque).unwrap().rim_torque;
+        let difference = (at(speed + h) - at(speed - h)) / (2.0 * h);
+        assert!((driven.slope - difference).abs() < 1e-6 * (1.0 + difference.abs()), "{} {difference}", driven.slope);
+    }
+    // Far from standstill a share of each is left.
+    let driven = motor::drive(&motor, &motor, &effects, 50.0, 10.0).unwrap();
+    assert!((driven.rim_torque - 10.0 * 0.8 * 0.9).abs() < 1e-3, "{}", driven.rim_torque);
 }

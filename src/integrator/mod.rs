@@ -188,8 +188,10 @@ impl<S: Scalar> Integrator<S> {
     /// Warms the windings over the step of size `h` just made, where they warm.
     #[cfg_attr(feature = "batch", inline(always))]
     pub fn warm(&mut self, rover: &Rover<S>, state: &mut State<S>, h: f64) {
-        // The evaluation at the start of the step is what was swapped out.
-        self.now.warm(rover, &self.ahead, state, h);
+        if rover.effects.warming(S::from(0.0)).is_some() {
+            // The evaluation at the start of the step is what was swapped out.
+            self.now.warm(rover, &self.ahead, state, h);
+        }
     }
 
     /// Eliminates spins and memories and factors the matrix that is left.

@@ -301,20 +301,20 @@ impl<S: Scalar> Evaluation<S> {
             normal_velocity: wheel.normal_velocity,
             velocity: wheel.velocity,
         };
-        let (distance, place_of_touch) = (foot.distance, &mut wheel.touch);
+        let (touched, sunk) = (&mut wheel.touch, &mut wheel.sinkage);
         let (local, _) = rover.effects.contact(
             &place,
             true_wheel,
             soil,
             #[cfg_attr(feature = "batch", inline(always))]
             move |local| {
-                let sinkage = local.wheel.radius - distance - local.deflection;
-                *place_of_touch = touch(&local.wheel, &local.soil, &local.surface, &Motion { sinkage, ..motion });
-                place_of_touch
+                *sunk = local.wheel.radius - foot.distance - local.deflection;
+                let motion = Motion { sinkage: *sunk, ..motion };
+                *touched = touch(&local.wheel, &local.soil, &local.surface, &motion);
+                touched
             },
         )?;
         wheel.slip = slip(wheel.velocity, rover.effects.recorded_radius(local.wheel.radius) * wheel.spin);
-        wheel.sinkage = local.wheel.radius - foot.distance - local.deflection;
         wheel.contact_angle = foot.angle;
         wheel.foot_x = x;
         wheel.motor = rover.motor;
@@ -369,7 +369,7 @@ impl<S: Scalar> Evaluation<S> {
         sum
     }
 
-    /// Warms the windings, where they warm, over `h` seconds, at whose start `before` held, and renews what depends on them.
+    /// Warms the windings over `h` seconds, at whose start `before` held, and renews what depends on them.
     #[cfg_attr(feature = "batch", inline(always))]
     pub fn warm(&mut self, rover: &Rover<S>, before: &Self, state: &mut State<S>, h: f64) {
         for ((wheel, before), moving) in self.wheels.iter_mut().zip(&before.wheels).zip(&mut state.wheels) {
