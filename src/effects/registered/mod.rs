@@ -36,7 +36,7 @@
 //! ```
 //!
 //! The code of another crate cannot be compiled for every scalar here. It is compiled for `f64` and for
-//! [`PartDual`]; what has more derivatives calls the effect once for each part of them (see
+//! [`PartDual`](crate::scalar::PartDual); what has more derivatives calls the effect once for each part of them (see
 //! [`Part`](crate::scalar::Part)), so derivatives are exact however many there are. A hook of a registered effect costs a
 //! dynamic call; where none is registered, nothing.
 
