@@ -1,7 +1,11 @@
 //! What goes in and out of the rover: commands, true signals, measurements, references.
 
+mod measurement;
+
+pub use measurement::{LinkMeasurement, Measurement, WheelMeasurement};
+
 use crate::scalar::beside;
-use crate::snapshot::{Moving, Reader, SnapshotError, Writer, load_all, load_grown, moving, moving_code, save_all};
+use crate::snapshot::{Moving, Reader, SnapshotError, Writer, load_all, moving, moving_code, save_all};
 use bekker_modeldescription::{Parameters, Unit, Variable, parameters};
 
 const ANY: std::ops::RangeInclusive<f64> = f64::NEG_INFINITY..=f64::INFINITY;
@@ -182,75 +186,6 @@ impl Command {
     #[must_use]
     pub fn speed(values: Vec<f64>) -> Self {
         Self { drive: Drive::Speed, values }
-    }
-}
-
-/// What sensors report of one wheel.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub struct WheelMeasurement {
-    /// Encoder speed relative to the carrying body, rad/s.
-    pub speed: f64,
-    /// Torque from the motor current, wheel side of the gear, N m.
-    pub torque: f64,
-    /// Contact angle as a sensor or estimator reports it, rad.
-    pub contact_angle: f64,
-}
-
-moving!(WheelMeasurement { speed, torque, contact_angle });
-
-/// What sensors report of one link.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub struct LinkMeasurement {
-    /// Angle of its joint, nose up, relative to the body that carries the joint, rad.
-    pub angle: f64,
-    /// Rate of that angle, rad/s.
-    pub rate: f64,
-}
-
-moving!(LinkMeasurement { angle, rate });
-
-/// What a controller or estimator may see: sensor readings, never the true state.
-#[derive(Clone, Debug, PartialEq, Default)]
-pub struct Measurement {
-    /// Time of the reading, s.
-    pub time: f64,
-    /// Pitch of the chassis, rad.
-    pub pitch: f64,
-    /// Pitch rate, rad/s.
-    pub pitch_rate: f64,
-    /// Speed of the chassis reference point along its path, m/s.
-    pub velocity: f64,
-    /// One entry a wheel, rear to front.
-    pub wheels: Vec<WheelMeasurement>,
-    /// One entry a link; none for a rigid vehicle.
-    pub links: Vec<LinkMeasurement>,
-}
-
-impl Moving for Measurement {
-    fn save(&self, to: &mut Writer) {
-        let Self { time, pitch, pitch_rate, velocity, wheels, links } = self;
-        [*time, *pitch, *pitch_rate, *velocity].save(to);
-        wheels.save(to);
-        links.save(to);
-    }
-
-    fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {
-        let mut body = [0.0; 4];
-        body.load(from)?;
-        [self.time, self.pitch, self.pitch_rate, self.velocity] = body;
-        // Empty before the first reading.
-        load_grown(&mut self.wheels, from)?;
-        load_grown(&mut self.links, from)
-    }
-}
-
-impl Measurement {
-    /// Takes another's readings over, without allocating where the rover is the same.
-    pub(crate) fn take_over(&mut self, other: &Self) {
-        let Self { time, pitch, pitch_rate, velocity, wheels, links } = other;
-        (self.time, self.pitch, self.pitch_rate, self.velocity) = (*time, *pitch, *pitch_rate, *velocity);
-        self.wheels.clone_from(wheels);
-        self.links.clone_from(links);
     }
 }
 

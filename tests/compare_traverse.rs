@@ -259,7 +259,8 @@ fn regress_a_drive_that_leaves_its_terrain_is_compared_up_to_there() {
 /// A cut changes the slope of a sampled profile in its last piece, 0.05 m long; on the ground before it nothing.
 const SAME_GROUND: f64 = 0.05;
 
-/// Share to which a led rover gives the planted friction angle back: between rows the hand holds the velocity of the last.
+/// Share to which a led rover gives the planted friction angle back. Between rows the hand holds the velocity of the last, which
+/// is half a row old on average: with a command of 2 + sin(0.3 k) in row k that is 0.15 times 2/pi of 2, 5 % of the speed.
 const LED_RECOVERY: f64 = 0.05;
 
 #[test]

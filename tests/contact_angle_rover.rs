@@ -129,8 +129,8 @@ fn errors(rover: Rover, wavelength: f64, steepest: f64, speed: f64) -> Vec<[f64;
     squares.iter().map(|sums| sums.map(|sum| (sum / (0.75 * readings as f64)).sqrt())).collect()
 }
 
-/// Share of the error of the body's inclination that is left, although slip, up to 20 % and unknown, differs among the
-/// wheels.
+/// Share of the error of the body's inclination that is left. Rim speeds stand for speeds over ground, which an unknown slip of up to
+/// 20 % that differs among the wheels makes wrong by that share: a fifth of the error has to go all the same.
 const LEFT: f64 = 0.8;
 
 #[test]

@@ -9,7 +9,8 @@ use bekker::rover::Rover;
 use bekker::simulation::Status;
 use bekker::terrain::{Profile, Samples, Terrain};
 
-/// Difference of mean speeds that counts as equal, of them.
+/// Difference of mean speeds that counts as equal, of them: rim speeds and energy a metre rise about in proportion to the speed, so
+/// that it takes no part in differences of 5 % and more.
 const EQUAL: f64 = 0.02;
 /// Gains of the loops: those of velocity control.
 const LOOPS: [(&str, f64); 2] = [("rtc.speed_kp", 0.5), ("rtc.speed_ki", 20.0)];

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
 use bekker::measurement::{Experiment, Kind, Prior, Problem};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 const TOML: &str =
@@ -227,8 +228,34 @@ fn property_texts_are_checked_like_files() {
     let refused = Experiment::from_texts(&texts("load,slip,wheel_speed,sinkage\n30,0.1,0.2,inf\n")).unwrap_err();
     assert_eq!((refused.line, refused.column.as_deref()), (Some(2), Some("sinkage")));
     assert_eq!(refused.file, Path::new("a.csv"));
-    let mut texts: std::collections::BTreeMap<_, _> = texts(CSV);
+    let mut texts: BTreeMap<_, _> = texts(CSV);
     texts.remove("a.csv");
     let refused = Experiment::from_texts(&texts).unwrap_err();
     assert!(matches!(*refused.problem, Problem::Unreadable(_)), "{refused}");
+}
+
+/// The blocks of TOML of the page that are whole settings.
+fn examples() -> Vec<String> {
+    let page = include_str!("../examples/experiments.md");
+    page.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap().to_owned()).collect()
+}
+
+fn texts<const N: usize>(toml: &str, files: [(&str, String); N]) -> BTreeMap<String, String> {
+    let files = files.into_iter().chain([("experiment.toml", toml.to_owned())]);
+    files.map(|(name, text)| (name.to_owned(), text)).collect()
+}
+
+#[test]
+fn regress_examples_of_the_page_can_be_read() {
+    let [wheel, rover] = examples().try_into().unwrap();
+    let trials = "beta,DP,W [kg],z,Vx,Vr,h,Fs,sDP\n0,2,2.5,-12,10,20,0,0,1\n0,2.1,2.5,-13,10,20,5,0,1\n15,2,2.5,-12,10,20,0,0,1\n";
+    let experiment = Experiment::from_texts(&texts(&wheel, [("trials.csv", trials.to_owned())])).unwrap();
+    assert_eq!((experiment.runs.len(), experiment.doubts.len()), (2, 0), "{:?}", experiment.doubts);
+    assert_eq!(experiment.runs[1].parameters["grousers.height"], 0.005);
+    let rows = (0..10).map(|k| format!("2019-01-29T10:53:0{k},120;a;2,5;800;-1,5;0;0;790\n"));
+    let log = "stamp;drive;command;I_left;imu_pitch;imu_roll;imu_yaw;I_right\n".to_owned() + &rows.collect::<String>();
+    let hill = "x,z\n0,0\n2,0.1\n".to_owned();
+    let experiment = Experiment::from_texts(&texts(&rover, [("2019_01_29.csv", log), ("hill.csv", hill)])).unwrap();
+    assert_eq!(experiment.signals(), ["wheel[1+2].current", "pitch"]);
+    assert_eq!((experiment.runs[0].name.as_str(), experiment.doubts.len()), ("2019_01_29#a", 0));
 }

@@ -16,9 +16,9 @@ use wheel_reference::Case;
 
 /// As many as in 2.3.1 of the thesis.
 const DRAWS: usize = 15_000;
-/// An independent derivation over the same ranges, with assumptions on cohesion and modulus that it does not state,
-/// found the figures below. The bands hold the spread that such assumptions make: cohesion 0 to 1 kPa, modulus 0.85
-/// to 1.5 MPa, wheels and K in centimetres or inches.
+/// Quantity, figure, band. The figures are those of an independent derivation over the same ranges, which is not published and
+/// does not state its cohesion and modulus. The bands hold the spread that such assumptions make: cohesion 0 to 1 kPa,
+/// modulus 0.85 to 1.5 MPa, wheels and K in centimetres or inches.
 const BANDS: [(&str, f64, f64); 9] = [
     ("normal stress curve, mean of peak", 0.138, 0.005),
     ("shear stress curve, mean of peak", 0.113, 0.010),
@@ -99,7 +99,7 @@ fn distance(full: impl Fn(f64) -> f64, linear: impl Fn(f64) -> f64, theta_1: f64
 }
 
 #[test]
-fn published_error_of_the_closed_forms_over_the_ranges_of_the_thesis() {
+fn agreement_error_of_the_closed_forms_with_an_independent_derivation() {
     let mut random = ChaCha8Rng::seed_from_u64(2001);
     let [mut sigma, mut tau, mut load, mut torque, mut drawbar, mut phi] = [Error::default(); 6];
     for _ in 0..DRAWS {

@@ -16,7 +16,8 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// Whitened size at which an effect counts as found, and how closely the search meets it.
+/// Whitened size at which an effect counts as found, and how closely it is met: the search ends where wanted over found is within
+/// 1 % of 1, so that found over wanted is within 1.01 %, rounded up.
 const DETECTABLE: f64 = 5.0;
 const MET: f64 = 0.011;
 

@@ -151,7 +151,7 @@ fn property_a_state_survives_into_another_process() {
 const FOLDER: &str = "BEKKER_TEST_SNAPSHOTS";
 
 #[test]
-#[ignore = "the test above runs it in a process of its own"]
+#[ignore = "runs in a child process"]
 fn the_other_process() {
     let folder = std::path::PathBuf::from(std::env::var_os(FOLDER).unwrap());
     for k in 0..models().len() {

@@ -1,12 +1,14 @@
 //! Class `Batch`: many runs stepped together, through arrays that are bound once.
 
 use crate::error::{self, InputError, SimulationError};
-use crate::measured;
 use crate::run::{Run, row};
 use bekker::batch::{Batch as CoreBatch, BatchError};
+use bekker::modeldescription::Parameters;
+use bekker::signals::Measurement;
 use bekker::simulation::Status;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 
 /// Inner steps of all runs together from which on other Python threads may go on meanwhile: about 50 us of work, a hundred
 /// times what giving and taking the lock costs.
@@ -55,7 +57,7 @@ impl Batch {
         measured: Option<Bound<'_, PyArray2<f64>>>,
     ) -> PyResult<Self> {
         let py = inputs.py();
-        let readings = runs.first().map_or_else(Vec::new, |run| measured::places(run.truth()));
+        let readings = runs.first().map_or_else(Vec::new, |run| Measurement::measured_signals(run.truth()));
         let runs = runs.iter().map(|run| run.taken()).collect::<PyResult<Vec<_>>>()?;
         let core = CoreBatch::new(runs, threads).map_err(|refused| failed(&refused))?;
         let (wide, long) = ([core.len(), core.input_count()], [core.len(), core.signal_count()]);
@@ -134,9 +136,8 @@ impl Batch {
 
     /// Words for the codes, by place.
     #[classattr]
-    fn statuses() -> (&'static str, &'static str, &'static str, &'static str, &'static str, &'static str, &'static str)
-    {
-        STATUSES.into()
+    fn statuses(py: Python<'_>) -> PyResult<Bound<'_, PyTuple>> {
+        PyTuple::new(py, STATUSES)
     }
 
     fn __len__(&self) -> usize {
@@ -183,9 +184,18 @@ impl Batch {
         })
     }
 
-    /// Puts the readings of the run at a place into a row of signals.
+    /// Puts the readings of the run at a place into a row of signals; where sensors have not been read yet the row stays.
     fn read(&self, index: usize, row: &mut [f64]) {
-        measured::read(self.core.measurement(index), &self.readings, row);
+        let measurement = self.core.measurement(index);
+        if measurement.wheels.is_empty() {
+            return;
+        }
+        let mut places = self.readings.iter();
+        measurement.values(&mut |reading| {
+            if let Some(entry) = places.next().and_then(|place| row.get_mut(*place)) {
+                *entry = reading;
+            }
+        });
     }
 }
 

@@ -30,13 +30,13 @@ pub fn given(py: Python<'_>, model: &Asked, values: &BTreeMap<String, f64>) -> G
 #[pyfunction]
 pub fn compare<'py>(
     py: Python<'py>,
-    experiment: Source,
+    experiment: Source<'_>,
     model: Asked,
     values: BTreeMap<String, f64>,
     calibrate: bool,
     added: Vec<String>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let experiment = experiment.read(py)?;
+    let (experiment, _) = experiment.read(py)?;
     let options = CompareOptions { calibrate, added };
     let given = given(py, &model, &values);
     let comparison = py

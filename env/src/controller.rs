@@ -4,7 +4,8 @@ use crate::error::{self, InputError, ModelError};
 use crate::model::Model;
 use bekker::control::{Controller as _, SlipController};
 use bekker::model::{ControlKind, ControllerRun, RunError, nominal};
-use bekker::signals::{Command, LinkMeasurement, Measurement, Reference, WheelMeasurement};
+use bekker::modeldescription::Parameters;
+use bekker::signals::{Command, Measurement, Reference};
 use numpy::{AllowTypeChange, PyArray1, PyArrayLike1, PyArrayLike2};
 use pyo3::prelude::*;
 
@@ -64,19 +65,9 @@ impl Controller {
         let (wheels, links, slip) = (wheels.as_array(), links.as_array(), slip.as_array());
         expect("wheels", wheels.shape(), [self.wheels, 3])?;
         expect("links", links.shape(), [self.links, 2])?;
-        let [pitch, pitch_rate, velocity] = body;
-        let measured = Measurement {
-            time: 0.0,
-            pitch,
-            pitch_rate,
-            velocity,
-            wheels: wheels
-                .rows()
-                .into_iter()
-                .map(|row| WheelMeasurement { speed: row[0], torque: row[1], contact_angle: row[2] })
-                .collect(),
-            links: links.rows().into_iter().map(|row| LinkMeasurement { angle: row[0], rate: row[1] }).collect(),
-        };
+        let mut measured = Measurement::of(self.wheels, self.links);
+        let mut readings = body.iter().chain(wheels.iter()).chain(links.iter());
+        measured.places(&mut |place| readings.next().into_iter().for_each(|reading| *place = *reading));
         let work = &mut self.work;
         let torques = error::fenced(|| match work {
             Work::Measured(run) => {

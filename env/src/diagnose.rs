@@ -3,7 +3,7 @@
 
 use crate::compare::{Asked, failed, given};
 use crate::error::{self, InputError, Panic, SimulationError};
-use crate::experiment::Source;
+use crate::experiment::{Material, Source};
 use crate::finding::Finding;
 use bekker::diagnosis::{
     CompareError, Control, DiagnoseOptions, Diagnosis, Given, Noise, Outcome, Progress, Spread, Task, Threads,
@@ -33,7 +33,7 @@ struct Payload {
     by_experiment: bool,
     /// Parameters that are set by hand.
     values: BTreeMap<String, f64>,
-    texts: BTreeMap<String, String>,
+    experiment: Material,
     candidates: Option<Vec<String>>,
     added: Vec<String>,
     noise: Noise,
@@ -93,7 +93,7 @@ type Ended<'py> = (Option<Finding>, Option<Bound<'py, PyBaseException>>);
 #[allow(clippy::too_many_arguments, reason = "keywords of the Python function")]
 pub fn diagnose<'py>(
     py: Python<'py>,
-    experiment: Source,
+    experiment: Source<'_>,
     model: Asked,
     values: BTreeMap<String, f64>,
     candidates: Option<Vec<String>>,
@@ -106,12 +106,12 @@ pub fn diagnose<'py>(
 ) -> PyResult<Ended<'py>> {
     let refused = |_| InputError::new_err("time_budget: expected a positive number of seconds");
     let budget = time_budget.map(Duration::try_from_secs_f64).transpose().map_err(refused)?;
-    let read = experiment.read(py)?;
+    let (read, material) = experiment.read(py)?;
     let options = DiagnoseOptions { candidates, added, max_effects, draws };
-    let texts = spread.as_ref().map(|_| experiment.texts()).transpose()?;
+    let material = spread.as_ref().map(|_| material.portable()).transpose()?;
     let given = given(py, &model, &values);
     let chosen = spread.as_ref().map(|_| given.chosen(&read)).transpose().map_err(|refused| failed(&refused))?;
-    let caller = Caller { spread, progress, chosen, values, texts: texts.unwrap_or_default(), options: &options };
+    let caller = Caller { spread, progress, chosen, values, material, options: &options };
     let stop = Arc::new(AtomicBool::new(false));
     let mut events = begin(given, read, options.clone(), caller.spread.is_some(), budget, Arc::clone(&stop));
     let (done, raised) = caller.attend(py, &mut events, &stop);
@@ -155,7 +155,8 @@ struct Caller<'a, 'py> {
     /// The model and whether the experiment names it, where fits are made elsewhere.
     chosen: Option<(CoreModel, bool)>,
     values: BTreeMap<String, f64>,
-    texts: BTreeMap<String, String>,
+    /// What the experiment is made of, where fits are made elsewhere.
+    material: Option<Material>,
     options: &'a DiagnoseOptions,
 }
 
@@ -200,7 +201,9 @@ impl Caller<'_, '_> {
 
     fn fit(&self, py: Python<'_>, tasks: &[Task], noise: &Noise, stopped: bool) -> PyResult<Vec<Option<Outcome>>> {
         let Some(spread) = self.spread.as_ref().filter(|_| !stopped) else { return Ok(vec![None; tasks.len()]) };
-        let Some((chosen, by_experiment)) = &self.chosen else { return Ok(vec![None; tasks.len()]) };
+        let (Some((chosen, by_experiment)), Some(material)) = (&self.chosen, &self.material) else {
+            return Ok(vec![None; tasks.len()]);
+        };
         let model = chosen.to_toml().map_err(|refused| error::model(&refused))?;
         let stated: Vec<String> = chosen.stated.names().map(str::to_owned).collect();
         let payload = |task: &Task| {
@@ -209,7 +212,7 @@ impl Caller<'_, '_> {
                 stated: stated.clone(),
                 by_experiment: *by_experiment,
                 values: self.values.clone(),
-                texts: self.texts.clone(),
+                experiment: material.clone(),
                 candidates: self.options.candidates.clone(),
                 added: self.options.added.clone(),
                 noise: noise.clone(),
@@ -242,7 +245,7 @@ fn fitted(payload: &[u8]) -> PyResult<Option<Outcome>> {
     let mut model = CoreModel::from_toml(&payload.model, None).map_err(|error| error::model(&error))?;
     model.stated = payload.stated.into_iter().collect();
     let given = Given::again(model, payload.by_experiment, payload.values);
-    let experiment = Experiment::from_texts(&payload.texts).map_err(|error| InputError::new_err(error.to_string()))?;
+    let experiment = payload.experiment.read().map_err(|error| InputError::new_err(error.to_string()))?;
     let options =
         DiagnoseOptions { candidates: payload.candidates, added: payload.added, ..DiagnoseOptions::default() };
     core_fit_task(given, &experiment, &options, &payload.noise, &payload.task).map_err(|error| failed(&error))

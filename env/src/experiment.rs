@@ -1,51 +1,93 @@
-//! Experiments: a folder, or the texts of its files where the data come from Python.
+//! Experiments: a folder, or arrays of Python's.
 
 use crate::error::{self, InputError, ModelError};
-use bekker::measurement::{Experiment, ExperimentError, Kind, Proposal, WriteError};
+use bekker::measurement::{Cells, Columns, Experiment, ExperimentError, Kind, Proposal, WriteError};
+use numpy::PyReadonlyArray1;
 use pyo3::exceptions::PyFileExistsError;
 use pyo3::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// What Python gives for an experiment.
-#[derive(Clone, FromPyObject)]
-pub enum Source {
-    Texts(BTreeMap<String, String>),
+#[derive(FromPyObject)]
+pub enum Source<'py> {
+    /// Settings as in `experiment.toml`, and the columns of each table that they name.
+    Arrays(String, BTreeMap<String, Vec<(String, Column<'py>)>>),
     Folder(PathBuf),
 }
 
-impl Source {
-    pub fn read(&self, py: Python<'_>) -> PyResult<Experiment> {
-        py.detach(|| error::fenced(|| self.core()))?.map_err(|refused| self.refused(&refused))
-    }
+/// A column of Python's.
+#[derive(FromPyObject)]
+pub enum Column<'py> {
+    Numbers(PyReadonlyArray1<'py, f64>),
+    Labels(Vec<String>),
+}
 
-    /// The texts of all files, for other machines.
-    pub fn texts(&self) -> PyResult<BTreeMap<String, String>> {
+impl Source<'_> {
+    /// The experiment, and what it was read from.
+    pub fn read(self, py: Python<'_>) -> PyResult<(Experiment, Material)> {
+        let material = match self {
+            Self::Folder(folder) => Material::Folder(folder),
+            Self::Arrays(settings, tables) => {
+                let cells = |(name, column)| match column {
+                    Column::Numbers(array) => (name, Cells::Numbers(array.as_array().to_vec())),
+                    Column::Labels(labels) => (name, Cells::Labels(labels)),
+                };
+                let columns = |columns: Vec<_>| columns.into_iter().map(cells).collect();
+                let tables = tables.into_iter().map(|(file, table)| (file, columns(table))).collect();
+                Material::Arrays { settings, tables }
+            }
+        };
+        let read = py.detach(|| error::fenced(|| material.read()))?;
+        read.map(|read| (read, material)).map_err(|refused| material.refused(&refused))
+    }
+}
+
+/// What an experiment is made of.
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Material {
+    Folder(PathBuf),
+    /// The texts of a folder's files.
+    Texts(BTreeMap<String, String>),
+    Arrays {
+        settings: String,
+        tables: BTreeMap<String, Columns>,
+    },
+}
+
+impl Material {
+    /// The same without a folder, for other machines.
+    pub fn portable(&self) -> PyResult<Self> {
         match self {
-            Self::Texts(texts) => Ok(texts.clone()),
-            Self::Folder(folder) => Experiment::texts(folder).map_err(|refused| self.refused(&refused)),
+            Self::Folder(folder) => {
+                Experiment::texts(folder).map(Self::Texts).map_err(|refused| self.refused(&refused))
+            }
+            Self::Texts(_) | Self::Arrays { .. } => Ok(self.clone()),
         }
     }
 
-    fn core(&self) -> Result<Experiment, ExperimentError> {
+    pub fn read(&self) -> Result<Experiment, ExperimentError> {
         match self {
-            Self::Texts(texts) => Experiment::from_texts(texts),
             Self::Folder(folder) => Experiment::read(folder),
+            Self::Texts(texts) => Experiment::from_texts(texts),
+            Self::Arrays { settings, tables } => Experiment::from_arrays(settings, tables),
         }
     }
 
     fn refused(&self, refused: &ExperimentError) -> PyErr {
         match self {
-            Self::Texts(_) => InputError::new_err(in_memory(refused)),
-            Self::Folder(_) => ModelError::new_err(refused.to_string()),
+            Self::Arrays { .. } => InputError::new_err(in_memory(refused)),
+            Self::Folder(_) | Self::Texts(_) => ModelError::new_err(refused.to_string()),
         }
     }
 }
 
-/// Checks the texts of an experiment; returns the names of its measured signals, and what is doubtful.
+/// Checks an experiment; returns the names of its measured signals, and what is doubtful.
 #[pyfunction]
-pub fn check_experiment(py: Python<'_>, texts: BTreeMap<String, String>) -> PyResult<(Vec<String>, Vec<String>)> {
-    let experiment = Source::Texts(texts).read(py)?;
+pub fn check_experiment(py: Python<'_>, experiment: Source<'_>) -> PyResult<(Vec<String>, Vec<String>)> {
+    let (experiment, _) = experiment.read(py)?;
     Ok((experiment.signals(), experiment.doubts))
 }
 

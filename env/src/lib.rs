@@ -10,7 +10,6 @@ mod error;
 mod experiment;
 mod export;
 mod finding;
-mod measured;
 mod model;
 mod record;
 mod render;

@@ -1,10 +1,9 @@
 //! Class `Run`.
 
 use crate::error::{self, InputError, SimulationError};
-use crate::measured;
 use bekker::model::{Run as CoreRun, RunError};
 use bekker::modeldescription::{Lookup, Parameters};
-use bekker::signals::Signals;
+use bekker::signals::{Measurement, Signals};
 use bekker::simulation::Status;
 use numpy::{AllowTypeChange, PyArray1, PyArrayLike1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -160,7 +159,8 @@ impl Run {
     /// Names of the signals that sensors read.
     #[getter]
     fn measured_names(&self) -> Vec<String> {
-        measured::names(self.core.signals())
+        let signals = self.core.signals();
+        names(&mut Measurement::of(signals.wheels.len(), signals.links.len()))
     }
 
     /// What moves, as bytes; a run of the same model goes on from it to the same bits, here or in another process.

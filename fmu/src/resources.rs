@@ -115,6 +115,7 @@ mod tests {
 
     #[test]
     fn published_forms_of_a_file_uri() {
+        // RFC 8089, section 2 and appendices B and E.2; percent-encoding by RFC 3986, 2.1. Importers also give plain paths.
         let cases = [
             (c"file:///tmp/a/resources", "/tmp/a/resources"),
             (c"file:/tmp/a", "/tmp/a"),

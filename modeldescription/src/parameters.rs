@@ -12,6 +12,12 @@ pub trait Parameters<S> {
     /// Calls `f` with every value in the order of [`visit`](Parameters::visit), without building
     /// descriptions (no allocation).
     fn values(&self, f: &mut dyn FnMut(S));
+
+    /// Calls `f` with the place of every value in the order of [`visit`](Parameters::visit); groups of
+    /// [`parameters!`](crate::parameters) do so without building descriptions.
+    fn places(&mut self, f: &mut dyn FnMut(&mut S)) {
+        self.visit("", &mut |_, place| f(place));
+    }
 }
 
 /// A group of numbers that exists over any scalar.
@@ -232,6 +238,11 @@ macro_rules! parameters {
             fn values(&self, f: &mut dyn FnMut(S)) {
                 let _ = &f;
                 $(f(self.$field);)*
+            }
+
+            fn places(&mut self, f: &mut dyn FnMut(&mut S)) {
+                let _ = &f;
+                $(f(&mut self.$field);)*
             }
         }
     };

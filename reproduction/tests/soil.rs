@@ -26,7 +26,7 @@ fn row(finding: &Finding, words: &str) -> Spread {
 }
 
 #[test]
-fn published_linear_stresses_differ_as_measured() {
+fn agreement_linear_stresses_differ_as_an_independent_derivation_says() {
     /// The bands of `linear_stress_error`: assumptions that the thesis leaves open.
     const BANDS: [(&str, f64, f64); 3] =
         [("normal stress curve", 13.8, 0.5), ("shear stress curve", 11.3, 1.0), ("bias of phi", 1.85, 0.1)];

@@ -3,7 +3,7 @@
 //!
 //! They contain the published soils named beside each with a margin, since small wheels and loose simulants
 //! reach beyond them. The margins were chosen while looking at the fit of one public data set (see
-//! `tests/published_cmu_wheel.rs`), so agreement there is a reproduction, not a prediction. A fit that ends
+//! `tests/real_data/smooth_wheel.rs`), so agreement there is a reproduction, not a prediction. A fit that ends
 //! on a bound wanted something that hardly any soil has: the sign that it hides a missing effect.
 
 /// Name, lowest, highest; and published values.

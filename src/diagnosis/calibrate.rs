@@ -237,13 +237,25 @@ fn deviations(
         return all;
     }
     let scatter = (chi_square / degrees_of_freedom.max(1) as f64).max(1.0);
+    let Some(variances) = variances(jacobian) else { return all };
+    for (at, variance) in inner.iter().zip(variances) {
+        let free = &weighted.free[*at];
+        let deviation = (variance * scatter).sqrt() * free.slope(free.value(u[*at]));
+        let deviation = free.prior.map_or(deviation, |prior| deviation.min(prior.deviation));
+        all[*at] = Some(deviation).filter(|d| *d <= free.variable.max - free.variable.min);
+    }
+    all
+}
+
+/// Variances of the coordinates for residuals that scatter by 1: the diagonal of (J^T J)^-1, infinite where nothing determines one.
+pub(crate) fn variances(jacobian: DMatrix<f64>) -> Option<Vec<f64>> {
     let svd = jacobian.svd(false, true);
-    let Some(v_t) = svd.v_t else { return all };
+    let v_t = svd.v_t?;
     let smallest = RANK_TOLERANCE * svd.singular_values.max();
-    for (k, at) in inner.iter().enumerate() {
+    let variance = |k: usize| {
         let mut variance = 0.0;
         for (j, singular) in svd.singular_values.iter().enumerate() {
-            let share = v_t[(j, k)];
+            let share: f64 = v_t[(j, k)];
             // A direction that nothing determines leaves alone the parameters that have no part in it but rounding.
             variance += match *singular > smallest {
                 true => (share / singular).powi(2),
@@ -251,10 +263,7 @@ fn deviations(
                 false => 0.0,
             };
         }
-        let free = &weighted.free[*at];
-        let deviation = (variance * scatter).sqrt() * free.slope(free.value(u[*at]));
-        let deviation = free.prior.map_or(deviation, |prior| deviation.min(prior.deviation));
-        all[*at] = Some(deviation).filter(|d| *d <= free.variable.max - free.variable.min);
-    }
-    all
+        variance
+    };
+    Some((0..v_t.ncols()).map(variance).collect())
 }

@@ -45,7 +45,7 @@ pub(super) fn parts(
                         return Err(sheet.error_at(row, column.position, problem));
                     }
                 }
-                Target::Run => label = Some(row.cells[column.position].clone()),
+                Target::Run => label = Some(row.cells[column.position].text().into_owned()),
                 _ => {}
             }
         }
@@ -127,15 +127,15 @@ fn seconds(sheet: &Sheet, part: &Part, position: usize) -> Result<Vec<f64>, Expe
     let mut all = Vec::with_capacity(part.rows.len());
     for index in &part.rows {
         let row = &sheet.rows[*index];
-        let text = &row.cells[position];
-        if sheet.is_missing(text) {
+        let text = row.cells[position].text();
+        if sheet.is_missing(&text) {
             return Err(sheet.error_at(row, position, Problem::MissingInput));
         }
         let refused = |expected: &str| {
-            let problem = Problem::NotAStamp { text: text.clone(), expected: expected.to_owned() };
+            let problem = Problem::NotAStamp { text: text.clone().into_owned(), expected: expected.to_owned() };
             sheet.error_at(row, position, problem)
         };
-        let stamp = Stamp::parse(text).ok_or_else(|| refused(EXPECTED))?;
+        let stamp = Stamp::parse(&text).ok_or_else(|| refused(EXPECTED))?;
         let start = *first.get_or_insert(stamp);
         if !stamp.is_like(&start) {
             return Err(refused("the same form as in the first row"));
@@ -151,6 +151,6 @@ fn seconds(sheet: &Sheet, part: &Part, position: usize) -> Result<Vec<f64>, Expe
 pub(super) fn conditions(sheet: &Sheet, columns: &[Recognised], part: &Part) -> Vec<Option<String>> {
     let labels = |column: &&Recognised| matches!(&column.target, Target::Signals(names, _) if names.iter().any(|name| name == "condition"));
     let Some(column) = columns.iter().find(labels) else { return Vec::new() };
-    let label = |row: &usize| sheet.rows[*row].cells[column.position].clone();
+    let label = |row: &usize| sheet.rows[*row].cells[column.position].text().into_owned();
     part.rows.iter().map(|row| Some(label(row)).filter(|label| !label.is_empty())).collect()
 }

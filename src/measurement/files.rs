@@ -1,27 +1,32 @@
 //! Where the files of an experiment are: in a folder, or in memory.
 
+use super::arrays::Columns;
+use super::dialect::Dialect;
 use super::error::{ExperimentError, Problem};
 use super::experiment::Experiment;
 use super::settings::Settings;
+use super::sheet::Sheet;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Name of the settings in an experiment's folder.
 pub(super) const SETTINGS: &str = "experiment.toml";
 
-/// The texts of an experiment's files.
+/// The files of an experiment.
 pub(super) enum Files<'a> {
     /// Below a folder.
     Folder(&'a Path),
     /// By their names below a folder that need not exist.
     Memory(&'a BTreeMap<String, String>),
+    /// The settings as text, the tables as columns by their names.
+    Arrays { settings: &'a str, tables: &'a BTreeMap<String, Columns> },
 }
 
 impl Files<'_> {
     pub fn folder(&self) -> PathBuf {
         match self {
             Self::Folder(folder) => folder.to_path_buf(),
-            Self::Memory(_) => PathBuf::new(),
+            Self::Memory(_) | Self::Arrays { .. } => PathBuf::new(),
         }
     }
 
@@ -29,7 +34,7 @@ impl Files<'_> {
     pub fn path(&self, name: &str) -> PathBuf {
         match self {
             Self::Folder(folder) => folder.join(name),
-            Self::Memory(_) => PathBuf::from(name),
+            Self::Memory(_) | Self::Arrays { .. } => PathBuf::from(name),
         }
     }
 
@@ -37,11 +42,26 @@ impl Files<'_> {
         let path = self.path(name);
         match self {
             Self::Folder(_) => read_text(&path),
-            Self::Memory(texts) => texts.get(name).cloned().ok_or_else(|| {
-                ExperimentError::in_file(&path, Problem::Unreadable("there is no such file".to_owned()))
-            }),
+            Self::Memory(texts) => texts.get(name).cloned().ok_or_else(|| no_such_file(&path)),
+            Self::Arrays { settings, .. } if name == SETTINGS => Ok((*settings).to_owned()),
+            Self::Arrays { .. } => Err(no_such_file(&path)),
         }
     }
+
+    /// The table in a file, which is written as `dialect` says where it is text.
+    pub fn sheet(&self, name: &str, dialect: &Dialect) -> Result<Sheet, ExperimentError> {
+        let path = self.path(name);
+        match self {
+            Self::Arrays { tables, .. } => {
+                Sheet::of_columns(&path, tables.get(name).ok_or_else(|| no_such_file(&path))?)
+            }
+            Self::Folder(_) | Self::Memory(_) => Sheet::parse(&path, &self.text(name)?, dialect),
+        }
+    }
+}
+
+fn no_such_file(path: &Path) -> ExperimentError {
+    ExperimentError::in_file(path, Problem::Unreadable("there is no such file".to_owned()))
 }
 
 /// The text of a file in UTF-8.

@@ -47,13 +47,13 @@ impl Filter {
     }
 
     fn admits(&self, sheet: &Sheet, row: &SheetRow, column: usize) -> bool {
-        let cell = row.cells[column].as_str();
-        let value = sheet.parsed(cell);
+        let cell = &row.cells[column];
+        let value = sheet.value(cell);
         match &self.accepts {
             Accepts::Between(min, max) => value.is_some_and(|value| (*min..=*max).contains(&value)),
             Accepts::OneOf(several) => several.iter().any(|wanted| match wanted {
                 Wanted::Number(number) => value == Some(*number),
-                Wanted::Text(text) => cell == text,
+                Wanted::Text(text) => cell.text() == text.as_str(),
             }),
         }
     }

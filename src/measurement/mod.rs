@@ -23,7 +23,7 @@
 //!
 //! Reading is strict: whatever cannot be right is an [`ExperimentError`] that names the file, the line and the column and says
 //! what was expected; what is unlikely is among [`Experiment::doubts`]. Nothing is repaired silently. The way of a file:
-//! text (`dialect`, `sheet`) → which column is what (`mapping`, `recognise`) → rows that count and the runs that they form
+//! text (`dialect`, `sheet`) or columns of a program (`arrays`) → which column is what (`mapping`, `recognise`) → rows that count and the runs that they form
 //! (`filter`, `convert`) → SI values (`grid`, `derive`) → checks by the physics (`columns`, `suspicion`) → [`Run`].
 //!
 //! What the files of one kind of experiment hold stands in `kinds`.
@@ -35,6 +35,7 @@
 //!
 //! A [`Table`] holds the columns; [`Record`] fills one from a running simulation.
 
+mod arrays;
 mod checker;
 mod columns;
 mod convert;
@@ -64,6 +65,7 @@ mod vocabulary;
 mod write;
 mod written;
 
+pub use arrays::{Cells, Columns};
 pub use error::{ExperimentError, Problem};
 pub use experiment::{Experiment, Kind, Prior, Run};
 pub use import::{ImportError, Imported, Proposal};

@@ -30,7 +30,7 @@ pub(super) fn read_runs(
     let mut runs = Vec::new();
     let mut headers = BTreeSet::new();
     for run in &settings.runs {
-        let sheet = Sheet::parse(&files.path(&run.file), &files.text(&run.file)?, &settings.dialect)?;
+        let sheet = files.sheet(&run.file, &settings.dialect)?;
         headers.extend(sheet.header.iter().cloned());
         runs.extend(read_file(files, settings, run, &sheet, planned, doubts)?);
     }
@@ -195,7 +195,7 @@ fn check_time(grid: &Grid) -> Result<(), ExperimentError> {
 
 /// A profile: columns `x` (increasing) and `z`, m.
 fn read_terrain(files: &Files, name: &str) -> Result<Table, ExperimentError> {
-    let sheet = Sheet::parse(&files.path(name), &files.text(name)?, &Dialect::default())?;
+    let sheet = files.sheet(name, &Dialect::default())?;
     sheet.need_rows(2)?;
     let at = |name: &str| {
         sheet.position(name).ok_or_else(|| {

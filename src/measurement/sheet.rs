@@ -1,11 +1,13 @@
-//! A file of columns as text with line numbers, before anything is known of its columns.
+//! A table as it was given, with line numbers, before anything is known of its columns.
 
+use super::arrays::{Cells, Columns};
 use super::dialect::{Decimal, Dialect, Kept, Separator, decimal_of};
 use super::error::{ExperimentError, Problem};
 use bekker_modeldescription::Unit;
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-/// Header and rows of a file; every row is as wide as the header.
+/// Header and rows of a table; every row is as wide as the header.
 pub(super) struct Sheet {
     pub file: PathBuf,
     pub header: Vec<String>,
@@ -22,7 +24,33 @@ pub(super) struct Sheet {
 /// One row and the line on which it stands.
 pub(super) struct SheetRow {
     pub line: u64,
-    pub cells: Vec<String>,
+    pub cells: Vec<Cell>,
+}
+
+/// One cell.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Cell {
+    /// As a file has it, or a label.
+    Text(String),
+    /// Of an array; NaN where it is missing.
+    Number(f64),
+}
+
+impl Cell {
+    pub fn is_empty(&self) -> bool {
+        match self {
+            Self::Text(text) => text.is_empty(),
+            Self::Number(number) => number.is_nan(),
+        }
+    }
+
+    pub fn text(&self) -> Cow<'_, str> {
+        match self {
+            Self::Text(text) => Cow::Borrowed(text),
+            Self::Number(number) if number.is_nan() => Cow::Borrowed(""),
+            Self::Number(number) => Cow::Owned(number.to_string()),
+        }
+    }
 }
 
 impl Sheet {
@@ -39,7 +67,7 @@ impl Sheet {
         }
         let separator = kept.separator(dialect).map_err(|message| unreadable(message).at_line(first))?;
         let mut rows = records(file, &kept, separator)?;
-        let header = rows.remove(0).cells;
+        let header = texts(&rows.remove(0));
         let mut sheet = Self {
             file: file.to_owned(),
             header,
@@ -58,9 +86,40 @@ impl Sheet {
         Ok(sheet)
     }
 
+    /// The sheet of columns that are arrays; the header is line 1. Rows without any value are left out, as in a file. `file` is for
+    /// errors.
+    pub fn of_columns(file: &Path, columns: &Columns) -> Result<Self, ExperimentError> {
+        let unreadable = |message: String| ExperimentError::in_file(file, Problem::Unreadable(message));
+        let (first, cells) = columns.first().ok_or_else(|| unreadable("there are no columns".to_owned()))?;
+        if let Some((name, other)) = columns.iter().find(|(_, other)| other.len() != cells.len()) {
+            let (found, expected) = (other.len(), cells.len());
+            return Err(unreadable(format!("column `{name}` has {found} rows where `{first}` has {expected}")));
+        }
+        let cell = |cells: &Cells, row: usize| match cells {
+            Cells::Numbers(numbers) => Cell::Number(numbers[row]),
+            Cells::Labels(labels) => Cell::Text(labels[row].trim().to_owned()),
+        };
+        let row = |row: usize| SheetRow {
+            line: row as u64 + 2,
+            cells: columns.iter().map(|(_, cells)| cell(cells, row)).collect(),
+        };
+        let sheet = Self {
+            file: file.to_owned(),
+            header: columns.iter().map(|(name, _)| name.trim().to_owned()).collect(),
+            units: Vec::new(),
+            rows: (0..cells.len()).map(row).filter(|row| !row.cells.iter().all(Cell::is_empty)).collect(),
+            header_line: 1,
+            separator: Separator::Comma,
+            decimal: Decimal::Point,
+            missing: Vec::new(),
+        };
+        sheet.check_header()?;
+        Ok(sheet)
+    }
+
     /// A separator at the end of every line, as loggers write it, makes a column without name or values: none.
     fn drop_empty_edge(&mut self) {
-        let blank = |cells: &[String], from: usize| cells.len() > from && cells[from..].iter().all(String::is_empty);
+        let blank = |cells: &[Cell], from: usize| cells.len() > from && cells[from..].iter().all(Cell::is_empty);
         let width = self.header.len();
         if self.header.last().is_some_and(String::is_empty)
             && self.rows.iter().all(|row| row.cells.len() < width || blank(&row.cells, width - 1))
@@ -85,11 +144,12 @@ impl Sheet {
     /// a number and one of them is a unit.
     fn take_units_row(&mut self, dialect: &Dialect) {
         let Some(first) = self.rows.first() else { return };
-        let numbers = first.cells.iter().any(|cell| cell.bytes().any(|byte| byte.is_ascii_digit()) && number(cell));
+        let cells = texts(first);
+        let numbers = cells.iter().any(|cell| cell.bytes().any(|byte| byte.is_ascii_digit()) && number(cell));
         let unit = |cell: &String| !cell.is_empty() && Unit::spelled(cell).is_some();
-        let looks = !numbers && first.cells.iter().any(unit);
+        let looks = !numbers && cells.iter().any(unit);
         if dialect.units_row.unwrap_or(looks) {
-            self.units = self.rows.remove(0).cells;
+            self.units = texts(&self.rows.remove(0));
         }
     }
 
@@ -98,7 +158,7 @@ impl Sheet {
             return Ok(given);
         }
         let shows = |wanted: Decimal| {
-            let mut cells = self.rows.iter().flat_map(|row| row.cells.iter().map(|cell| (row.line, cell)));
+            let mut cells = self.rows.iter().flat_map(|row| row.cells.iter().map(|cell| (row.line, cell.text())));
             cells.find(|(_, cell)| decimal_of(cell) == Some(wanted))
         };
         // Between commas, a comma within a number is one that somebody quoted: it is refused where it stands.
@@ -145,18 +205,27 @@ impl Sheet {
 
     /// Number in a cell; `None` where it is missing.
     pub fn number(&self, row: &SheetRow, column: usize) -> Result<Option<f64>, ExperimentError> {
-        let text = row.cells[column].as_str();
-        if self.is_missing(text) {
+        let cell = &row.cells[column];
+        let missing = match cell {
+            Cell::Text(text) => self.is_missing(text),
+            Cell::Number(number) => number.is_nan(),
+        };
+        if missing {
             return Ok(None);
         }
-        self.parsed(text).map(Some).ok_or_else(|| {
-            let problem = Problem::NotANumber { text: text.to_owned(), understood: self.understood(text) };
-            self.error_at(row, column, problem)
+        self.value(cell).map(Some).ok_or_else(|| {
+            let text = cell.text().into_owned();
+            let understood = self.understood(&text);
+            self.error_at(row, column, Problem::NotANumber { text, understood })
         })
     }
 
-    /// A finite number in the file's own decimal mark.
-    pub fn parsed(&self, text: &str) -> Option<f64> {
+    /// A finite number, in a file in its own decimal mark.
+    pub fn value(&self, cell: &Cell) -> Option<f64> {
+        let text = match cell {
+            Cell::Number(number) => return Some(*number).filter(|value| value.is_finite()),
+            Cell::Text(text) => text,
+        };
         let plain = match self.decimal {
             Decimal::Point => text.parse::<f64>(),
             Decimal::Comma if text.contains('.') => return None,
@@ -224,12 +293,16 @@ fn records(file: &Path, kept: &Kept, separator: Separator) -> Result<Vec<SheetRo
         let record = record.map_err(|e| ExperimentError::in_file(file, Problem::Unreadable(e.to_string())))?;
         let at = record.position().map_or(0, |position| position.line().saturating_sub(1) as usize);
         let line = kept.lines.get(at).map_or(0, |(line, _)| *line);
-        let cells: Vec<String> = record.iter().map(str::to_owned).collect();
-        if rows.is_empty() || cells.iter().any(|cell| !cell.is_empty()) {
+        let cells: Vec<Cell> = record.iter().map(|cell| Cell::Text(cell.to_owned())).collect();
+        if rows.is_empty() || !cells.iter().all(Cell::is_empty) {
             rows.push(SheetRow { line, cells });
         }
     }
     Ok(rows)
+}
+
+fn texts(row: &SheetRow) -> Vec<String> {
+    row.cells.iter().map(|cell| cell.text().into_owned()).collect()
 }
 
 /// Whether a cell is a number with either decimal mark.

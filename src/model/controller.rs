@@ -6,7 +6,7 @@ use super::origin::Origin;
 use super::run::whole_multiple;
 use super::{ControlKind, Model, RunError};
 use crate::control::Rtc;
-use crate::signals::{Command, LinkMeasurement, Measurement, Reference, Signals, WheelMeasurement};
+use crate::signals::{Command, Measurement, Reference, Signals};
 use crate::snapshot::{Moving, Reader, SnapshotError, Writer, close, open};
 
 /// What the bytes of a state are, and the version of their format.
@@ -58,11 +58,7 @@ impl Model {
             step_size,
             period: whole_multiple(period, step_size)?,
             decisions: 0,
-            measurement: Measurement {
-                wheels: vec![WheelMeasurement::default(); wheels],
-                links: vec![LinkMeasurement::default(); links],
-                ..Measurement::default()
-            },
+            measurement: Measurement::of(wheels, links),
             goal: VelocityCommand::default(),
             command: Command::torque(vec![0.0; wheels]),
             truth: Signals::of(wheels, links),

@@ -8,7 +8,7 @@ mod window;
 
 pub(crate) use energies::Energies;
 pub(crate) use motion::{Motion, TIPPED, belly_clearance};
-pub use status::{Event, Status};
+pub use status::{Event, Status, StatusEntry};
 pub(crate) use window::Window;
 
 use crate::integrator::Integrator;

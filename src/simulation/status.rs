@@ -47,27 +47,57 @@ pub enum Status {
     Ended(Event),
 }
 
-impl Status {
-    /// What [`Status::word`] may say, as scripts, FMUs and the environment write it.
-    pub const WORDS: [&str; 6] = ["running", "stuck", "tipped_over", "belly_contact", "left_terrain", "sunk_to_axle"];
+/// A status as scripts, FMUs and the environment write it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StatusEntry {
+    /// The status.
+    pub status: Status,
+    /// One word for it.
+    pub word: &'static str,
+    /// What it means.
+    pub doc: &'static str,
+}
 
-    /// Its place among [`Status::WORDS`].
+impl Status {
+    /// Every status, in the order of [`Status::place`].
+    pub const ALL: [StatusEntry; 6] = {
+        const fn ended(event: Event, word: &'static str, doc: &'static str) -> StatusEntry {
+            StatusEntry { status: Status::Ended(event), word, doc }
+        }
+        [
+            StatusEntry { status: Status::Running, word: "running", doc: "The simulation goes on." },
+            ended(Event::Stuck, "stuck", "The wheels turn, the rover does not move."),
+            ended(Event::TippedOver, "tipped_over", "The pitch is beyond 80 degrees."),
+            ended(Event::BellyContact, "belly_contact", "The chassis touches the ground."),
+            ended(Event::LeftTerrain, "left_terrain", "A wheel is beyond the known ground."),
+            ended(Event::SunkToAxle, "sunk_to_axle", "A wheel has sunk to its axle."),
+        ]
+    };
+
+    /// The words of [`Status::ALL`].
+    pub const WORDS: [&str; 6] = {
+        let mut words = [""; 6];
+        let mut place = 0;
+        while place < words.len() {
+            words[place] = Self::ALL[place].word;
+            place += 1;
+        }
+        words
+    };
+
+    /// Its place among [`Status::ALL`].
     #[must_use]
     pub fn place(self) -> usize {
         match self {
             Status::Running => 0,
-            Status::Ended(Event::Stuck) => 1,
-            Status::Ended(Event::TippedOver) => 2,
-            Status::Ended(Event::BellyContact) => 3,
-            Status::Ended(Event::LeftTerrain) => 4,
-            Status::Ended(Event::SunkToAxle) => 5,
+            Status::Ended(event) => event as usize + 1,
         }
     }
 
     /// One word for it.
     #[must_use]
     pub fn word(self) -> &'static str {
-        Self::WORDS[self.place()]
+        Self::ALL[self.place()].word
     }
 }
 
@@ -93,5 +123,17 @@ impl Moving for Status {
             code => return Err(SnapshotError::Code { what: "a status", code }),
         };
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Status;
+
+    #[test]
+    fn property_a_status_has_its_place_among_all() {
+        for (place, entry) in Status::ALL.iter().enumerate() {
+            assert_eq!((entry.status.place(), entry.status.word()), (place, entry.word));
+        }
     }
 }

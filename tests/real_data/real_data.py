@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 """Real measurements, what the tool says of them, and what a careful expert would let it say.
 
-    python3 tests/real_data/real_data.py --bekker target/release/bekker [--data ../shared/data] [--markdown FILE]
+    python3 tests/real_data/real_data.py --bekker target/release/bekker [--data $BEKKER_DATA] [--markdown FILE]
 
 The allowed answers stand in `answers.toml`, written down before any set was run. Each set becomes an experiment folder by mapping
-the columns of the file as it is. Without the data the script says what it skips and ends with 0. Needs Python 3.11 only.
+the columns of the file as it is. Sets whose data are missing are skipped, counted and named at the end. Needs Python 3.11 only.
 """
 
 import argparse
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -17,6 +18,7 @@ import tomllib
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
+DATA = Path(os.environ.get("BEKKER_DATA", HERE.parents[2] / "shared" / "data"))
 MOST_TIED = 3
 CUT = 0.3  # share of the left-out error that a named effect has to take away
 
@@ -185,7 +187,7 @@ def row(name, answer, result, wrong):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--bekker", default="bekker")
-    parser.add_argument("--data", type=Path, default=HERE.parents[2] / "shared" / "data")
+    parser.add_argument("--data", type=Path, default=DATA)
     parser.add_argument("--only", help="names of sets, separated by commas")
     parser.add_argument("--keep", type=Path, help="keep the folders and results here")
     parser.add_argument("--markdown", type=Path, help="write the table here too")
@@ -193,16 +195,14 @@ def main():
     answers = tomllib.loads((HERE / "answers.toml").read_text(encoding="utf-8"))
     wanted = arguments.only.split(",") if arguments.only else list(answers)
     lines = ["| set | verdict | effects | left-out error falls by | judged |", "|---|---|---|---|---|"]
-    failed = skipped = 0
+    failed, skipped = 0, []
     for name in wanted:
         if name not in SETS:
-            skipped += 1
-            print(f"skipped: {name}: waits for: {answers[name].get('issue', 'a way to read it')}")
+            skipped.append(f"{name}: waits for: {answers[name].get('issue', 'a way to read it')}")
             continue
         file, toml, extra = SETS[name]
         if not (arguments.data / file).exists():
-            skipped += 1
-            print(f"skipped: {name}: no {file}")
+            skipped.append(f"{name}: needs the measurements {file}")
             continue
         with tempfile.TemporaryDirectory() as scratch:
             folder = (arguments.keep or Path(scratch)) / name
@@ -216,7 +216,9 @@ def main():
         print(lines[-1], flush=True)
     if arguments.markdown:
         arguments.markdown.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    print(f"{len(wanted) - failed - skipped} passed, {failed} failed, {skipped} skipped")
+    print(f"{len(wanted) - failed - len(skipped)} passed, {failed} failed, {len(skipped)} skipped")
+    for why in skipped:
+        print(f"skipped: {why}")
     sys.exit(1 if failed else 0)
 
 

@@ -4,7 +4,7 @@ import os
 from collections.abc import Callable, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any, Literal, TypedDict, final
+from typing import Any, Literal, TypeAlias, TypedDict, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -35,21 +35,25 @@ __all__ = [
 
 __version__: str
 
+_Columns: TypeAlias = list[tuple[str, NDArray[np.float64] | list[str]]]
+# A folder, or settings as in experiment.toml and the tables that they name.
+_Experiment: TypeAlias = str | os.PathLike[str] | tuple[str, dict[str, _Columns]]
+
 def presets() -> list[tuple[str, str]]: ...
 def effects() -> list[tuple[str, str]]: ...
-def check_experiment(texts: dict[str, str]) -> tuple[list[str], list[str]]: ...
+def check_experiment(experiment: _Experiment) -> tuple[list[str], list[str]]: ...
 def import_experiment(
     files: list[str], folder: str, kind: str | None = None
 ) -> tuple[Literal["single_wheel", "traverse"], list[str], list[str], list[str], str | None]: ...
 def compare(
-    experiment: dict[str, str] | str | os.PathLike[str],
+    experiment: _Experiment,
     model: tuple[Model, str] | None,
     values: dict[str, float],
     calibrate: bool,
     added: list[str],
 ) -> dict[str, Any]: ...
 def diagnose(
-    experiment: dict[str, str] | str | os.PathLike[str],
+    experiment: _Experiment,
     model: tuple[Model, str] | None,
     values: dict[str, float],
     candidates: list[str] | None,

@@ -19,6 +19,15 @@ __all__ = ["Columns", "Experiment", "ExperimentLike", "MeasuredRun", "Quantity"]
 Columns: TypeAlias = Any
 """A pandas or polars frame, a mapping from name to array, or a structured numpy array: named columns of one length."""
 
+Cells: TypeAlias = NDArray[np.float64] | list[str]
+"""A column: numbers, NaN where nothing was measured, or labels, empty where there is none."""
+
+Table: TypeAlias = list[tuple[str, Cells]]
+"""Columns with their names."""
+
+Arrays: TypeAlias = tuple[str, dict[str, Table]]
+"""What the native side reads: settings as in ``experiment.toml``, and the tables that they name."""
+
 Quantity: TypeAlias = float | Mapping[str, float | str]
 """A number in SI units, or ``{"value": 3.0, "unit": "kPa"}``."""
 
@@ -81,13 +90,13 @@ class Experiment:
     """Names of the measured signals."""
     doubts: tuple[str, ...] = field(init=False)
     """Signs, units and sizes that are allowed but unlikely, each with what would mend it."""
-    _texts: dict[str, str] = field(init=False, repr=False)
+    _source: Arrays = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        # As the files of a folder, so that one set of checks serves both, here and on any machine that makes fits.
-        texts = _files(self)
-        signals, doubts = _bekker.check_experiment(texts)
-        object.__setattr__(self, "_texts", texts)
+        # With the settings of a folder, so that one set of checks serves both.
+        arrays = _arrays(self)
+        signals, doubts = _bekker.check_experiment(arrays)
+        object.__setattr__(self, "_source", arrays)
         object.__setattr__(self, "signals", tuple(signals))
         object.__setattr__(self, "doubts", tuple(doubts))
 
@@ -101,7 +110,8 @@ class Experiment:
         root = Path(folder)
         if (root / "experiment.toml").exists():
             raise FileExistsError(f"{root} holds an experiment already")
-        for name, text in self._texts.items():
+        settings, tables = self._source
+        for name, text in {"experiment.toml": settings, **{name: _csv(table) for name, table in tables.items()}}.items():
             path = root / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, encoding="utf-8", newline="")
@@ -111,51 +121,51 @@ ExperimentLike: TypeAlias = Experiment | str | os.PathLike[str]
 """The folder with ``experiment.toml``, or an :class:`Experiment`."""
 
 
-def source(experiment: ExperimentLike) -> str | dict[str, str]:
+def source(experiment: ExperimentLike) -> str | Arrays:
     """What the native side takes for an experiment."""
     if isinstance(experiment, Experiment):
-        return experiment._texts
+        return experiment._source
     if isinstance(experiment, (str, os.PathLike)):
         return os.fspath(experiment)
     raise InputError(f"experiment: expected a folder or a bekker.Experiment, found {type(experiment).__name__}")
 
 
-def _files(experiment: Experiment) -> dict[str, str]:
+def _arrays(experiment: Experiment) -> Arrays:
     lines = [f"name = {toml_text.text(experiment.name)}", f"kind = {toml_text.text(experiment.kind)}"]
     lines.append(f"ignore = [{', '.join(toml_text.text(name) for name in experiment.ignore)}]")
     if experiment.model is not None:
         lines.append(f"model = {toml_text.text(experiment.model)}")
     if experiment.soil_class is not None:
         lines.append(f"soil.class = {toml_text.text(experiment.soil_class)}")
-    # Frames are written out plainly: nothing is to be found out, and no label is a comment.
+    # A saved folder is written plainly: nothing is to be found out, and no label is a comment.
     lines += ["[file]", 'separator = ","', 'decimal = "."', "comment = []"]
     for table in ("parameters", "noise", "inputs"):
         lines += [f"[{table}]", *toml_text.numbers(table, getattr(experiment, table))]
     lines += ["[priors]", *toml_text.numbers("priors", _priors(experiment.priors))]
     lines += ["[columns]", *_mapped(experiment.columns)]
     labels = {"condition"} | {name for name, entry in experiment.columns.items() if _is_label(entry)}
-    files: dict[str, str] = {}
+    tables: dict[str, Table] = {}
     for k, given in enumerate(experiment.runs):
         run = given if isinstance(given, MeasuredRun) else MeasuredRun(given)
         name = run.name or f"run{k + 1}"
         parts = Path(name).parts
         if Path(name).is_absolute() or ".." in parts:
             raise InputError(f"run `{name}`: expected a name, or a path below the experiment's folder")
-        if f"{name}.csv" in files:
+        if f"{name}.csv" in tables:
             raise InputError(f"two runs are called `{name}`")
-        files[f"{name}.csv"] = _csv(name, _columns(name, run.data), experiment.ignore, labels)
+        tables[f"{name}.csv"] = _table(name, _columns(name, run.data), experiment.ignore, labels)
         lines += ["[[run]]", f"file = {toml_text.text(f'{name}.csv')}"]
         if run.group is not None:
             lines.append(f"group = {toml_text.text(str(run.group))}")
         if run.terrain is not None:
             x, z = _ground(name, run.terrain)
-            files[f"{name}.terrain.csv"] = _csv(f"{name}` terrain", {"x": x, "z": z}, (), ())
+            tables[f"{name}.terrain.csv"] = _table(f"{name}` terrain", {"x": x, "z": z}, (), ())
             lines.append(f"terrain = {toml_text.text(f'{name}.terrain.csv')}")
         if run.x0 is not None:
             lines.append(f"x0 = {toml_text.number(f'run `{name}`, x0', run.x0)}")
         own = toml_text.numbers(f"run `{name}`, parameters", run.parameters)
         lines.append(f"parameters = {{ {', '.join(own)} }}")
-    return {"experiment.toml": "\n".join(lines) + "\n"} | files
+    return "\n".join(lines) + "\n", tables
 
 
 def _ground(name: str, terrain: tuple[ArrayLike, ArrayLike]) -> tuple[ArrayLike, ArrayLike]:
@@ -212,25 +222,36 @@ def _columns(run: str, data: Columns) -> dict[str, Any]:
     return found
 
 
-def _csv(run: str, columns: Mapping[str, Any], ignore: Sequence[str], labels: Container[str]) -> str:
-    cells = {name: _cells(run, name, column, ignore, labels) for name, column in columns.items() if name not in ignore}
-    first = next(iter(cells), None)
-    for name, column in cells.items():
-        if len(column) != len(cells[first or name]):
-            found, expected = len(column), len(cells[first or name])
-            raise InputError(f"run `{run}`, column `{name}`: {found} rows where `{first}` has {expected}")
+def _table(run: str, columns: Mapping[str, Any], ignore: Sequence[str], labels: Container[str]) -> Table:
+    table = [(name, _cells(run, name, column, ignore, labels)) for name, column in columns.items() if name not in ignore]
+    for name, column in table:
+        first, expected = table[0][0], len(table[0][1])
+        if len(column) != expected:
+            raise InputError(f"run `{run}`, column `{name}`: {len(column)} rows where `{first}` has {expected}")
+    return table
+
+
+def _csv(table: Table) -> str:
+    """Numbers read back to the same bits; what is missing is empty."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(cells)
-    writer.writerows(zip(*cells.values(), strict=True))
+    writer.writerow(name for name, _ in table)
+    plain = ([_text(cell) for cell in (cells if isinstance(cells, list) else cells.tolist())] for _, cells in table)
+    writer.writerows(zip(*plain, strict=True))
     return text.getvalue()
 
 
-def _cells(run: str, name: str, column: Any, ignore: Sequence[str], labels: Container[str]) -> list[str]:
+def _text(cell: str | float) -> str:
+    if isinstance(cell, str):
+        return cell
+    return "" if cell != cell else repr(cell)
+
+
+def _cells(run: str, name: str, column: Any, ignore: Sequence[str], labels: Container[str]) -> Cells:
     if name in labels:
         return _labels(run, name, column)
     try:
-        return _floats(run, name, column)
+        return _numbers(run, name, column)
     except InputError:
         # A pattern of `ignore` leaves out only what is no signal, which is decided where signals are known.
         if any(entry.endswith("*") and name.startswith(entry[:-1]) for entry in ignore):
@@ -238,10 +259,9 @@ def _cells(run: str, name: str, column: Any, ignore: Sequence[str], labels: Cont
         raise
 
 
-def _floats(run: str, name: str, column: Any) -> list[str]:
-    """Numbers that read back to the same bits; empty where missing."""
+def _numbers(run: str, name: str, column: Any) -> NDArray[np.float64]:
     try:
-        return ["" if value != value else repr(value) for value in _array(column).tolist()]
+        return _array(column)
     except (TypeError, ValueError) as error:
         raise InputError(f"run `{run}`, column `{name}`: expected one number a row: {error}") from None
 

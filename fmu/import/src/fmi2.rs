@@ -189,6 +189,7 @@ mod tests {
 
     #[test]
     fn published_form_of_a_file_uri() {
+        // RFC 8089, appendices B and E.2; percent-encoding by RFC 3986, 2.1.
         assert_eq!(uri("/tmp/a b/resources"), "file:///tmp/a%20b/resources");
         assert_eq!(uri("C:\\fmu\\resources"), "file:///C:/fmu/resources");
     }

@@ -77,7 +77,7 @@ mod tests {
     use super::utc;
 
     #[test]
-    fn published_times() {
+    fn analytic_known_times() {
         for (seconds, text) in [
             (0, "1970-01-01T00:00:00Z"),
             (951_782_400, "2000-02-29T00:00:00Z"),

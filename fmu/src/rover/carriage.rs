@@ -3,6 +3,7 @@
 //! A steady map without states: outputs are those of the inputs and parameters that hold at the end of a step, whatever its
 //! length. All parameters may change between two steps.
 
+use super::by_reference::{by_reference, from_values, into_places, starts};
 use super::place::Place;
 use super::state::{read_list, write_list};
 use super::{Packed, description};
@@ -56,23 +57,20 @@ impl Carriage {
         let inputs = parameters.end..entries.len();
         entries.extend(SteadyPoint::default().list().into_iter().map(|(variable, _)| Entry::output(variable)));
         let outputs = inputs.end..entries.len();
-        let values = entries.iter().map(|entry| entry.start).collect();
         let description = Arc::new(description(&model, packed, STEP, entries));
+        let values = starts(&description);
         Ok(Self { description, model, values, parameters, inputs, outputs, time: 0.0 })
     }
 
     /// Computes the outputs from inputs and parameters.
     fn evaluate(&mut self) -> Result<(), Failure> {
-        let mut given = self.values[self.parameters.clone()].iter();
-        self.model.visit("", &mut |_, place| given.next().into_iter().for_each(|value| *place = *value));
+        self.model.places(&mut from_values(&self.values[self.parameters.clone()]));
         self.model.clone().check().map_err(|error| Failure(error.to_string()))?;
         let mut set = SetPoint::default();
-        let mut given = self.values[self.inputs.clone()].iter();
-        set.visit("", &mut |_, place| given.next().into_iter().for_each(|value| *place = *value));
+        set.places(&mut from_values(&self.values[self.inputs.clone()]));
         set.check().map_err(|error| Failure(error.to_string()))?;
         let point = self.model.rig().at(&set).map_err(|error| Failure(error.to_string()))?;
-        let mut places = self.values[self.outputs.clone()].iter_mut();
-        point.values(&mut |value| places.next().into_iter().for_each(|place| *place = value));
+        point.values(&mut into_places(&mut self.values[self.outputs.clone()]));
         Ok(())
     }
 
@@ -82,17 +80,7 @@ impl Carriage {
 }
 
 impl Model for Carriage {
-    fn description(&self) -> &Description {
-        &self.description
-    }
-
-    fn get(&self, reference: usize) -> f64 {
-        self.values[reference]
-    }
-
-    fn set(&mut self, reference: usize, value: f64) {
-        self.values[reference] = value;
-    }
+    by_reference!();
 
     fn start(&mut self) -> Result<(), Failure> {
         self.time = 0.0;
@@ -101,10 +89,6 @@ impl Model for Carriage {
 
     fn inner_step(&self) -> f64 {
         STEP
-    }
-
-    fn elapsed(&self) -> f64 {
-        self.time
     }
 
     fn advance(&mut self, steps: u64) -> Result<Outcome, Failure> {
@@ -120,14 +104,8 @@ impl Model for Carriage {
     }
 
     fn reset(&mut self) {
-        for (place, entry) in self.values.iter_mut().zip(&self.description.entries) {
-            *place = entry.start;
-        }
+        self.values = starts(&self.description);
         self.time = 0.0;
-    }
-
-    fn duplicate(&self) -> Box<dyn Model> {
-        Box::new(self.clone())
     }
 
     fn serialise(&self) -> Result<Vec<u8>, Failure> {

@@ -1,7 +1,7 @@
 //! The plant as differential equations (Model Exchange).
 
-use super::outputs::{number, write_true};
-use super::plant::Rover;
+use super::by_reference::{from_values, into_places};
+use super::plant::{Motion, Rover};
 use crate::model::{Continuous, EventOutcome, Failure};
 use bekker::equations::{Equations, NoEquations, derivative_of};
 use bekker::model::{AnyPlant, Model as RoverModel, Run};
@@ -26,8 +26,6 @@ pub(super) struct Ordinary {
     pub stuck: bool,
     /// Whether outputs and rates belong to the present states and inputs.
     fresh: bool,
-    /// Whether an integrator has called: then this is the rover, and not the run.
-    pub at_work: bool,
 }
 
 impl Ordinary {
@@ -45,7 +43,6 @@ impl Ordinary {
             accepted: 0.0,
             stuck: false,
             fresh: false,
-            at_work: false,
         })
     }
 
@@ -88,7 +85,7 @@ impl Rover {
             ordinary.equations = equations;
         }
         (ordinary.time, ordinary.accepted, ordinary.stuck) = (0.0, 0.0, false);
-        (ordinary.fresh, ordinary.at_work) = (false, false);
+        (ordinary.fresh, self.motion) = (false, Motion::Steps);
         self.bring_up()
     }
 
@@ -96,15 +93,17 @@ impl Rover {
     pub(super) fn present(&self) -> Result<Equations, Failure> {
         let none = || Failure::unsupported("derivatives: only a rover whose wheels' torques are its inputs has them");
         let ordinary = self.ordinary.as_ref().ok_or_else(none)?;
-        let mut there =
-            if ordinary.at_work { ordinary.equations.clone() } else { equations(&self.run).ok_or_else(none)? };
+        let mut there = match self.motion {
+            Motion::Integrator => ordinary.equations.clone(),
+            Motion::Steps | Motion::BetweenSteps => equations(&self.run).ok_or_else(none)?,
+        };
         there.torques_mut().copy_from_slice(&self.values[self.references.inputs.clone()]);
         Ok(there)
     }
 
     /// Brings rates and outputs up to the present states and inputs.
     fn bring_up(&mut self) -> Result<(), Failure> {
-        if self.ordinary.as_ref().is_some_and(|ordinary| ordinary.at_work) {
+        if self.motion == Motion::Integrator {
             self.tune()?;
         }
         let Some(ordinary) = &mut self.ordinary else { return Ok(()) };
@@ -117,16 +116,19 @@ impl Rover {
         ordinary.equations.evaluate().map_err(|error| Failure(format!("at t = {time} s: {error}")))?;
         ordinary.fresh = true;
         let equations = &mut ordinary.equations;
-        let mut states = self.values[self.references.states.clone()].iter_mut();
-        equations.visit_states(|state| states.next().into_iter().for_each(|place| *place = *state));
-        let mut rates = self.values[self.references.derivatives.clone()].iter_mut();
-        equations.rates(&mut |rate| rates.next().into_iter().for_each(|place| *place = rate));
-        if ordinary.at_work {
-            let mut signals = self.values[self.references.signals.clone()].iter_mut();
-            equations.signals().values(&mut |signal| signals.next().into_iter().for_each(|place| *place = signal));
-            write_true(equations.signals(), self.values[self.references.measured.clone()].iter_mut());
+        {
+            let mut put = into_places(&mut self.values[self.references.states.clone()]);
+            equations.visit_states(|state| put(*state));
+        }
+        equations.rates(&mut into_places(&mut self.values[self.references.derivatives.clone()]));
+        if self.motion == Motion::Integrator {
+            equations.signals().values(&mut into_places(&mut self.values[self.references.signals.clone()]));
+            // Sensors without errors, which `check` demands.
+            for (place, signal) in self.references.measured.clone().zip(&self.references.measured_signals) {
+                self.values[place] = self.values[*signal];
+            }
             let ended = if ordinary.stuck { Some(Event::Stuck) } else { equations.ended() };
-            self.values[self.references.event] = number(ended.map_or(Status::Running, Status::Ended));
+            self.values[self.references.event] = ended.map_or(Status::Running, Status::Ended).place() as f64;
         }
         Ok(())
     }
@@ -162,7 +164,7 @@ impl Continuous for Rover {
         let time = self.time;
         if let Some(ordinary) = &mut self.ordinary {
             (ordinary.equations, ordinary.fresh) = (present, false);
-            if !ordinary.at_work {
+            if self.motion != Motion::Integrator {
                 ordinary.time = time;
             }
         }
@@ -179,7 +181,7 @@ impl Continuous for Rover {
 
     fn set_time(&mut self, time: f64) {
         if let Some(ordinary) = &mut self.ordinary {
-            (ordinary.time, ordinary.at_work) = (time, true);
+            (ordinary.time, self.motion) = (time, Motion::Integrator);
         }
         self.time = time;
     }
@@ -194,16 +196,14 @@ impl Continuous for Rover {
             let name = &self.description.entries[ordinary.states[k]].variable.name;
             return Err(Failure(format!("`{name}` = {}, expected a finite number", x[k])));
         }
-        let mut next = x.iter();
-        ordinary.equations.visit_states(|state| next.next().into_iter().for_each(|value| *state = *value));
-        (ordinary.fresh, ordinary.at_work) = (false, true);
+        ordinary.equations.visit_states(from_values(x));
+        (ordinary.fresh, self.motion) = (false, Motion::Integrator);
         Ok(())
     }
 
     fn get_states(&self, x: &mut [f64]) {
-        let mut places = x.iter_mut();
         if let Some(ordinary) = &self.ordinary {
-            ordinary.equations.states().values(&mut |value| places.next().into_iter().for_each(|place| *place = value));
+            ordinary.equations.states().values(&mut into_places(x));
         }
     }
 
@@ -215,14 +215,13 @@ impl Continuous for Rover {
 
     fn rates(&mut self, dx: &mut [f64]) -> Result<(), Failure> {
         if let Some(ordinary) = &mut self.ordinary
-            && !ordinary.at_work
+            && self.motion != Motion::Integrator
         {
-            (ordinary.at_work, ordinary.fresh) = (true, false);
+            (ordinary.fresh, self.motion) = (false, Motion::Integrator);
         }
         self.bring_up()?;
-        let mut places = dx.iter_mut();
         if let Some(ordinary) = &self.ordinary {
-            ordinary.equations.rates(&mut |rate| places.next().into_iter().for_each(|place| *place = rate));
+            ordinary.equations.rates(&mut into_places(dx));
         }
         Ok(())
     }
@@ -233,9 +232,8 @@ impl Continuous for Rover {
 
     fn event_indicators(&mut self, z: &mut [f64]) -> Result<(), Failure> {
         self.bring_up()?;
-        let mut places = z.iter_mut();
         if let Some(ordinary) = &self.ordinary {
-            ordinary.equations.event_indicators(|value| places.next().into_iter().for_each(|place| *place = value));
+            ordinary.equations.event_indicators(into_places(z));
         }
         Ok(())
     }

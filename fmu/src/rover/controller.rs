@@ -1,7 +1,8 @@
 //! A rover's controller by itself, as a [`Model`]: measurements in, torques out.
 
+use super::by_reference::{by_reference, from_values, starts};
 use super::modes::{MODES, in_mode, kind_of, list, mode_entry, usual_mode};
-use super::outputs::{measurements, readings};
+use super::outputs::measurements;
 use super::place::Place;
 use super::state::{read_list, write_list};
 use super::tuning::wanted;
@@ -67,9 +68,9 @@ impl Controller {
         torques.control.kind = ControlKind::Torque;
         entries.extend(torques.inputs().list().into_iter().map(|(variable, _)| Entry::output(variable)));
         let outputs = inputs.end..entries.len();
-        let values: Vec<f64> = entries.iter().map(|entry| entry.start).collect();
-        let (tuned, applied) = (model.clone(), values[parameters.clone()].to_vec());
         let description = Arc::new(description(&model, packed, run.period(), entries));
+        let values = starts(&description);
+        let (tuned, applied) = (model.clone(), values[parameters.clone()].to_vec());
         Ok(Self { description, model, tuned, applied, run, mode, values, parameters, inputs, outputs, time: 0.0 })
     }
 
@@ -119,9 +120,9 @@ impl Controller {
     }
 
     fn decide(&mut self) -> Result<(), Failure> {
-        let mut inputs = self.values[self.inputs.clone()].iter();
-        readings(self.run.measurement_mut(), |place| inputs.next().into_iter().for_each(|value| *place = *value));
-        inputs.next().into_iter().for_each(|value| self.run.goal_mut().velocity_command = *value);
+        let mut take = from_values(&self.values[self.inputs.clone()]);
+        self.run.measurement_mut().places(&mut take);
+        take(&mut self.run.goal_mut().velocity_command);
         self.run.decide().map_err(|error| Failure(error.to_string()))?;
         Ok(())
     }
@@ -137,17 +138,7 @@ impl Controller {
 }
 
 impl Model for Controller {
-    fn description(&self) -> &Description {
-        &self.description
-    }
-
-    fn get(&self, reference: usize) -> f64 {
-        self.values[reference]
-    }
-
-    fn set(&mut self, reference: usize, value: f64) {
-        self.values[reference] = value;
-    }
+    by_reference!();
 
     fn start(&mut self) -> Result<(), Failure> {
         let parameters = self.values[self.parameters.clone()].to_vec();
@@ -159,10 +150,6 @@ impl Model for Controller {
 
     fn inner_step(&self) -> f64 {
         self.run.period()
-    }
-
-    fn elapsed(&self) -> f64 {
-        self.time
     }
 
     fn advance(&mut self, steps: u64) -> Result<Outcome, Failure> {
@@ -189,14 +176,8 @@ impl Model for Controller {
     }
 
     fn reset(&mut self) {
-        for (place, entry) in self.values.iter_mut().zip(&self.description.entries) {
-            *place = entry.start;
-        }
+        self.values = starts(&self.description);
         self.time = 0.0;
-    }
-
-    fn duplicate(&self) -> Box<dyn Model> {
-        Box::new(self.clone())
     }
 
     fn serialise(&self) -> Result<Vec<u8>, Failure> {

@@ -4,8 +4,7 @@
 //! once. A controller between inputs and plant decides at its own instants, so that nothing answers at once; it is
 //! refused.
 
-use super::outputs::measurements;
-use super::plant::{References, Rover};
+use super::plant::{Motion, References, Rover};
 use crate::model::Failure;
 use bekker::equations::{Equations, Tangent};
 
@@ -87,19 +86,15 @@ impl Rover {
     }
 
     fn unknown(&self, reference: usize) -> Result<Unknown, Failure> {
-        let References { signals, derivatives, measured, .. } = &self.references;
+        let References { signals, derivatives, measured, measured_signals, .. } = &self.references;
         if derivatives.contains(&reference) {
             return Ok(Unknown::Rate(reference - derivatives.start));
         }
         if signals.contains(&reference) {
             return Ok(Unknown::Signal(reference - signals.start));
         }
-        if measured.contains(&reference) && self.ordinary.as_ref().is_some_and(|ordinary| ordinary.at_work) {
-            let (wheels, links) = (self.model.rover.wheels.len(), self.model.rover.links.len());
-            let name = &measurements("", wheels, links)[reference - measured.start].name;
-            let signal =
-                self.description.entries[signals.clone()].iter().position(|entry| entry.variable.name == *name);
-            return signal.map(Unknown::Signal).ok_or_else(|| self.refused(reference, "unknown"));
+        if measured.contains(&reference) && self.motion == Motion::Integrator {
+            return Ok(Unknown::Signal(measured_signals[reference - measured.start] - signals.start));
         }
         Err(self.refused(reference, "unknown"))
     }

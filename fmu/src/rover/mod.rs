@@ -26,6 +26,7 @@
 //! were set when it was begun; inputs set at the point between act from the next whole inner step on. At whole multiples
 //! every value is the core's, bit for bit.
 
+mod by_reference;
 #[cfg(feature = "carriage")]
 mod carriage;
 mod continuous;

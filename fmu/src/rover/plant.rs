@@ -1,11 +1,13 @@
 //! A rover, with its controller or without, as a [`Model`].
 
+use super::by_reference::{by_reference, from_values, into_places, starts};
 use super::continuous::Ordinary;
-use super::outputs::{event, measurements, number, write_readings};
+use super::outputs::{event, measurements};
 use super::place::Place;
 use super::{Kind, Packed, USUAL_STEP, description};
 use crate::model::{Continuous, Failure, Model, Outcome};
 use bekker::model::{ControlKind, Model as RoverModel, Plant, Run};
+use bekker::signals::Measurement;
 use bekker::simulation::Status;
 use bekker_modeldescription::xml::Variability::{Fixed, Tunable};
 use bekker_modeldescription::xml::{Description, Entry};
@@ -20,10 +22,23 @@ pub(super) struct References {
     pub inputs: Range<usize>,
     pub signals: Range<usize>,
     pub measured: Range<usize>,
+    /// Of the signal that each of them measures.
+    pub measured_signals: Vec<usize>,
     pub event: usize,
     /// Continuous states and their derivatives.
     pub states: Range<usize>,
     pub derivatives: Range<usize>,
+}
+
+/// What has brought a rover to the present point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Motion {
+    /// The run, which is at the inner step of this point.
+    Steps,
+    /// The run, which is at the inner step behind this point.
+    BetweenSteps,
+    /// An integrator that moves the states of the equations; the run stays where it was.
+    Integrator,
 }
 
 /// A rover, at its start or on its way.
@@ -41,10 +56,11 @@ pub(super) struct Rover {
     /// Values by reference; that of time is not used.
     pub(super) values: Vec<f64>,
     pub(super) references: References,
-    /// Signals at the inner step before the run's, where the communication point is between both; `time` is that point's.
-    pub(super) before: Vec<f64>,
-    pub(super) between: bool,
+    pub(super) motion: Motion,
+    /// Time of the present point, s.
     pub(super) time: f64,
+    /// Signals at the inner step before the run's, where the point is between both.
+    pub(super) before: Vec<f64>,
     pub(super) ordinary: Option<Ordinary>,
 }
 
@@ -89,9 +105,12 @@ impl Rover {
         let first = event + 1;
         let (states, derivatives) = ordinary.as_ref().map(|ordinary| ordinary.entries(first)).unwrap_or_default();
         let (states, derivatives) = (group(states), group(derivatives));
-        let references = References { parameters, inputs, signals, measured, event, states, derivatives };
-        let values: Vec<f64> = entries.iter().map(|entry| entry.start).collect();
+        let of_signal = |signal| signals.start + signal;
+        let measured_signals = Measurement::measured_signals(run.signals()).into_iter().map(of_signal).collect();
+        let references =
+            References { parameters, inputs, signals, measured, measured_signals, event, states, derivatives };
         let description = Arc::new(description(&model, packed, run.step_size(), entries));
+        let values = starts(&description);
         let mut rover = Self {
             description,
             before: vec![0.0; references.signals.len()],
@@ -102,7 +121,7 @@ impl Rover {
             sensing,
             values,
             references,
-            between: false,
+            motion: Motion::Steps,
             time: 0.0,
             ordinary,
         };
@@ -115,11 +134,10 @@ impl Rover {
     /// Takes signals, measurements and event from the run.
     pub(super) fn read_outputs(&mut self) {
         let References { signals, measured, event, .. } = &self.references;
-        let mut places = self.values[signals.clone()].iter_mut();
-        self.run.signals().values(&mut |value| places.next().into_iter().for_each(|place| *place = value));
-        write_readings(self.run.measurement(), self.values[measured.clone()].iter_mut());
-        self.values[*event] = number(self.run.status());
-        (self.between, self.time) = (false, self.run.time());
+        self.run.signals().values(&mut into_places(&mut self.values[signals.clone()]));
+        self.run.measurement().values(&mut into_places(&mut self.values[measured.clone()]));
+        self.values[*event] = self.run.status().place() as f64;
+        (self.motion, self.time) = (Motion::Steps, self.run.time());
     }
 
     pub(super) fn write_inputs(&mut self) -> Result<(), Failure> {
@@ -130,8 +148,7 @@ impl Rover {
     /// Takes the parameters' values over and makes the run that they start.
     pub(super) fn restart(&mut self, parameters: &[f64]) -> Result<(), Failure> {
         let mut model = self.model.clone();
-        let mut values = parameters.iter();
-        visit(&mut model, self.sensing, &mut |_, place| values.next().into_iter().for_each(|value| *place = *value));
+        write(&mut model, self.sensing, parameters);
         self.run = start(&model, self.sensing).map_err(Failure)?;
         (self.tuned, self.model) = (model.clone(), model);
         self.applied = parameters.to_vec();
@@ -174,17 +191,22 @@ impl Rover {
 
     /// Keeps the run's signals, before it goes a step beyond the communication point.
     fn keep_before(&mut self) {
-        let mut places = self.before.iter_mut();
-        self.run.signals().values(&mut |value| places.next().into_iter().for_each(|place| *place = value));
+        self.run.signals().values(&mut into_places(&mut self.before));
     }
 }
 
 /// The parameters of such an FMU: those of the model, and the sensors where they are read without a controller.
-pub(super) fn visit(model: &mut RoverModel, sensing: Option<f64>, f: &mut dyn FnMut(Variable, &mut f64)) {
+fn visit(model: &mut RoverModel, sensing: Option<f64>, f: &mut dyn FnMut(Variable, &mut f64)) {
     model.visit("", f);
     if sensing.is_some() {
         model.sensors.visit("sensor", f);
     }
+}
+
+/// Gives these parameters their values.
+pub(super) fn write(model: &mut RoverModel, sensing: Option<f64>, values: &[f64]) {
+    let mut take = from_values(values);
+    visit(model, sensing, &mut |_, place| take(place));
 }
 
 fn start(model: &RoverModel, sensing: Option<f64>) -> Result<Run, String> {
@@ -205,17 +227,7 @@ fn reading_period(model: &RoverModel) -> Result<f64, String> {
 }
 
 impl Model for Rover {
-    fn description(&self) -> &Description {
-        &self.description
-    }
-
-    fn get(&self, reference: usize) -> f64 {
-        self.values[reference]
-    }
-
-    fn set(&mut self, reference: usize, value: f64) {
-        self.values[reference] = value;
-    }
+    by_reference!();
 
     fn start(&mut self) -> Result<(), Failure> {
         let parameters = self.values[self.references.parameters.clone()].to_vec();
@@ -229,10 +241,6 @@ impl Model for Rover {
         self.run.step_size()
     }
 
-    fn elapsed(&self) -> f64 {
-        self.time
-    }
-
     fn advance(&mut self, steps: u64) -> Result<Outcome, Failure> {
         self.tune()?;
         self.write_inputs()?;
@@ -244,8 +252,8 @@ impl Model for Rover {
 
     fn advance_to(&mut self, time: f64) -> Result<Outcome, Failure> {
         let place = Place::of(time, self.inner_step())?;
-        let (now, ahead) = (self.time, self.between);
-        if place.end() < self.ticks() || (ahead && time < now) {
+        let now = self.time;
+        if place.end() < self.ticks() || (self.motion == Motion::BetweenSteps && time < now) {
             return Err(Failure(format!("the communication point {time} s lies before the present time, {now} s")));
         }
         self.tune()?;
@@ -261,19 +269,13 @@ impl Model for Rover {
             return Ok(self.outcome());
         }
         self.interpolate(place.share);
-        (self.between, self.time) = (true, time);
+        (self.motion, self.time) = (Motion::BetweenSteps, time);
         Ok(Outcome::Running)
     }
 
     fn reset(&mut self) {
-        for (place, entry) in self.values.iter_mut().zip(&self.description.entries) {
-            *place = entry.start;
-        }
-        (self.between, self.time) = (false, 0.0);
-    }
-
-    fn duplicate(&self) -> Box<dyn Model> {
-        Box::new(self.clone())
+        self.values = starts(&self.description);
+        (self.motion, self.time) = (Motion::Steps, 0.0);
     }
 
     fn serialise(&self) -> Result<Vec<u8>, Failure> {

@@ -1,6 +1,6 @@
 //! A rover's whole state as bytes.
 
-use super::plant::Rover;
+use super::plant::{Motion, Rover};
 use crate::model::Failure;
 use bekker::snapshot::{Fingerprint, Reader, SnapshotError, Writer, close, open};
 
@@ -42,14 +42,14 @@ impl Rover {
         write_list(&self.applied, &mut body);
         body.bytes(&self.run.snapshot()?);
         write_list(&self.before, &mut body);
-        body.number(u64::from(self.between));
+        body.number(u64::from(self.motion == Motion::BetweenSteps));
         body.real(self.time);
         if let Some(ordinary) = &self.ordinary {
             ordinary.equations.write(&mut body);
             body.real(ordinary.time);
             body.real(ordinary.accepted);
             body.number(u64::from(ordinary.stuck));
-            body.number(u64::from(ordinary.at_work));
+            body.number(u64::from(self.motion == Motion::Integrator));
         }
         Ok(close(KIND, VERSION, Fingerprint::of(&self.description.content), &body.finish()))
     }
@@ -68,17 +68,20 @@ impl Rover {
         there.tune_to(parameters)?;
         there.run.restore(from.bytes()?)?;
         read_list(&mut there.before, "signals", &mut from)?;
-        there.between = read_flag(&mut from)?;
+        let between = read_flag(&mut from)?;
         let time = from.real()?;
         let values = there.values.clone();
         there.begin()?;
         (there.values, there.time) = (values, time);
+        there.motion = if between { Motion::BetweenSteps } else { Motion::Steps };
         if let Some(ordinary) = &mut there.ordinary {
             ordinary.equations.read(&mut from)?;
             ordinary.time = from.real()?;
             ordinary.accepted = from.real()?;
             ordinary.stuck = read_flag(&mut from)?;
-            ordinary.at_work = read_flag(&mut from)?;
+            if read_flag(&mut from)? {
+                there.motion = Motion::Integrator;
+            }
             ordinary.stale();
         }
         from.end()?;

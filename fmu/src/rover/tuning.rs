@@ -1,6 +1,6 @@
 //! Parameters that change between two steps.
 
-use super::plant::{Rover, visit};
+use super::plant::{Rover, write};
 use crate::model::Failure;
 use bekker_modeldescription::xml::Entry;
 use bekker_modeldescription::xml::Variability::Tunable;
@@ -27,8 +27,7 @@ impl Rover {
             return Ok(());
         }
         let mut model = self.tuned.clone();
-        let mut values = wanted.iter();
-        visit(&mut model, self.sensing, &mut |_, place| values.next().into_iter().for_each(|value| *place = *value));
+        write(&mut model, self.sensing, &wanted);
         self.run.retune(&model).map_err(|error| Failure(error.to_string()))?;
         if let Some(ordinary) = &mut self.ordinary {
             ordinary.equations.retune(model.rover.clone());

@@ -27,6 +27,7 @@ mod tests {
 
     #[test]
     fn published_structured_names() {
+        // The grammar that the FMI 3.0 standard gives for `variableNamingConvention="structured"`.
         for good in ["x", "_a", "wheel[2].slip", "soil.k_phi", "m[1,20].n[3]", "der(state.wheel[2].spin)"] {
             assert!(is_structured(good), "{good}");
         }

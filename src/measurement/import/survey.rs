@@ -79,8 +79,8 @@ impl Survey {
             for row in &sheet.rows {
                 let cell = &row.cells[k];
                 if !cell.is_empty() {
-                    column.texts.push(cell.clone());
-                    column.numbers.extend(sheet.parsed(cell));
+                    column.texts.push(cell.text().into_owned());
+                    column.numbers.extend(sheet.value(cell));
                 }
             }
         }

@@ -174,7 +174,7 @@ fn turn_pull(survey: &Survey, found: &mut [(&FoundColumn, Entry)]) {
             continue;
         };
         for row in &sheet.rows {
-            if let (Some(slip), Some(pull)) = (sheet.parsed(&row.cells[a]), sheet.parsed(&row.cells[b])) {
+            if let (Some(slip), Some(pull)) = (sheet.value(&row.cells[a]), sheet.value(&row.cells[b])) {
                 pairs.0.push(slip);
                 pairs.1.push(pull);
             }

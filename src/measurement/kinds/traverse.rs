@@ -223,7 +223,7 @@ fn runs_by_label<'a>(survey: &'a Survey, found: &mut Vec<(&'a FoundColumn, Entry
     let name = time.0.name.clone();
     let starts = |sheet: &Sheet, label: usize| {
         let at = sheet.position(&name)?;
-        let time = |row: usize| sheet.parsed(&sheet.rows[row].cells[at]);
+        let time = |row: usize| sheet.value(&sheet.rows[row].cells[at]);
         let anew: Vec<usize> = (1..sheet.rows.len()).filter(|row| time(*row) <= time(row - 1)).collect();
         let changes = |row: &usize| sheet.rows[*row].cells[label] != sheet.rows[row - 1].cells[label];
         Some(!anew.is_empty() && anew.iter().all(changes))

@@ -1,23 +1,10 @@
-//! Public measurements read as their authors wrote them, and the examples of the format's page. The measurements are not part
-//! of the project; without them the tests say so and pass.
-
-#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+//! Public measurements read as their authors wrote them.
 
 use bekker::measurement::{Experiment, Kind, Proposal};
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// The file gives means over a trial, and the mean of a ratio is not the ratio of the means.
 const OF_MEANS: f64 = 1e-3;
-
-fn data(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(name);
-    if path.exists() {
-        return Some(path);
-    }
-    println!("skipped: no {name}");
-    None
-}
 
 fn read(toml: &str, file: &Path) -> Experiment {
     let texts = [("experiment.toml", toml.to_owned()), ("a.csv", std::fs::read_to_string(file).unwrap())];
@@ -41,14 +28,11 @@ Vr = { signal = "rim_speed", unit = "mm/s" }
 file = "a.csv"
 "#;
 
-#[test]
-fn agreement_cmu_speeds_give_the_recorded_slip() {
-    let Some(file) = data("cmu_smooth_189trials.csv") else { return };
+pub fn agreement_cmu_speeds_give_the_recorded_slip([file]: [PathBuf; 1]) {
     let recorded = read(CMU, &file);
     // The same with the file's own slip left out: it follows from the speeds.
     let computed = read(&CMU.replace("\"s*\"]", "\"s*\", \"slip\"]"), &file);
     let (a, b) = (&recorded.runs[0].data, &computed.runs[0].data);
-    println!("{} rows, doubts {:?}", a.rows(), recorded.doubts);
     assert_eq!((a.rows(), recorded.signals()), (27, vec!["drawbar_pull".to_owned(), "sinkage".to_owned()]));
     for row in 0..a.rows() {
         let (recorded, computed) = (a.value("slip", row).unwrap(), b.value("slip", row).unwrap());
@@ -59,9 +43,7 @@ fn agreement_cmu_speeds_give_the_recorded_slip() {
     assert!((a.value("sinkage", 0).unwrap() - 0.024_770_011_901_855_47).abs() < f64::EPSILON);
 }
 
-#[test]
-fn property_dings_columns_give_parameters() {
-    let Some(file) = data("ding2011_single_wheel.csv") else { return };
+pub fn property_dings_columns_give_parameters([file]: [PathBuf; 1]) {
     let toml = r#"name = "Ding"
 kind = "single_wheel"
 ignore = ["source", "case_id", "grouser_count", "soil_simulant", "status", "citation", "notes"]
@@ -86,32 +68,14 @@ file = "a.csv"
 }
 
 fn import(name: &str, files: &[PathBuf]) -> (Proposal, Result<Experiment, String>) {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("experiment_real_files").join(name);
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("real_data").join(name);
     let _ = std::fs::remove_dir_all(&folder);
     let proposal = Proposal::of(files, None).unwrap();
     let read = proposal.write(&folder).unwrap().read.map_err(|error| error.to_string());
-    println!("{}\nunsure {:#?}\nmissing {:#?}\n", proposal.settings, proposal.unsure, proposal.missing);
-    match &read {
-        Ok(experiment) => println!("{} runs, doubts {:#?}", experiment.runs.len(), experiment.doubts),
-        Err(problem) => println!("{problem}"),
-    }
     (proposal, read)
 }
 
-#[test]
-fn property_public_files_are_imported() {
-    let [cmu, ding, cuadriga, asphalt, loam] = [
-        "cmu_smooth_189trials.csv",
-        "ding2011_single_wheel.csv",
-        "cuadriga_2019/2019_01_29_10_53_36.csv",
-        "husky/borealtc_asphalt.csv",
-        "husky/borealtc_sandy_loam.csv",
-    ]
-    .map(data);
-    let (Some(cmu), Some(ding), Some(cuadriga), Some(asphalt), Some(loam)) = (cmu, ding, cuadriga, asphalt, loam)
-    else {
-        return;
-    };
+pub fn property_public_files_are_imported([cmu, ding, cuadriga, asphalt, loam]: [PathBuf; 5]) {
     let radius = |problem: Result<Experiment, String>| {
         let problem = problem.unwrap_err();
         assert!(problem.contains("needs \"wheel.radius\""), "{problem}");
@@ -133,30 +97,4 @@ fn property_public_files_are_imported() {
     assert_eq!(proposal.kind, Kind::Traverse);
     assert!(proposal.settings.contains("\"run\" = { run = true }"));
     radius(read);
-}
-
-/// The blocks of TOML of the page that are whole settings.
-fn examples() -> Vec<String> {
-    let page = include_str!("../examples/experiments.md");
-    page.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap().to_owned()).collect()
-}
-
-fn texts<const N: usize>(toml: &str, files: [(&str, String); N]) -> BTreeMap<String, String> {
-    let files = files.into_iter().chain([("experiment.toml", toml.to_owned())]);
-    files.map(|(name, text)| (name.to_owned(), text)).collect()
-}
-
-#[test]
-fn regress_examples_of_the_page_can_be_read() {
-    let [wheel, rover] = examples().try_into().unwrap();
-    let trials = "beta,DP,W [kg],z,Vx,Vr,h,Fs,sDP\n0,2,2.5,-12,10,20,0,0,1\n0,2.1,2.5,-13,10,20,5,0,1\n15,2,2.5,-12,10,20,0,0,1\n";
-    let experiment = Experiment::from_texts(&texts(&wheel, [("trials.csv", trials.to_owned())])).unwrap();
-    assert_eq!((experiment.runs.len(), experiment.doubts.len()), (2, 0), "{:?}", experiment.doubts);
-    assert_eq!(experiment.runs[1].parameters["grousers.height"], 0.005);
-    let rows = (0..10).map(|k| format!("2019-01-29T10:53:0{k},120;a;2,5;800;-1,5;0;0;790\n"));
-    let log = "stamp;drive;command;I_left;imu_pitch;imu_roll;imu_yaw;I_right\n".to_owned() + &rows.collect::<String>();
-    let hill = "x,z\n0,0\n2,0.1\n".to_owned();
-    let experiment = Experiment::from_texts(&texts(&rover, [("2019_01_29.csv", log), ("hill.csv", hill)])).unwrap();
-    assert_eq!(experiment.signals(), ["wheel[1+2].current", "pitch"]);
-    assert_eq!((experiment.runs[0].name.as_str(), experiment.doubts.len()), ("2019_01_29#a", 0));
 }

@@ -1,7 +1,5 @@
 //! Diagnoses of real measurements: the smooth wheel of the robomechanics data (Pavlov and Johnson), and the rows of Ding et
-//! al. 2011. The files are not part of the project; without them the tests say so and pass.
-
-#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+//! al. 2011.
 
 use bekker::diagnosis::{Control, DiagnoseOptions, Diagnosis, FloorSource, Verdict, diagnose};
 use bekker::measurement::Experiment;
@@ -12,29 +10,12 @@ use std::path::{Path, PathBuf};
 /// Share of the left-out error that a named effect has to take away, frozen in `tests/real_data/answers.toml`.
 const CUT: f64 = 0.3;
 
-fn data(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(name);
-    if path.exists() {
-        return Some(path);
-    }
-    println!("skipped: no {name}");
-    None
-}
-
 fn diagnosed(experiment: &Experiment) -> Diagnosis {
     let model = Model::preset("two_wheeled").unwrap();
-    let diagnosis = diagnose(&model, experiment, &DiagnoseOptions::default(), &Control::default()).unwrap();
-    println!("{}: {:?} {:?}", experiment.name, diagnosis.verdict, diagnosis.effects);
-    for step in &diagnosis.steps {
-        println!("  {:?}: {:?}, left out {:?}", step.added, step.rmse, step.heldout_rmse);
-    }
-    println!("  {:?}", diagnosis.cautions);
-    diagnosis
+    diagnose(&model, experiment, &DiagnoseOptions::default(), &Control::default()).unwrap()
 }
 
-#[test]
-fn published_slip_sinkage_is_what_the_smooth_wheel_lacks() {
-    let Some(folder) = data("cmu_smooth") else { return };
+pub fn agreement_the_smooth_wheel_lacks_slip_sinkage_as_an_expert_says([folder]: [PathBuf; 1]) {
     let diagnosis = diagnosed(&Experiment::read(folder).unwrap());
     assert_eq!(diagnosis.noise_floor_source, FloorSource::Replicates);
     assert_eq!(diagnosis.involved(), ["slip_sinkage"]);
@@ -50,9 +31,8 @@ fn published_slip_sinkage_is_what_the_smooth_wheel_lacks() {
 }
 
 /// The rows of Ding's smooth or lugged wheel as an experiment: digitised, without repeats.
-fn ding(lugs: &str) -> Option<Experiment> {
-    let csv = data("ding2011_single_wheel.csv")?;
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("published_wheel_diagnosis").join(lugs);
+fn ding(csv: &Path, lugs: &str) -> Experiment {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("real_data").join(lugs);
     std::fs::create_dir_all(&folder).unwrap();
     let mut out = "load,slip,wheel_speed,drawbar_pull,torque,sinkage\n".to_owned();
     for line in std::fs::read_to_string(csv).unwrap().lines().filter(|line| line.contains(lugs)) {
@@ -66,13 +46,12 @@ fn ding(lugs: &str) -> Option<Experiment> {
         "name = \"Ding 2011, {lugs}\"\nkind = \"single_wheel\"\n[parameters]\n\"wheel.radius\" = 0.15735\n\"wheel.width\" = 0.165\n[[run]]\nfile = \"rows.csv\"\n"
     );
     std::fs::write(folder.join("experiment.toml"), toml).unwrap();
-    Some(Experiment::read(&folder).unwrap())
+    Experiment::read(&folder).unwrap()
 }
 
-#[test]
-fn published_rows_of_ding_have_no_floor_and_no_confident_name() {
+pub fn agreement_rows_of_ding_have_no_floor_and_no_confident_name([csv]: [PathBuf; 1]) {
     for lugs in ["ding2011_smooth", "ding2011_lug10"] {
-        let Some(experiment) = ding(lugs) else { return };
+        let experiment = ding(&csv, lugs);
         assert_eq!(experiment.runs[0].data.rows(), 6);
         let diagnosis = diagnosed(&experiment);
         assert_eq!(diagnosis.noise_floor_source, FloorSource::Unknown);
