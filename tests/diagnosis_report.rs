@@ -2,11 +2,15 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 #![cfg(feature = "report")]
 
+#[path = "support/schema.rs"]
+mod schema;
+
 use bekker::diagnosis::{Control, DiagnoseOptions, Diagnosis, Suggestion, Verdict, diagnose};
 use bekker::effects::EFFECTS;
 use bekker::measurement::Experiment;
 use bekker::model::Model;
 use bekker::report::diagnosis_page;
+use schema::faults;
 use std::path::Path;
 use std::sync::LazyLock;
 
@@ -218,4 +222,28 @@ fn property_missing_parts_and_strange_names_do_not_break_the_page() {
     assert!(first_screen(&page).contains("noise unknown"));
     assert!(section(&page, "next").contains("No further experiment is suggested."));
     assert!(!page[page.find("<main>").unwrap()..].contains("NaN"));
+}
+
+/// The form of the JSON, as it is published.
+const SCHEMA: &str = include_str!("../src/diagnosis/diagnose/result.schema.json");
+
+#[test]
+fn property_the_json_has_the_form_that_its_schema_says() {
+    let schema: serde_json::Value = serde_json::from_str(SCHEMA).unwrap();
+    let json = DIAGNOSIS.to_json();
+    let wrong = faults(&schema, &json);
+    assert!(wrong.is_empty(), "{wrong:?}");
+    // The schema is no form that anything has: it refuses a key that is missing, and one that it does not know.
+    let keys = json.as_object().unwrap().keys();
+    for key in keys {
+        let mut less = json.clone();
+        less.as_object_mut().unwrap().remove(key);
+        assert!(!faults(&schema, &less).is_empty(), "`{key}` may be missing");
+    }
+    for place in ["", "/steps/0", "/candidates/0", "/curves/0/groups/0", "/lack_of_fit", "/profiles/0"] {
+        let mut more = json.clone();
+        let object = more.pointer_mut(place).and_then(serde_json::Value::as_object_mut).unwrap();
+        object.insert("strange".to_owned(), serde_json::Value::Null);
+        assert!(!faults(&schema, &more).is_empty(), "`{place}` may have a strange key");
+    }
 }

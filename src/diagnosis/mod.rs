@@ -1,7 +1,9 @@
 //! Comparing the model with measurements.
 //!
 //! [`compare`] runs the model on an experiment's inputs and returns measured, modelled and residual values beside the
-//! scatter between repeats, on request after a calibration of the soil.
+//! scatter between repeats, on request after a calibration of the soil; [`diagnose()`] looks for the effect that is missing.
+//!
+//! What differs between kinds of experiment stands in `kinds`, every constant of judgement in `thresholds`.
 
 mod bounds;
 mod calibrate;

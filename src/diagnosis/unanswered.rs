@@ -17,18 +17,25 @@
 
 use super::layout::Layout;
 use super::prediction::PredictionError;
+use serde::{Serialize, Serializer};
 use std::fmt;
 use std::ops::Range;
 
 /// Neighbouring rows of a run that the model cannot answer.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct UnansweredRows {
     /// Name of the run.
     pub run: String,
-    /// First and last of the rows, counted from 1.
+    /// First and last of the rows, counted from 1; `first_row` and `last_row` in JSON.
+    #[serde(flatten, serialize_with = "first_and_last")]
     pub rows: (usize, usize),
     /// Why there is no answer.
     pub reason: String,
+}
+
+/// The keys of a range of rows.
+fn first_and_last<S: Serializer>((first_row, last_row): &(usize, usize), to: S) -> Result<S::Ok, S::Error> {
+    to.collect_map([("first_row", first_row), ("last_row", last_row)])
 }
 
 impl UnansweredRows {

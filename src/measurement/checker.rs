@@ -7,7 +7,7 @@ use super::mapping::{ColumnEntry, Factor, Target};
 use super::settings::{File, Priors, Quantities, RunSettings, RunTable};
 use super::suspicion;
 use super::vocabulary;
-use super::written::{Place, PriorEntry, Quantity, Written, parameter_factor};
+use super::written::{PriorEntry, Quantity, SettingsText, Written, parameter_factor};
 use crate::effects::EffectDefinition;
 use crate::soil_class::SoilClass;
 use bekker_modeldescription::Unit;
@@ -17,7 +17,7 @@ use toml::Spanned;
 
 /// Checks single entries; errors name the key and its line.
 pub(super) struct Checker<'a> {
-    pub place: Place<'a>,
+    pub text: SettingsText<'a>,
     pub kind: Kind,
     /// Effects of the user's own, whose parameters have units too.
     pub effects: &'a [EffectDefinition],
@@ -28,7 +28,7 @@ impl Checker<'_> {
         let kind = self.kind.name();
         let only_traverse = |key: &str, at: usize| {
             let message = format!("only a `traverse` run has `{key}`; this is a `{kind}`");
-            Err(self.place.error(key, at, message))
+            Err(self.text.error(key, at, message))
         };
         match (&run.terrain, &run.x0) {
             _ if self.kind.format().has_course() => {}
@@ -59,11 +59,11 @@ impl Checker<'_> {
             return Ok(name.get_ref().clone());
         }
         let message = "expected a name, or a path below the experiment's folder".to_owned();
-        Err(self.place.error("name", name.span().start, message))
+        Err(self.text.error("name", name.span().start, message))
     }
 
     fn filter(&self, column: &str, value: &Spanned<toml::Value>) -> Result<Filter, ExperimentError> {
-        let refused = |message| self.place.error(&format!("where.{column}"), value.span().start, message);
+        let refused = |message| self.text.error(&format!("where.{column}"), value.span().start, message);
         Filter::of(column, value.get_ref()).map_err(refused)
     }
 
@@ -71,7 +71,7 @@ impl Checker<'_> {
         let (key, at) = (format!("inputs.{name}"), value.span().start);
         let (number, symbol) = value.get_ref().parts();
         let unit = self.signal(name).ok_or_else(|| self.unknown_signal(&key, at, name))?;
-        let factor = Factor::of_signal(unit, symbol).map_err(|message| self.place.error(&key, at, message))?;
+        let factor = Factor::of_signal(unit, symbol).map_err(|message| self.text.error(&key, at, message))?;
         Ok((name.to_owned(), self.finite(&key, number, at)?, factor))
     }
 
@@ -83,7 +83,7 @@ impl Checker<'_> {
         let near = vocabulary::alike(self.kind, name);
         let near = if near.is_empty() { String::new() } else { format!("; did you mean {}?", near.join(", ")) };
         let message = format!("`{name}` is no signal of a `{}` experiment{near}", self.kind.name());
-        self.place.error(key, at, message)
+        self.text.error(key, at, message)
     }
 
     pub fn columns(&self, file: &File) -> Result<Vec<(String, Target, u64)>, ExperimentError> {
@@ -91,17 +91,17 @@ impl Checker<'_> {
             let (key, at) = (format!("columns.{name}"), entry.span().start);
             if file.ignore.contains(name) {
                 let message = "the column is also listed under `ignore`".to_owned();
-                return Err(self.place.error(&key, at, message));
+                return Err(self.text.error(&key, at, message));
             }
             let target = Target::of(entry.get_ref(), self.kind, self.effects);
-            let target = target.map_err(|message| self.place.error(&key, at, message))?;
-            Ok((name.clone(), target, self.place.line(at)))
+            let target = target.map_err(|message| self.text.error(&key, at, message))?;
+            Ok((name.clone(), target, self.text.line(at)))
         };
         file.columns.iter().map(one).collect()
     }
 
     pub fn effect(&self, effect: &Spanned<EffectDefinition>) -> Result<(), ExperimentError> {
-        let refused = |error| self.place.error("effect", effect.span().start, format!("{error}"));
+        let refused = |error| self.text.error("effect", effect.span().start, format!("{error}"));
         effect.get_ref().clone().build().map(|_| ()).map_err(refused)
     }
 
@@ -110,9 +110,9 @@ impl Checker<'_> {
             let (key, at) = (format!("parameters.{name}"), value.span().start);
             let (number, unit) = value.get_ref().parts();
             let factor = parameter_factor(name, unit, self.effects);
-            let factor = factor.map_err(|message| self.place.error(&key, at, message))?;
+            let factor = factor.map_err(|message| self.text.error(&key, at, message))?;
             let number = self.finite(&key, number, at)? * factor;
-            suspicion::parameter(name, number, self.effects).map_err(|message| self.place.error(&key, at, message))?;
+            suspicion::parameter(name, number, self.effects).map_err(|message| self.text.error(&key, at, message))?;
             Ok((name.clone(), number))
         };
         numbers.iter().map(one).collect()
@@ -122,7 +122,7 @@ impl Checker<'_> {
         if number.is_finite() {
             return Ok(number);
         }
-        Err(self.place.error(key, at, format!("{number} is not a finite number")))
+        Err(self.text.error(key, at, format!("{number} is not a finite number")))
     }
 
     /// Priors with their means: a deviation alone stands about the value in `[parameters]`.
@@ -133,7 +133,7 @@ impl Checker<'_> {
     ) -> Result<BTreeMap<String, Prior>, ExperimentError> {
         let prior = |(name, entry): (&String, &Spanned<PriorEntry>)| {
             let (key, at) = (format!("priors.{name}"), entry.span().start);
-            let refused = |message: String| self.place.error(&key, at, message);
+            let refused = |message: String| self.text.error(&key, at, message);
             let (mean, deviation, unit) = match entry.get_ref() {
                 Written::Plain(deviation) => (None, *deviation, None),
                 Written::Table(table) => (table.mean, table.sd, table.unit.as_deref()),
@@ -167,7 +167,7 @@ impl Checker<'_> {
             return Ok(name.clone());
         }
         let message = format!("no class of soil is called `{name}`; expected one of {}", SoilClass::names());
-        Err(self.place.error("soil.class", class.span().start, message))
+        Err(self.text.error("soil.class", class.span().start, message))
     }
 
     pub fn noise(&self, name: &str, sd: &Spanned<Quantity>) -> Result<(String, (f64, u64)), ExperimentError> {
@@ -176,15 +176,15 @@ impl Checker<'_> {
         // A signal that is none is refused once it is known what the runs measure.
         let factor = match (symbol, self.signal(name)) {
             (Some(symbol), Some(unit)) => {
-                unit.factor_of(symbol).map_err(|e| self.place.error(&key, at, e.to_string()))?
+                unit.factor_of(symbol).map_err(|e| self.text.error(&key, at, e.to_string()))?
             }
             (Some(_), None) => return Err(self.unknown_signal(&key, at, name)),
             (None, _) => 1.0,
         };
         let number = self.finite(&key, number, at)? * factor;
         if number > 0.0 {
-            return Ok((name.to_owned(), (number, self.place.line(at))));
+            return Ok((name.to_owned(), (number, self.text.line(at))));
         }
-        Err(self.place.error(&key, at, format!("a standard deviation is positive, not {number}")))
+        Err(self.text.error(&key, at, format!("a standard deviation is positive, not {number}")))
     }
 }

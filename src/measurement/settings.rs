@@ -7,7 +7,7 @@ use super::experiment::{Kind, Prior};
 use super::files::{Files, SETTINGS};
 use super::filter::Filter;
 use super::mapping::{ColumnEntry, Factor, Target};
-use super::written::{Place, PriorEntry, Quantity};
+use super::written::{PriorEntry, Quantity, SettingsText};
 use crate::effects::EffectDefinition;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -118,7 +118,7 @@ impl Settings {
             return Err(ExperimentError::in_file(&path, problem));
         }
         let effects: Vec<_> = file.effect.iter().map(Spanned::get_ref).cloned().collect();
-        let check = Checker { place: Place { path: &path, text: &text }, kind: file.kind, effects: &effects };
+        let check = Checker { text: SettingsText { path: &path, text: &text }, kind: file.kind, effects: &effects };
         file.effect.iter().try_for_each(|effect| check.effect(effect))?;
         let parameters = check.parameters(&file.parameters)?;
         let priors = check.priors(&file.priors, &parameters)?;
@@ -149,7 +149,7 @@ fn not_toml(path: &Path, text: &str, error: &toml::de::Error) -> ExperimentError
     }
     let place = ExperimentError::in_file(path, Problem::Setting(message));
     match error.span() {
-        Some(span) => place.at_line(Place { path, text }.line(span.start)),
+        Some(span) => place.at_line(SettingsText { path, text }.line(span.start)),
         None => place,
     }
 }

@@ -98,12 +98,12 @@ pub(super) fn parameter_factor(name: &str, unit: Option<&str>, effects: &[Effect
 
 /// Byte offsets become lines here: whoever reports an error of the settings does it through this.
 #[derive(Clone, Copy)]
-pub(super) struct Place<'a> {
+pub(super) struct SettingsText<'a> {
     pub path: &'a Path,
     pub text: &'a str,
 }
 
-impl Place<'_> {
+impl SettingsText<'_> {
     pub fn error(&self, key: &str, at: usize, message: String) -> ExperimentError {
         let error = ExperimentError::in_file(self.path, Problem::Setting(message));
         error.at_line(self.line(at)).at_column(key)

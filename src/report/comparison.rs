@@ -3,7 +3,7 @@
 
 use super::diagnosis::{add_panels, how_drawn};
 use super::page::{Page, escape, table};
-use super::plots::{Condition, Model, Samples, View, residuals};
+use super::plots::{Condition, DrawnModel, Samples, View, residuals};
 use super::units::{digits, of_column, of_unit, short, spoken};
 use super::words::{sentence, source, summary, what_was_measured};
 use crate::diagnosis::{Calibration, Comparison, Failure, UnansweredRows};
@@ -76,12 +76,12 @@ fn unanswered(which: &str, unanswered: &[UnansweredRows]) -> String {
 }
 
 fn add_overlays(page: &mut Page, comparison: &Comparison) {
-    let mut models: Vec<Model> = comparison.given.iter().map(Model::given).collect();
+    let mut models: Vec<DrawnModel> = comparison.given.iter().map(DrawnModel::given).collect();
     models.extend(
         comparison
             .calibrated
             .as_ref()
-            .map(|(_, fit)| Model::calibrated("calibrated", "calibrated", fit, DashType::Solid)),
+            .map(|(_, fit)| DrawnModel::calibrated("calibrated", "calibrated", fit, DashType::Solid)),
     );
     let at_first = models.last().map(|model| model.key).into_iter().collect();
     let noise = comparison.noise_floor.iter().filter_map(|(signal, floor)| Some((signal.clone(), floor.value()?)));

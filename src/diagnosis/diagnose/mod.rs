@@ -8,7 +8,7 @@
 //!    and what the calibrated parameters cannot absorb of them (`signature`); what noise alone would give, by a parametric
 //!    bootstrap (`stage`, `bootstrap`);
 //! 3. **candidates**: every single effect and pair refitted jointly with the calibration, a long list first screened by its
-//!    sensitivities where a refit is dear (`search`, `starts`, `scout`);
+//!    sensitivities where a refit is dear (`candidates`, `search`, `starts`, `scout`);
 //! 4. **choice** of the effects that gain more than the best of all candidates does by noise alone (`choose`);
 //! 5. **verdict**: gains on left-out conditions (`held_out`, `folds`), probabilities over candidates, "enough" and "something
 //!    else" (`evidence`, `probability`), doubts (`doubts`, `soil`), and what follows (`judge`, `verdict`);
@@ -17,6 +17,7 @@
 //! Constants of judgement stand in [`super::thresholds`], what depends on the kind of experiment in [`super::kinds`].
 
 mod bootstrap;
+mod candidates;
 mod cautions;
 mod choose;
 mod control;
@@ -35,6 +36,7 @@ mod profile;
 mod result;
 mod scout;
 mod search;
+mod serialised;
 mod signature;
 mod soil;
 mod stage;

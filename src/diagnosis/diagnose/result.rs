@@ -1,5 +1,9 @@
 //! What a diagnosis finds. All figures are in SI units; arrays are by run and signal as in [`Fit`].
+//!
+//! The JSON of a diagnosis follows from these types; `result.schema.json` beside them says its form, and a test holds one
+//! against the other. Keys may be added, none changes its meaning.
 
+use super::serialised::{by_name, deviations, name_of};
 use crate::diagnosis::calibrate::CalibratedParameter;
 use crate::diagnosis::curves::Curves;
 use crate::diagnosis::fit::Fit;
@@ -48,9 +52,10 @@ pub struct ParameterResult {
 }
 
 /// A parameter of the final model with its profile likelihood.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FinalParameter {
     /// Name of the parameter.
+    #[serde(rename = "parameter")]
     pub name: String,
     /// 95 % interval of the profile likelihood; `None` where a side is open within the bounds.
     pub interval: (Option<f64>, Option<f64>),
@@ -59,7 +64,7 @@ pub struct FinalParameter {
 }
 
 /// One step from the calibrated baseline to the final model.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Step {
     /// The effect added at this step; `None` for the baseline.
     pub added: Option<String>,
@@ -68,6 +73,7 @@ pub struct Step {
     /// The same on conditions or runs that were left out of the fit.
     pub heldout_rmse: BTreeMap<String, f64>,
     /// Free parameters and their values.
+    #[serde(serialize_with = "by_name")]
     pub parameters: Vec<ParameterResult>,
     /// Sum of the squared whitened residuals, and its degrees of freedom.
     pub chi_square: f64,
@@ -76,11 +82,12 @@ pub struct Step {
     /// Share of the baseline's explainable chi-square that is left, 1 at the baseline.
     pub left: f64,
     /// Measured, modelled, residual.
+    #[serde(skip)]
     pub fit: Fit,
 }
 
 /// One candidate effect, added to the baseline alone (or beside the effects named before it).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CandidateResult {
     /// Effect id.
     pub effect: String,
@@ -104,11 +111,12 @@ pub struct CandidateResult {
     /// The part of its signature that the calibrated parameters cannot absorb, 0 to 1.
     pub visible_share: f64,
     /// The parameters of the effect after the fit; empty where only screened.
+    #[serde(serialize_with = "by_name")]
     pub parameters: Vec<ParameterResult>,
 }
 
 /// Two effects added to the baseline at once.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PairResult {
     /// The two ids.
     pub effects: [String; 2],
@@ -119,7 +127,7 @@ pub struct PairResult {
 }
 
 /// Whether what the baseline leaves is more than noise.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LackOfFit {
     /// Sum of squared whitened residuals of the calibrated baseline.
     pub chi_square: f64,
@@ -137,18 +145,21 @@ pub struct LackOfFit {
 }
 
 /// Probabilities of the two answers that are no effect; not numbers where some effects were not tried.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Share {
     /// The baseline is enough.
+    #[serde(rename = "probability_enough")]
     pub enough: f64,
     /// Something else than any candidate.
+    #[serde(rename = "probability_other")]
     pub other: f64,
 }
 
 /// All that a diagnosis finds.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Diagnosis {
     /// The experiment.
+    #[serde(serialize_with = "name_of")]
     pub experiment: Experiment,
     /// The answer.
     pub verdict: Verdict,
@@ -156,12 +167,15 @@ pub struct Diagnosis {
     /// possible there stand in `candidates` with `tied`.
     pub effects: Vec<String>,
     /// Noise floor of each signal: standard deviation of one sample.
+    #[serde(serialize_with = "deviations")]
     pub noise_floor: BTreeMap<String, NoiseFloor>,
     /// Where the noise floor comes from.
     pub noise_floor_source: FloorSource,
     /// The noise models used for whitening.
+    #[serde(rename = "noise_models")]
     pub noise: BTreeMap<String, NoiseModel>,
     /// The model before calibration, where it can compute the experiment.
+    #[serde(skip)]
     pub given: Option<Fit>,
     /// The baseline and each effect added.
     pub steps: Vec<Step>,
@@ -174,6 +188,7 @@ pub struct Diagnosis {
     /// Candidates without any signature in this experiment.
     pub invisible: Vec<String>,
     /// "Enough" and "something else".
+    #[serde(flatten)]
     pub share: Share,
     /// Lack of fit of the calibrated baseline.
     pub lack_of_fit: LackOfFit,
@@ -186,8 +201,10 @@ pub struct Diagnosis {
     /// Profile likelihood of the final model's parameters; empty if interrupted before.
     pub profiles: Vec<FinalParameter>,
     /// Where the baseline fails most, by signal and condition, the worst first.
+    #[serde(skip)]
     pub failures: Vec<Failure>,
     /// The same of the final model.
+    #[serde(skip)]
     pub failures_left: Vec<Failure>,
     /// What to measure next, the most useful first.
     pub suggestions: Vec<Suggestion>,
@@ -198,8 +215,10 @@ pub struct Diagnosis {
     /// The final model: calibrated, effects switched on; what the experiment says of single runs is not part of it.
     /// It states all its values: compared with the same experiment it gives the same errors. A wheel on a carriage where a
     /// single wheel was measured and no rover is named.
+    #[serde(skip)]
     pub improved: Model,
     /// What was taken from where, in words, where two places disagree; priors of a class of soil.
+    #[serde(skip)]
     pub sources: Vec<String>,
     /// Whether the work was cut short; what was not done is missing from the lists.
     pub interrupted: bool,

@@ -1,4 +1,4 @@
-//! The search: all singles and all pairs, then one more effect at a time.
+//! The search: what it has fitted, and how it fits further sets of effects.
 
 use super::bootstrap::p_value;
 use super::control::Control;
@@ -11,7 +11,7 @@ use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::halt::Halt;
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::Problem;
-use crate::diagnosis::thresholds::{COMMON, PRICE, WORTH_A_REFIT};
+use crate::diagnosis::thresholds::PRICE;
 use crate::diagnosis::weighted::Weighted;
 use crate::soil_class::SoilClass;
 use std::collections::BTreeMap;
@@ -95,20 +95,6 @@ impl<'a> Search<'a> {
 }
 
 impl Search<'_> {
-    /// Fits the candidates on top of the baseline's stage. Where that is far from the measurements, a better baseline is looked
-    /// for first, and the best effects are fitted once more from other places. Returns the stage of the baseline that was taken.
-    ///
-    /// # Errors
-    /// [`PredictionError`].
-    pub fn candidates(&mut self, stage: Stage) -> Result<Stage, PredictionError> {
-        let stage = self.led_baseline(stage)?;
-        self.singles(&stage);
-        if stage.fit.is_far() {
-            self.afresh(&stage);
-        }
-        Ok(stage)
-    }
-
     /// Fall of chi-square of a fitted set against the baseline, less the price of its parameters.
     pub fn net_gain(&self, effects: &[String]) -> f64 {
         let (Some(base), Some(fit)) = (self.fits.get(&[]), self.fits.get(effects)) else { return 0.0 };
@@ -268,101 +254,6 @@ impl Search<'_> {
         let Some(fit) = self.fits.get(effects) else { return false };
         let known = self.modelled.lock().unwrap_or_else(PoisonError::into_inner);
         known.contains_key(&(sorted(effects), fit.chi_square.to_bits()))
-    }
-
-    /// Refits single effects on top of a stage: all or, where fits are dear, the most promising by their sensitivities.
-    /// These say little where the stage is far from the measurements: there all effects are fitted for a few steps, and the
-    /// promise is what that gained.
-    pub fn singles(&mut self, stage: &Stage) {
-        let all = 0..stage.gains.singles.len();
-        let Some(most) = self.problem.strategy().budget().singles else {
-            return self.fit(all.map(|k| self.start(stage, k)).collect());
-        };
-        if stage.fit.is_far() && !all.clone().any(|k| self.looks.contains_key(&self.with(stage, k))) {
-            self.scout(stage);
-        }
-        let mut promises: Vec<(f64, Start)> = all.filter_map(|k| self.promise(stage, k)).collect();
-        promises.sort_by(|a, b| b.0.total_cmp(&a.0));
-        promises.truncate(most);
-        // A promise may not be kept: the bar for the others is what was gained then, and more than noise mostly promises.
-        let mut gained = 0.0_f64;
-        let common = |promise: f64| p_value(&stage.draws, |draw| draw.single, promise) > COMMON;
-        for round in 0.. {
-            let Some((most, _)) = promises.first() else { return };
-            if round > 0 && !stage.fit.is_far() && common(*most) {
-                return;
-            }
-            let bar = WORTH_A_REFIT * gained.max(*most);
-            let worth: Vec<Start> =
-                promises.extract_if(.., |(promise, _)| *promise >= bar).map(|(_, set)| set).collect();
-            if worth.is_empty() {
-                return;
-            }
-            let sets: Vec<Vec<String>> = worth.iter().map(|(effects, _)| effects.clone()).collect();
-            self.fit(worth);
-            let gains = sets.iter().filter_map(|set| Some(stage.fit.chi_square - self.fits.get(set)?.chi_square));
-            gained = gains.fold(gained, f64::max);
-        }
-    }
-
-    /// What candidate number `k` promises to gain on top of a stage, and where its fit starts: by the sensitivities, unless
-    /// these say little or a first look came further.
-    fn promise(&self, stage: &Stage, k: usize) -> Option<(f64, Start)> {
-        let linear = stage.gains.singles[k].0;
-        let effects = self.with(stage, k);
-        match self.looks.get(&effects).map(|look| (stage.fit.chi_square - look.chi_square, look)) {
-            Some((gain, look)) if stage.fit.is_far() || gain > linear => {
-                Some((gain, (effects, vec![look.values.clone()])))
-            }
-            None if stage.fit.is_far() => None,
-            _ => Some((linear, self.start(stage, k))),
-        }
-    }
-
-    /// A stage's effects with candidate number `k` added.
-    pub(super) fn with(&self, stage: &Stage, k: usize) -> Vec<String> {
-        stage.effects.iter().chain([&stage.sensitivities.signatures[k].id]).cloned().collect()
-    }
-
-    /// Refits the pairs that look best by their sensitivities.
-    pub fn pairs(&mut self, stage: &Stage) {
-        let most = self.problem.strategy().budget().pairs;
-        let mut order = stage.gains.pairs.clone();
-        order.sort_by(|a, b| b.2.total_cmp(&a.2));
-        let mut sets = Vec::new();
-        for (i, j, _) in order.into_iter().take(most) {
-            let [a, b] = [i, j].map(|k| stage.sensitivities.signatures[k].id.clone());
-            let (Some(first), Some(second)) = (self.single(stage, &a, i), self.single(stage, &b, j)) else { continue };
-            let parts = [(a.as_str(), self.part(&first, &a)), (b.as_str(), self.part(&second, &b))];
-            // From the baseline as it is with either of them alone.
-            let starts = [&first, &second].map(|base| self.problem.assemble(base, &parts)).to_vec();
-            sets.push((vec![a, b], starts));
-        }
-        self.fit(sets);
-    }
-
-    /// Refits the sets that arise from `effects` by putting in the place of one of them another candidate whose signature
-    /// has at least the cosine `worth` with it. `stage` is the baseline's.
-    pub fn rivals(&mut self, stage: &Stage, effects: &[String], worth: f64) {
-        let Some(values) = self.fits.get(effects).map(Calibration::values) else { return };
-        let mut sets = Vec::new();
-        for own in effects {
-            for (k, signature) in stage.sensitivities.signatures.iter().enumerate() {
-                if effects.contains(&signature.id) || stage.cosine(own, &signature.id) < worth {
-                    continue;
-                }
-                let Some(other) = self.single(stage, &signature.id, k) else { continue };
-                let kept = effects.iter().filter(|id| *id != own);
-                let mut parts: Vec<(&str, &[f64])> =
-                    kept.map(|id| (id.as_str(), self.problem.part(effects, &values, id))).collect();
-                parts.push((&signature.id, self.part(&other, &signature.id)));
-                let start = self.problem.assemble(&values, &parts);
-                let swapped =
-                    effects.iter().map(|id| if id == own { signature.id.clone() } else { id.clone() }).collect();
-                sets.push((swapped, vec![start]));
-            }
-        }
-        self.fit(sets);
     }
 
     /// A stage at a fitted set, or at the baseline. `None` where the set is not fitted, or there is no time to go on from it.

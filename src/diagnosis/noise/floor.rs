@@ -8,6 +8,7 @@
 
 use crate::diagnosis::layout::Layout;
 use crate::measurement::{Experiment, Sample};
+use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// Standard deviation pooled over sets of repeats.
@@ -33,7 +34,8 @@ pub struct NoiseFloor {
 }
 
 /// Where a noise floor comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum FloorSource {
     /// `[noise]` in `experiment.toml`.
     Stated,

@@ -20,8 +20,10 @@ pub use separation::{EffectSight, Likeness, PairSight, SeparateOptions, Separati
 pub use strength::SmallestStrength;
 pub(crate) use suggest::{Question, suggest};
 
+use serde::Serialize;
+
 /// An experiment worth making.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Suggestion {
     /// What to do, in one sentence.
     pub text: String,

@@ -12,7 +12,7 @@ mod words;
 pub(super) use measured::{add_panels, how_drawn};
 
 use super::page::{Page, escape};
-use super::plots::{Model, View};
+use super::plots::{DrawnModel, View};
 use super::units::spoken;
 use super::words::what_was_measured;
 use crate::diagnosis::{Diagnosis, Verdict};
@@ -82,11 +82,11 @@ fn final_name(diagnosis: &Diagnosis) -> String {
 fn view(diagnosis: &Diagnosis) -> View<'_> {
     let alone = diagnosis.steps.len() == 1;
     let dash = if alone { DashType::Solid } else { DashType::Dash };
-    let mut models: Vec<Model> = diagnosis.given.iter().map(Model::given).collect();
-    models.push(Model::calibrated("calibrated baseline", "baseline", &diagnosis.baseline().fit, dash));
+    let mut models: Vec<DrawnModel> = diagnosis.given.iter().map(DrawnModel::given).collect();
+    models.push(DrawnModel::calibrated("calibrated baseline", "baseline", &diagnosis.baseline().fit, dash));
     let mut at_first = vec!["baseline"];
     if !alone {
-        models.push(Model::last(final_name(diagnosis), diagnosis.steps.len() - 1, &diagnosis.last().fit));
+        models.push(DrawnModel::last(final_name(diagnosis), diagnosis.steps.len() - 1, &diagnosis.last().fit));
         at_first.push("final");
     }
     View { experiment: &diagnosis.experiment, noise: noise(diagnosis), curves: &diagnosis.curves, models, at_first }

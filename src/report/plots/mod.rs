@@ -34,7 +34,7 @@ const COLOURS: [&str; 6] = ["#3b82f6", "#e8871e", "#12a87b", "#e5484d", "#9b6bdf
 const GREY: &str = "#8b949e";
 
 /// A model beside the measurements.
-pub(super) struct Model<'a> {
+pub(super) struct DrawnModel<'a> {
     /// Word for the page's buttons.
     pub key: &'static str,
     /// Name for people.
@@ -49,7 +49,7 @@ pub(super) struct Model<'a> {
     pub colour: &'static str,
 }
 
-impl<'a> Model<'a> {
+impl<'a> DrawnModel<'a> {
     /// The model with the parameters as given.
     pub fn given(fit: &'a Fit) -> Self {
         let name = "as given".to_owned();
@@ -74,7 +74,7 @@ pub(super) struct View<'a> {
     /// Standard deviation of one sample by signal, as it is in force; a signal of unknown noise is missing.
     pub noise: BTreeMap<String, f64>,
     pub curves: &'a [Curves],
-    pub models: Vec<Model<'a>>,
+    pub models: Vec<DrawnModel<'a>>,
     /// Keys of the models shown at first.
     pub at_first: Vec<&'static str>,
 }

@@ -40,7 +40,7 @@ pub(crate) struct TraversePrediction<'a> {
 }
 
 /// Part of the derivatives of one run.
-struct Task<'a> {
+struct SlopeTask<'a> {
     run: &'a Recorded,
     /// Free parameters that this part covers.
     covered: &'a [usize],
@@ -118,7 +118,7 @@ impl<'a> TraversePrediction<'a> {
     }
 
     /// Derivatives in the task's parameters; [`Dual`] has room for them all.
-    fn traces<const N: usize>(&self, task: &Task, free: &[f64]) -> Result<Traces, PredictionError> {
+    fn traces<const N: usize>(&self, task: &SlopeTask, free: &[f64]) -> Result<Traces, PredictionError> {
         let run = task.run;
         let Drives::Open(replay) = &run.drives else { return self.differences(task, free) };
         let model = self.model(run, free)?;
@@ -137,7 +137,7 @@ impl<'a> TraversePrediction<'a> {
         })
     }
 
-    fn differences(&self, task: &Task, free: &[f64]) -> Result<Traces, PredictionError> {
+    fn differences(&self, task: &SlopeTask, free: &[f64]) -> Result<Traces, PredictionError> {
         let slope = |&k: &usize| {
             let variable = &self.free[k].variable;
             let range = DIFFERENCE * (variable.max - variable.min);
@@ -156,13 +156,13 @@ impl<'a> TraversePrediction<'a> {
     }
 
     /// The derivatives of all runs in parts of `width` parameters.
-    fn tasks(&self, width: usize) -> Vec<Task<'_>> {
+    fn tasks(&self, width: usize) -> Vec<SlopeTask<'_>> {
         let mut tasks = Vec::new();
         for run in &self.runs {
             if run.felt.is_empty() {
-                tasks.push(Task { run, covered: &[] });
+                tasks.push(SlopeTask { run, covered: &[] });
             }
-            tasks.extend(run.felt.chunks(width).map(|covered| Task { run, covered }));
+            tasks.extend(run.felt.chunks(width).map(|covered| SlopeTask { run, covered }));
         }
         tasks
     }

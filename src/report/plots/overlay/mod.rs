@@ -3,7 +3,7 @@
 pub(in crate::report) mod over_time;
 pub(in crate::report) mod steady;
 
-use super::{Model, View, all_rounded, faded};
+use super::{DrawnModel, View, all_rounded, faded};
 use crate::measurement::Experiment;
 use crate::report::kinds::of;
 use crate::report::page::escape;
@@ -78,7 +78,7 @@ pub(super) fn groups(experiment: &Experiment) -> Vec<(String, Vec<usize>)> {
 }
 
 /// A line of the legend without points of its own, in the style of a model.
-fn legend_line(model: &Model, colour: &str) -> Box<Scatter<f64, f64>> {
+fn legend_line(model: &DrawnModel, colour: &str) -> Box<Scatter<f64, f64>> {
     Scatter::new(vec![f64::NAN], vec![f64::NAN])
         .mode(Mode::Lines)
         .name(model.short)

@@ -2,7 +2,7 @@
 
 use super::{Panel, area, legend_line, list};
 use crate::diagnosis::{Axis, Curve, CurveGroup, Curves, Fit};
-use crate::report::plots::{COLOURS, GREY, Model, View, all_rounded, axis, between, faded, layout_with};
+use crate::report::plots::{COLOURS, DrawnModel, GREY, View, all_rounded, axis, between, faded, layout_with};
 use crate::report::units::{Shown, of_column, short, spoken};
 use plotly::common::{ErrorData, ErrorType, HoverInfo, Line, Marker, MarkerSymbol, Mode};
 use plotly::{Plot, Scatter};
@@ -132,7 +132,7 @@ impl Drawing<'_> {
     }
 
     /// The colour of a group, or, where there is one group only, that of a model.
-    fn colour(&self, group: usize, model: Option<&Model>) -> String {
+    fn colour(&self, group: usize, model: Option<&DrawnModel>) -> String {
         match model {
             Some(model) if !self.grouped() => model.colour.to_owned(),
             _ if self.groups <= MOST_NAMED => COLOURS[group].to_owned(),
@@ -140,13 +140,13 @@ impl Drawing<'_> {
         }
     }
 
-    fn meta(&self, group: usize, model: Option<&Model>, more: &str) -> String {
+    fn meta(&self, group: usize, model: Option<&DrawnModel>, more: &str) -> String {
         let model = model.map_or(String::new(), |model| format!("model={};", model.key));
         format!("{model}{more}{}={group}", group_key(self.axis))
     }
 
     /// The curve of a model in a group.
-    fn curve<'g>(&self, group: &'g CurveGroup, model: &Model) -> Option<&'g Curve> {
+    fn curve<'g>(&self, group: &'g CurveGroup, model: &DrawnModel) -> Option<&'g Curve> {
         let own = group.models.iter().find(|own| own.step == model.step)?;
         own.signals.get(self.signal).filter(|_| !group.at.is_empty())
     }
