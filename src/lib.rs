@@ -25,9 +25,14 @@
 //! | [`control`] | controllers: they see measurements, never the true state | signals |
 //! | [`estimation`] | what a rover finds out from measurements: contact angles, soil | signals, control, contact |
 //! | [`model`] | all of it in one value; TOML in and out; a run | all above |
-//! | [`batch`] | many runs stepped together | model |
+//! | `batch` | many runs stepped together (feature `batch`) | model |
 //! | [`snapshot`] | the moving state of a run as bytes | |
 //! | [`measurement`], [`diagnosis`], [`report`] | experiments, comparison, calibration, pages | model |
+//! | [`soil_class`] | what is believable for a class of soil before anything is measured | |
+//! | [`parallel`] | work on all cores, with the same bits for any number of them | |
+//!
+//! Two crates beside this one use it as any other would: `bekker-reproduction` (the thesis's results beside ours) and
+//! `bekker-script` (drives written down with what they must give, for every door).
 //!
 //! ```
 //! use bekker::model::Model;

@@ -36,6 +36,8 @@ pub fn export_fmu(
         ExportError::Read { error, .. } | ExportError::Write { error, .. } => {
             error::unreachable_file(error, failed.to_string())
         }
-        ExportError::Model(_) | ExportError::Archive(_) => ModelError::new_err(failed.to_string()),
+        ExportError::Model(_) | ExportError::LargeLibrary(_) | ExportError::Archive(_) => {
+            ModelError::new_err(failed.to_string())
+        }
     })
 }

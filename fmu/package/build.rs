@@ -1,5 +1,6 @@
 //! Builds `bekker-fmu` as a C library, for this build's target and always optimised, once without the plant of
-//! rigid bodies and wheels on a carriage and once with them, and tells where they are; the crate embeds them. A dependency alone would not do:
+//! rigid bodies and wheels on a carriage and, with the feature `large-library`, once with them, and tells where they are; the
+//! crate embeds them. A dependency alone would not do:
 //! as a cdylib it would appear only in some builds, and where its features are unified with the workspace's it
 //! would carry the HTML reports.
 
@@ -21,10 +22,13 @@ fn main() {
     let out = PathBuf::from(variable("OUT_DIR"));
     let glibc = env::var_os(GLIBC).map(|version| version.to_string_lossy().into_owned());
     let (prefix, extension) = names();
-    let libraries = [("PLAIN", ""), ("RIGID", "carriage,rigid")].map(|(name, features)| {
+    let mut wanted = vec![("PLAIN", "")];
+    wanted.extend(env::var_os("CARGO_FEATURE_LARGE_LIBRARY").map(|_| ("RIGID", "carriage,rigid")));
+    let libraries = wanted.into_iter().map(|(name, features)| {
         let directory = shared(&out, name, glibc.as_deref());
         (name, Build { manifest: &manifest, target: &target, directory, features, glibc: glibc.as_deref() })
     });
+    let libraries: Vec<_> = libraries.collect();
     // Side by side: the linker's optimisation, which takes most of the time, has one thread.
     std::thread::scope(|scope| libraries.iter().for_each(|(_, library)| drop(scope.spawn(|| build(library)))));
     for (name, library) in libraries {

@@ -5,7 +5,7 @@
 # Argument: the oldest glibc (2.17).
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-BEKKER_FMU_GLIBC=${1:-2.17} cargo build --release -p bekker-cli
+BEKKER_FMU_GLIBC=${1:-2.17} cargo build --release -p bekker-cli --features large-library
 for library in "${CARGO_TARGET_DIR:-target}"/release/build/bekker-fmu-package-*/out/{PLAIN,RIGID}.so; do
     echo "$library: $(stat -c %s "$library") bytes"
     readelf -d "$library" | grep NEEDED

@@ -19,8 +19,13 @@ use std::path::{Path, PathBuf};
 /// The library that most FMUs carry, built for this crate's target: rovers without the plant of rigid bodies.
 pub const LIBRARY: &[u8] = include_bytes!(env!("BEKKER_FMU_LIBRARY"));
 
-/// The library with all that the small one leaves out: the plant of rigid bodies, wheels on a carriage.
-pub const RIGID_LIBRARY: &[u8] = include_bytes!(env!("BEKKER_FMU_RIGID_LIBRARY"));
+/// The library with all that the small one leaves out: the plant of rigid bodies, wheels on a carriage; `None` without the
+/// feature `large-library`.
+#[cfg(feature = "large-library")]
+pub const RIGID_LIBRARY: Option<&[u8]> = Some(include_bytes!(env!("BEKKER_FMU_RIGID_LIBRARY")));
+/// The library with all that the small one leaves out, which this build was made without: the feature `large-library` is off.
+#[cfg(not(feature = "large-library"))]
+pub const RIGID_LIBRARY: Option<&[u8]> = None;
 
 /// The icon of an FMU, a rover in profile on its ground: as a picture of points, and as the drawing of which that was made.
 const ICON_PNG: &[u8] = include_bytes!("icon.png");
@@ -60,6 +65,12 @@ pub enum ExportError {
     /// The model cannot be described or does not start.
     #[error("the model cannot be exported: {0}")]
     Model(String),
+    /// The model needs the larger library, and the feature `large-library` is off.
+    #[error(
+        "an FMU of {0} carries a larger library, with which this program was not built: cargo's `--features large-library` \
+         adds it (two minutes of compiling, once)"
+    )]
+    LargeLibrary(&'static str),
     /// The archive could not be made.
     #[error("the FMU could not be packed: {0}")]
     Archive(#[from] zip::result::ZipError),
@@ -142,15 +153,23 @@ fn pack_part(model: &Model, options: &Options) -> Result<(Vec<u8>, Description),
     };
     let mut archive = Archive::default();
     archive.file("modelDescription.xml", xml.map_err(undescribed)?.as_bytes())?;
-    let whole = model.stepping.plant == Plant::RigidBodies || model.kind == ModelKind::Carriage;
-    let library = if whole { RIGID_LIBRARY } else { LIBRARY };
-    archive.program(&version.library(&description.identifier), library)?;
+    archive.program(&version.library(&description.identifier), library(model)?)?;
     if let Some(library) = windows.transpose()? {
         archive.program(&version.windows_library(&description.identifier), &library)?;
     }
     papers(&mut archive, version, &description)?;
     archive.file(&format!("resources/{}", bekker_fmu::MODEL_FILE), file.as_bytes())?;
     Ok((archive.finish()?, description))
+}
+
+/// The library that can run the model.
+fn library(model: &Model) -> Result<&'static [u8], ExportError> {
+    let large = |what| RIGID_LIBRARY.ok_or(ExportError::LargeLibrary(what));
+    match (model.kind, model.stepping.plant) {
+        (ModelKind::Carriage, _) => large("a wheel on a carriage"),
+        (_, Plant::RigidBodies) => large("rigid bodies"),
+        _ => Ok(LIBRARY),
+    }
 }
 
 fn undescribed(error: DescriptionError) -> ExportError {
