@@ -237,7 +237,8 @@ fn property_diagnose_says_what_is_missing_and_saves_the_wheel_that_was_measured(
     let points = done(&[&["simulate", shown(&model)], &point[..]].concat());
     assert!(points.contains("1 steady points") && points.contains("drawbar_pull"), "{points}");
     // A wheel on a carriage needs the larger library, which says how to get it where it is left out.
-    let to_fmu = ["fmu", shown(&model), "-o", shown(&file("improved.fmu"))];
+    let fmu = file("improved.fmu");
+    let to_fmu = ["fmu", shown(&model), "-o", shown(&fmu)];
     match bekker_fmu_package::RIGID_LIBRARY {
         Some(_) => drop(done(&to_fmu)),
         None => refused(&to_fmu, &["a wheel on a carriage", "--features large-library"]),

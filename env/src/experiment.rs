@@ -40,7 +40,10 @@ impl Source<'_> {
             }
         };
         let read = py.detach(|| error::fenced(|| material.read()))?;
-        read.map(|read| (read, material)).map_err(|refused| material.refused(&refused))
+        match read {
+            Ok(read) => Ok((read, material)),
+            Err(refused) => Err(material.refused(&refused)),
+        }
     }
 }
 
