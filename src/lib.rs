@@ -83,6 +83,7 @@ pub mod soil;
 #[cfg(feature = "experiments")]
 pub mod soil_class;
 pub mod terrain;
+mod toml_text;
 pub mod wheel;
 
 pub use bekker_modeldescription as modeldescription;

@@ -258,7 +258,7 @@ impl Model {
         folder: Option<&Path>,
         register: impl FnOnce(&mut Self) -> Result<(), DefinitionError>,
     ) -> Result<Self, ModelError> {
-        let file: File = toml::from_str(text)?;
+        let file: File = crate::toml_text::read(text)?;
         let mut model = match &file.preset {
             Some(preset) => Self::preset(preset)?,
             None => Self::new("rover", Rover::two_wheeled()),

@@ -12,6 +12,7 @@ mod names;
 mod quantity;
 mod system;
 mod terminals;
+mod token;
 mod writer;
 
 pub use arrays::Arrays;
@@ -157,9 +158,7 @@ impl Description {
     /// As [`fmi2`](Self::fmi2).
     pub fn token(&self) -> Result<String, DescriptionError> {
         self.check()?;
-        let undated = Self { date: None, ..self.clone() };
-        let text = format!("{}\n{}", fmi3::write(&undated, &Abilities::default(), ""), self.content);
-        Ok(Uuid::new_v5(&TOKENS, text.as_bytes()).to_string())
+        Ok(Uuid::new_v5(&TOKENS, &token::bytes(self)).to_string())
     }
 
     fn check(&self) -> Result<(), DescriptionError> {

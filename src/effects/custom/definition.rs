@@ -139,7 +139,7 @@ impl EffectDefinition {
         struct File {
             effect: Vec<EffectDefinition>,
         }
-        let file: File = toml::from_str(text).map_err(|error| DefinitionError::Syntax(error.to_string()))?;
+        let file: File = crate::toml_text::read(text).map_err(|error| DefinitionError::Syntax(error.to_string()))?;
         Ok(file.effect)
     }
 
