@@ -4,7 +4,7 @@
     python3 tests/study/study.py --bekker target/release/bekker --set development --seeds 50 --out FOLDER
 
 Thresholds are chosen on `--set development` (the library's forms, seeds from 1000), frozen, and reported once on
-`--set report` (other forms of the literature, seeds from 40000). Every experiment adds one row to FOLDER/rows.csv as soon as it
+`--set report` (other forms of the literature, seeds from 50000). Every experiment adds one row to FOLDER/rows.csv as soon as it
 is diagnosed; what has a row there is not made again, so that the study goes on where it stopped, also on another machine with
 the rows that are committed. `--quick` is the small fixed part for CI; it fails where a case is wrong. Needs numpy only.
 """
