@@ -73,7 +73,9 @@ FORMS = [
     Form("pitch_bias", "constant", 0.02, 0.1, R, library=True, signed=True),
     Form("pitch_bias", "drifting", 0.02, 0.1, R, signed=True),
     Form("drag", "constant", 3.0, 15.0, BOTH, library=True),
+    # Both of the library's forms at once, with the growth of a usual cable.
     Form("drag", "speed", 3.0, 15.0, BOTH),
+    Form("drag", "growth", 10.0, 50.0, BOTH, library=True),
     Form("tether", "linear", 1.0, 8.0, R, library=True),
     Form("tether", "slack", 1.0, 8.0, R),
     Form("sensor_lag", "first_order", 0.2, 1.0, R, library=True),
