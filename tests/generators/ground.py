@@ -148,7 +148,7 @@ def slope_strength(p, at, angle):
 
 def rim_adhesion(p, at, soil):
     """A rim to which the soil sticks less than to itself: at most (1 - s) of the soil's strength."""
-    for form in ("minimum", "smooth"):
+    for form in ("minimum", "smooth", "round"):
         s = on(p, f"rim_adhesion.{form}")
         if s is None:
             continue
@@ -157,8 +157,8 @@ def rim_adhesion(p, at, soil):
         share = np.where(soil["rim_on"] > 0.0, 1.0 - s, 2.0)
         soil["rim_cohesion"] = share * soil["cohesion"]
         soil["rim_tan"] = share * soil["tan_phi"]
-        if form == "smooth":
-            soil["rim_sharpness"] = 6.0
+        if form != "minimum":
+            soil["rim_sharpness"] = {"smooth": 6.0, "round": 2.0}[form]
 
 
 def added_pull(p, at):
