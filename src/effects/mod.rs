@@ -26,6 +26,7 @@ mod radius_scale;
 mod rate;
 pub mod registered;
 mod rim_adhesion;
+mod rolling_resistance;
 mod sensor_lag;
 mod slip_sinkage;
 mod slope_strength;
@@ -114,6 +115,8 @@ effects! {
     suspension_friction: SuspensionFriction,
     /// Adhesion at the rim: it transmits less shear than the soil bears.
     rim_adhesion: RimAdhesion,
+    /// Rolling resistance of the wheel itself: a moment that grows with its load.
+    rolling_resistance: RollingResistance,
 }
 
 impl<S: Scalar> Effects<S> {

@@ -85,6 +85,8 @@ FORMS = [
     # A rounded limit as the library's, of the roundings 1/6 and 1/2.
     Form("rim_adhesion", "smooth", 0.4, 0.7, BOTH, rival=0.3),
     Form("rim_adhesion", "round", 0.4, 0.7, BOTH, library=True, rival=0.3),
+    Form("rolling_resistance", "moment", 0.05, 0.2, BOTH, library=True),
+    Form("rolling_resistance", "hertz", 0.05, 0.2, BOTH),
     Form("hump", "slip", 0.05, 0.3, BOTH, outside=True, signed=True),
     Form("ripple", "turn", 0.3, 3.0, BOTH, outside=True),
     Form("drift", "order", 5.0, 40.0, W, outside=True, signed=True),
