@@ -41,10 +41,10 @@ mod winding_heat;
 
 use crate::contact::Forces;
 use crate::motor::{Drivetrain, Motor, TorqueRange};
-use crate::rover::Body;
 use crate::scalar::Scalar;
 use crate::signals::{BodySignals, WheelSignals};
 use crate::soil::Soil;
+use crate::vehicle::Body;
 use crate::wheel::Wheel;
 use bekker_modeldescription::{Parameters, Variable, join};
 use custom::CustomEffects;
