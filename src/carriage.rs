@@ -3,9 +3,10 @@
 use crate::contact::{self, Forces, rolling_on};
 use crate::effects::{BodyMotion, Effects, ExpressionFailure, Place};
 use crate::motor::{self, Drivetrain};
-use crate::rover::{Environment, Rover};
+use crate::rover::Rover;
 use crate::scalar::{Dual, Scalar};
 use crate::soil::Soil;
+use crate::vehicle::Environment;
 use crate::wheel::Wheel;
 use bekker_modeldescription::{Parameters, Unit, Variable, join, parameters};
 

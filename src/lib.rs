@@ -11,25 +11,31 @@
 //!
 //! | module | what it holds | may use |
 //! |---|---|---|
-//! | [`soil`], [`terrain`], [`wheel`] | what the wheel rolls on, and the wheel | [`scalar`] |
-//! | [`contact`] | the forces between them | soil, wheel |
-//! | [`linear_stress`] | the thesis's closed forms, a named alternative with its measured error | soil, wheel |
+//! | [`scalar`], [`snapshot`], `toml_text` | numbers, plain, dual or side by side; moving state as bytes; reading of TOML | for all |
+//! | [`soil`], [`terrain`], [`wheel`] | what the wheel rolls on, and the wheel | |
+//! | `vehicle`, `linear` | a vehicle's data sheet; matrices over its coordinates | |
+//! | [`contact`] | the forces between wheel and soil | soil, wheel |
+//! | [`linear_stress`] | the thesis's closed forms, a named alternative with its measured error | contact, soil, wheel |
 //! | [`motor`] | drives | |
-//! | [`effects`] | missing physics to be switched on, one file an effect; others register their own | contact, motor, signals |
-//! | [`carriage`] | steady points of one wheel under a load | effects, rover |
-//! | [`rover`] | bodies, joints, equations of motion, rest | effects, terrain, motor |
-//! | [`simulation`] | a rover in motion, with a fixed step | rover |
-//! | [`equations`] | the same as explicit differential equations, for other integrators, and their derivatives | rover, simulation |
-//! | [`obstacle`], `rigid` | rocks and ledges; the plant of rigid bodies that feels them | rover, simulation |
 //! | [`signals`], [`sensors`] | commands, true signals, what sensors make of them | |
-//! | [`control`] | controllers: they see measurements, never the true state | signals |
-//! | [`estimation`] | what a rover finds out from measurements: contact angles, soil | signals, control, contact |
+//! | [`effects`] | missing physics to be switched on, one file an effect; others register their own | contact, motor, signals, soil, vehicle, wheel |
+//! | [`rover`] | bodies, joints, equations of motion | contact, effects, linear, motor, signals, soil, terrain, vehicle, wheel |
+//! | [`carriage`] | steady points of one wheel under a load | contact, effects, motor, rover, soil, vehicle, wheel |
+//! | `integrator`, `recording` | a step of the equations of motion; lags between signals and their record | contact, effects, linear, rover, signals |
+//! | [`simulation`] | a rover at rest and in motion, with a fixed step | contact, effects, integrator, linear, recording, rover, signals, terrain, vehicle |
+//! | [`equations`] | the same as explicit differential equations, for other integrators, and their derivatives | motor, rover, signals, simulation, terrain |
+//! | [`obstacle`], `rigid` | rocks and ledges; the plant of rigid bodies that feels them | contact, integrator, linear, motor, recording, rover, signals, simulation, terrain |
+//! | [`control`] | controllers: they see measurements, never the true state | contact, motor, signals, soil, vehicle, wheel |
+//! | [`estimation`] | what a rover finds out from measurements: contact angles, soil | contact, control, linear, linear_stress, signals, soil, vehicle, wheel |
 //! | [`model`] | all of it in one value; TOML in and out; a run | all above |
-//! | `batch` | many runs stepped together (feature `batch`) | model |
-//! | [`snapshot`] | the moving state of a run as bytes | |
-//! | [`measurement`], [`diagnosis`], [`report`] | experiments, comparison, calibration, pages | model |
-//! | [`soil_class`] | what is believable for a class of soil before anything is measured | |
-//! | [`parallel`] | work on all cores, with the same bits for any number of them | |
+//! | `batch` | many runs stepped together (feature `batch`) | all above |
+//! | [`soil_class`], [`parallel`] | what is believable for a class of soil before anything is measured; work on all cores, with the same bits for any number of them | |
+//! | [`measurement`] | experiments: folders, columns, units, import | contact, effects, model, signals, soil_class, vehicle, wheel |
+//! | [`diagnosis`] | comparison, calibration, what physics is missing | carriage, effects, measurement, model, parallel, rover, signals, simulation, soil_class, terrain |
+//! | [`report`] | pages | diagnosis, effects, measurement, signals |
+//!
+//! A module uses what stands in its row, what stands before it in its row, and the first row; `tests/rooms.rs` holds the
+//! imports to that, so no circle runs through modules.
 //!
 //! Two crates beside this one use it as any other would: `bekker-reproduction` (the thesis's results beside ours) and
 //! `bekker-script` (drives written down with what they must give, for every door).
@@ -60,6 +66,7 @@ pub mod effects;
 pub mod equations;
 pub mod estimation;
 mod integrator;
+mod linear;
 pub mod linear_stress;
 #[cfg(feature = "experiments")]
 pub mod measurement;
@@ -84,6 +91,7 @@ pub mod soil;
 pub mod soil_class;
 pub mod terrain;
 mod toml_text;
+mod vehicle;
 pub mod wheel;
 
 pub use bekker_modeldescription as modeldescription;

@@ -145,7 +145,11 @@ fn by_midpoints(soil: &Soil, surface: &Surface, z: f64, velocity: f64, spin: f64
             surface.cohesion_gain * soil.cohesion + sigma * surface.friction_gain * soil.friction_angle.tan();
         let j = r_s * (theta_s - theta) - r * ratio * (theta_s.sin() - theta.sin());
         let built_up = 1.0 - (-j.abs() / soil.shear_modulus).exp();
-        let tau = j.signum() * (strength * built_up).min(surface.grip * strength);
+        let share = match (surface.rounding, surface.grip) {
+            (0.0, grip) => built_up.min(grip),
+            (w, grip) => built_up * (1.0 + (built_up / grip).powf(1.0 / w) - built_up.powf(1.0 / w)).powf(-w),
+        };
+        let tau = j.signum() * strength * share;
         sums[0] += width * step * (r * sigma * theta.cos() + r_s * tau * theta.sin());
         sums[1] += width * step * (r_s * tau * theta.cos() - r * sigma * theta.sin());
         sums[2] += width * step * rigid * r_s * surface.shear_radius * tau;
@@ -159,7 +163,9 @@ fn analytic_lugs_grip_and_arc_enter_the_integrals_as_written() {
     let lugs = Surface { shear_radius: 1.08, cohesion_gain: 1.15, friction_gain: 1.07, ..Surface::default() };
     let smooth_rim = Surface { grip: 0.6, exit_ratio: 0.3, ..Surface::default() };
     let all = Surface { arc: 1.3, grip: 0.75, exit_ratio: 0.2, ..lugs };
-    for surface in [Surface { exit_ratio: 0.3, ..Surface::default() }, lugs, smooth_rim, all] {
+    let rounded = [0.01, 0.05, 1.0 / 6.0, 0.5, 1.0].map(|rounding| Surface { rounding, ..smooth_rim });
+    let sharp = [Surface { exit_ratio: 0.3, ..Surface::default() }, lugs, smooth_rim, all];
+    for surface in sharp.into_iter().chain(rounded) {
         for shear_modulus in [0.003, 0.016] {
             let soil = Soil { shear_modulus, ..soil };
             for ratio in [0.1, 0.5, 0.95, 1.02, 1.08, 1.2, 1.6] {
@@ -170,6 +176,21 @@ fn analytic_lugs_grip_and_arc_enter_the_integrals_as_written() {
                 assert!(most < QUADRATURE * normal, "K {shear_modulus}, V/(r omega) {ratio}, {surface:?}: {errors:?}");
             }
         }
+    }
+}
+
+#[test]
+fn analytic_a_leading_normal_force_is_a_moment_of_the_load_alone() {
+    let (wheel, soil, lead) = (rig().wheel, rig().soil, 0.004);
+    for (velocity, spin) in [(0.08, 1.0), (0.1, 1.0), (0.13, 1.0), (-0.08, -1.0), (0.0, 1.0)] {
+        let plain = rolling_on(&wheel, &soil, &Surface::default(), 0.01, velocity, spin);
+        let leading = rolling_on(&wheel, &soil, &Surface { lead, ..Surface::default() }, 0.01, velocity, spin);
+        // The share of the motion that is the rim's, smoothed over three hundredths.
+        let turn = 0.1 * spin / (0.1 * spin).hypot(velocity);
+        let expected = lead * plain.normal * turn / turn.hypot(0.03);
+        assert!(close(leading.torque - plain.torque, expected, SAME), "{velocity}: {expected} N m");
+        assert!((leading.normal, leading.drawbar) == (plain.normal, plain.drawbar));
+        assert!(close(expected.abs(), lead * plain.normal, 2e-3), "all of it");
     }
 }
 

@@ -1,5 +1,8 @@
 //! The right-hand side differentiated exactly, against differences.
 
+#[path = "effects_support/mod.rs"]
+mod support;
+
 use bekker::effects::Effects;
 use bekker::modeldescription::{Lookup, Parameters};
 use bekker::rover::{Rover, State, Track};
@@ -42,8 +45,10 @@ const SWITCHED_ON: [&str; 11] = [
     "rim_adhesion",
 ];
 
-/// Effects at values at which each acts, away from their bounds.
+/// Effects at values at which each acts, away from their bounds: typical ones, and others where those do not act here.
 fn switch_on(effects: &mut Effects) {
+    let typical = SWITCHED_ON.iter().flat_map(|id| support::switched_on(id));
+    typical.for_each(|(name, value)| effects.set(&name, value).expect("a parameter"));
     effects.slip_sinkage.n1 = 0.3;
     effects.exit_angle.lambda = 0.2;
     effects.multi_pass.growth = 0.3;

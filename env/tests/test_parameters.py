@@ -38,6 +38,7 @@ TOGETHER = {
     "winding_heat.time_constant": ("winding_heat.thermal_resistance", 5.0),
     "grousers.share": ("grousers.height", 0.01),
     "bulldozing.unit_weight": ("bulldozing.share", 1.0),
+    "rim_adhesion.rounding": ("rim_adhesion.loss", 0.8),
     "flexible_wheel.arm_share": ("flexible_wheel.compliance", 1e-4),
     "rate.reference_speed": ("rate.exponent", 0.1),
     "rate.slowest_speed": ("rate.exponent", 0.1),

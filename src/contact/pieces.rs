@@ -19,8 +19,14 @@ const FEW_NODES_BOTH_SIGNS: f64 = 1.5;
 const MORE_NODES: f64 = 8.0;
 /// |j|/K at which the rest of the contact is cut off: exp(-12) = 6e-6 is left to decay there.
 const BUILT_UP: f64 = 12.0;
-/// Pieces at most: j has three monotone parts, each with at most three cuts, and the zones' three ends.
-const MOST_CUTS: usize = 12;
+/// Half the width of a rounded corner in ln b, over its rounding: beyond it the shear differs from its asymptote by
+/// exp(-4) of the corner's height.
+const CORNER: f64 = 4.0;
+/// Levels of j/K at which a contact is cut, at most: zero, and on either side a corner's middle and ends and
+/// [`BUILT_UP`].
+const MOST_LEVELS: usize = 9;
+/// Pieces at most: j has three monotone parts, each cut at every level at most once, and the zones' three ends.
+const MOST_CUTS: usize = 3 * MOST_LEVELS + 3;
 /// Accuracy of a cut, rad; near a change of sign the error of the integral is of its square.
 const CUT: f64 = 1e-10;
 
@@ -113,13 +119,24 @@ fn many_cuts<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
     let displacement = Displacement::new(&rim.map(&|x| x.value()), ratio.value());
     if rim.grip.value() < 1.0 {
         // The shear has a kink where it meets what the rim transmits: 1 - exp(-|j|/K) = grip.
-        let limit = -(1.0 - rim.grip.value()).ln();
-        let limit = limit.min(BUILT_UP);
+        let grip = rim.grip.value();
+        let limit = level_of(grip);
+        if rim.rounding.value() > 0.0 {
+            let beside = |side: f64| level_of(grip * (side * CORNER * rim.rounding.value()).exp());
+            let [before, after] = [beside(-1.0), beside(1.0)];
+            let levels = [0.0, before, -before, limit, -limit, after, -after, BUILT_UP, -BUILT_UP];
+            return pieces(rim, &displacement.cuts(&levels), &NODES_16);
+        }
         let nodes: &[(f64, f64)] = if displacement.largest_change() <= MORE_NODES { &NODES_12 } else { &NODES_16 };
         return pieces(rim, &displacement.cuts(&[0.0, limit, -limit]), nodes);
     }
     let levels: &[f64] = if displacement.changes_sign() { &[0.0, BUILT_UP, -BUILT_UP] } else { &[BUILT_UP, -BUILT_UP] };
     pieces(rim, &displacement.cuts(levels), &NODES_16)
+}
+
+/// j/K at which the share `b` of the strength is built up, [`BUILT_UP`] at most.
+fn level_of(b: f64) -> f64 {
+    if b < 1.0 { (-(1.0 - b).ln()).min(BUILT_UP) } else { BUILT_UP }
 }
 
 /// Both zones at once: they share their normal stress.
@@ -303,6 +320,7 @@ impl<R: Plain> Displacement<R> {
 impl Displacement<f64> {
     /// The ends of the zones and the places where j/K passes one of the `levels`.
     fn cuts(&self, levels: &[f64]) -> Cuts {
+        debug_assert!(levels.len() <= MOST_LEVELS, "a place for every cut");
         let mut cuts = Cuts { angles: [0.0; MOST_CUTS], len: 0 };
         [self.theta_1, self.theta_m, self.theta_2].into_iter().for_each(|theta| cuts.insert(theta));
         for part in self.turns.windows(2) {

@@ -11,6 +11,9 @@ use crate::scalar::{Mask, Scalar, always};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 
+/// Least rounding of a limit that is not sharp: below it the corner differs from a sharp one by less than rounding.
+const LEAST_ROUNDING: f64 = 1e-9;
+
 /// How the soil is sheared along the rim.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Shear<S> {
@@ -35,6 +38,8 @@ pub(super) struct Rim<S> {
     pub(super) shear_radius: S,
     /// The most shear stress over the soil's strength.
     pub(super) grip: S,
+    /// How round the shear meets it, see [`Surface::rounding`].
+    pub(super) rounding: S,
     radius: S,
     modulus: S,
     exponent: S,
@@ -136,6 +141,7 @@ impl<S: Scalar> Rim<S> {
             sin_s,
             shear_radius: surface.shear_radius,
             grip: surface.grip,
+            rounding: surface.rounding,
             radius,
             modulus: soil.modulus(wheel.width),
             exponent: soil.exponent,
@@ -219,10 +225,33 @@ impl<S: Scalar> Rim<S> {
         let j = self.shear_radius * (self.theta_s - theta) - ratio * lift;
         let decay = (-(j.abs() * self.shear_rate)).exponential();
         let built_up = S::from(1.0) - decay;
+        if !self.rounding.is_exactly(0.0) {
+            let (share, by_built_up) = self.rounded(built_up);
+            let slope = -(strength * by_built_up * decay * self.shear_rate * lift);
+            return ((strength * share).negative_where(j.under(0.0)), slope);
+        }
         let slips = self.grip.below(built_up);
         let size = strength * S::select(slips, self.grip, built_up);
         let slope = S::select(slips, S::from(0.0), -(strength * decay * self.shear_rate * lift));
         (size.negative_where(j.under(0.0)), slope)
+    }
+
+    /// Share of the strength that a rim transmits where the soil has built `b` of it up, and its slope in b: a blend of b
+    /// and the grip g as of two asymptotes (Churchill and Usagi 1972), with the term that makes it g at b = 1. Powers are
+    /// taken of ratios of at most 1, so that none overflows.
+    #[cfg_attr(feature = "batch", inline(always))]
+    fn rounded(&self, b: S) -> (S, S) {
+        let (one, g) = (S::from(1.0), self.grip);
+        let w = self.rounding.larger(S::from(LEAST_ROUNDING));
+        let m = w.recip();
+        let sticks = b.at_most(g);
+        let ratio = S::select(sticks, b / g, g / b).power(m);
+        let whole = S::select(sticks, b, g).power(m);
+        let sum = one + ratio - whole;
+        let share = S::select(sticks, b, g) * sum.power(-w);
+        // d/db b D^-w = D^(-w - 1); beyond the corner D is `sum` over `ratio`.
+        let slope = sum.power(-w - 1.0) * S::select(sticks, one, ratio * (g / b));
+        (share, slope)
     }
 
     /// The same over another scalar.
@@ -241,6 +270,7 @@ impl<S: Scalar> Rim<S> {
             sin_s: f(self.sin_s),
             shear_radius: f(self.shear_radius),
             grip: f(self.grip),
+            rounding: f(self.rounding),
             radius: f(self.radius),
             modulus: f(self.modulus),
             exponent: f(self.exponent),

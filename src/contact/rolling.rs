@@ -201,11 +201,15 @@ pub fn rolling_on<S: Scalar>(
     spin: S,
 ) -> Forces<S> {
     let mut forces = rolling_share(wheel, soil, surface, sinkage, velocity, spin, S::from(1.0)).0.forces;
-    if !surface.resistance.is_exactly(0.0) && sinkage.value() > 0.0 {
+    let (resists, leads) = (!surface.resistance.is_exactly(0.0), !surface.lead.is_exactly(0.0));
+    if (resists || leads) && sinkage.value() > 0.0 {
         let rim_speed = wheel.radius * spin;
         let speed = norm(velocity, rim_speed);
-        if speed.value() > 0.0 {
+        if speed.value() > 0.0 && resists {
             forces.drawbar -= surface.against_travel(velocity / speed).0;
+        }
+        if speed.value() > 0.0 && leads {
+            forces.torque += forces.normal * surface.lead_turning(rim_speed / speed).0;
         }
     }
     forces

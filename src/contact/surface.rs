@@ -6,6 +6,10 @@ use crate::scalar::Scalar;
 /// wheel that spins on the spot pushes nothing; at a slip of 0.9 it still meets 0.7 of the resistance.
 const TURNING_TRAVEL: f64 = 0.1;
 
+/// Share of the motion that is the rim's over which the lead of the normal force turns with the rim. A wheel that rolls
+/// without slip, whose rim has 0.71 of the motion, has 0.999 of the lead.
+const TURNING_RIM: f64 = 0.03;
+
 /// How a rim meets the soil, beyond radius and width. The default is the smooth rigid rim of Wong and Reece, on
 /// which soil shears on soil.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,8 +29,15 @@ pub struct Surface<S = f64> {
     pub friction_gain: S,
     /// The most shear that the rim transmits, over the soil's strength; 1 on a rim as rough as the soil.
     pub grip: S,
+    /// Rounding w of the corner in which the shear meets that limit; 0 is sharp, the smaller of both. With b the share of
+    /// its strength that the soil has built up and g the grip, tau over the strength is b (1 + (b/g)^(1/w) - b^(1/w))^(-w):
+    /// b where little is built up and g where all is.
+    pub rounding: S,
     /// Force of the soil ahead against the wheel's motion, along the ground, N.
     pub resistance: S,
+    /// Distance by which the normal force leads the axle in the direction in which the wheel turns, m: the moment of the
+    /// load against the turning is this distance times the load.
+    pub lead: S,
 }
 
 impl<S: From<f64>> Default for Surface<S> {
@@ -46,7 +57,9 @@ impl<S: From<f64>> Default for Surface<S> {
             cohesion_gain: one(),
             friction_gain: one(),
             grip: one(),
+            rounding: zero(),
             resistance: zero(),
+            lead: zero(),
         }
     }
 }
@@ -62,7 +75,9 @@ impl<S: Copy> Surface<S> {
             cohesion_gain: f(self.cohesion_gain),
             friction_gain: f(self.friction_gain),
             grip: f(self.grip),
+            rounding: f(self.rounding),
             resistance: f(self.resistance),
+            lead: f(self.lead),
         }
     }
 }
@@ -79,5 +94,12 @@ impl<S: Scalar> Surface<S> {
         let squared = travel * travel + TURNING_TRAVEL * TURNING_TRAVEL;
         let norm = squared.sqrt();
         (self.resistance * travel / norm, self.resistance * (TURNING_TRAVEL * TURNING_TRAVEL) / (squared * norm))
+    }
+
+    /// The lead of the normal force at the component `turn` of the direction of motion, and its slope in it.
+    pub(super) fn lead_turning(&self, turn: S) -> (S, S) {
+        let squared = turn * turn + TURNING_RIM * TURNING_RIM;
+        let norm = squared.sqrt();
+        (self.lead * turn / norm, self.lead * (TURNING_RIM * TURNING_RIM) / (squared * norm))
     }
 }

@@ -228,6 +228,12 @@ fn at_direction<S: Scalar>(
         direction.forces.drawbar -= resistance;
         direction.by_velocity.drawbar -= slope;
     }
+    if !surface.lead.is_exactly(0.0) {
+        let (lead, slope) = surface.lead_turning(turn);
+        direction.by_velocity.torque += direction.by_velocity.normal * lead;
+        direction.by_spin.torque += direction.by_spin.normal * lead + direction.forces.normal * slope;
+        direction.forces.torque += direction.forces.normal * lead;
+    }
     direction
 }
 

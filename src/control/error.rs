@@ -1,7 +1,6 @@
 //! Why a controller could not be built or gave no command.
 
 use super::rtc::Unsolved;
-use crate::estimation::EstimationError;
 use bekker_modeldescription::{Lookup, ParameterError};
 
 /// Why a controller could not be built or gave no command.
@@ -82,18 +81,12 @@ pub enum ControlError {
         "control.kind = \"registered\", but the model has no control law of another crate; expected one, by `drive_by`"
     )]
     NoLaw,
-    /// An estimator in the loop could not be built or took no reading.
-    #[error(transparent)]
-    Estimation(Box<EstimationError>),
+    /// An estimator in the loop could not be built or took no reading; its own words.
+    #[error("{0}")]
+    Estimation(String),
     /// The optimiser stopped without an answer.
     #[error(transparent)]
     Optimiser(#[from] Unsolved),
-}
-
-impl From<EstimationError> for ControlError {
-    fn from(error: EstimationError) -> Self {
-        Self::Estimation(Box::new(error))
-    }
 }
 
 fn of_wheel(wheel: Option<usize>) -> String {

@@ -2,8 +2,8 @@
 
 use super::error::{ControlError, finite, within_bounds};
 use crate::motor::Motor;
-use crate::rover::MAX_COORDINATES;
 use crate::soil::Soil;
+use crate::vehicle::MAX_COORDINATES;
 use crate::wheel::Wheel;
 
 /// A link on a passive joint, as a controller knows it; places from the chassis reference point with all joints at zero.

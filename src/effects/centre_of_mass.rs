@@ -3,8 +3,8 @@
 use super::payload::WEIGHED;
 use super::pitch_bias::REVERSED_HEADING;
 use super::{Effect, Facts};
-use crate::rover::Body;
 use crate::scalar::Scalar;
+use crate::vehicle::Body;
 use bekker_modeldescription::{Unit, parameters};
 
 parameters! {

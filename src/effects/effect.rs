@@ -6,9 +6,9 @@ use super::sensor_lag::RecordingLag;
 use super::winding_heat::Warming;
 use crate::contact::Forces;
 use crate::motor::{Geared, Motor, TorqueRange};
-use crate::rover::Body;
 use crate::scalar::Scalar;
 use crate::signals::{BodySignals, WheelSignals};
+use crate::vehicle::Body;
 use crate::wheel::Wheel;
 use bekker_modeldescription::Parameters;
 

@@ -26,6 +26,7 @@ mod radius_scale;
 mod rate;
 pub mod registered;
 mod rim_adhesion;
+mod rolling_resistance;
 mod sensor_lag;
 mod slip_sinkage;
 mod slope_strength;
@@ -40,10 +41,10 @@ mod winding_heat;
 
 use crate::contact::Forces;
 use crate::motor::{Drivetrain, Motor, TorqueRange};
-use crate::rover::Body;
 use crate::scalar::Scalar;
 use crate::signals::{BodySignals, WheelSignals};
 use crate::soil::Soil;
+use crate::vehicle::Body;
 use crate::wheel::Wheel;
 use bekker_modeldescription::{Parameters, Variable, join};
 use custom::CustomEffects;
@@ -51,37 +52,15 @@ use registered::RegisteredEffects;
 use std::fmt;
 use table::{effects, last_first};
 
-pub use bulldozing::Bulldozing;
-pub use centre_of_mass::CentreOfMass;
-pub use coulomb_friction::CoulombFriction;
 pub use custom::{DefinitionError, EffectDefinition, ExpressionFailure};
-pub use drag::Drag;
 pub use effect::Effect;
-pub use exit_angle::ExitAngle;
 pub use facts::{Advice, Equipment, Facts, Header, Needs, SOIL_TEST};
-pub use flexible_wheel::FlexibleWheel;
-pub use gear_efficiency::GearEfficiency;
-pub use grousers::Grousers;
-pub use moisture::Moisture;
-pub use multi_pass::{MultiPass, Track};
-pub use payload::Payload;
-pub use pitch_bias::PitchBias;
+pub use multi_pass::Track;
 pub use place::{BodyMotion, Local, Place};
-pub use radius_scale::RadiusScale;
-pub use rate::Rate;
 pub use registered::{RegisteredEffect, Registrable};
-pub use rim_adhesion::RimAdhesion;
 pub(crate) use sensor_lag::Lagged;
-pub use sensor_lag::{RecordingLag, SensorLag};
-pub use slip_sinkage::SlipSinkage;
-pub use slope_strength::SlopeStrength;
-pub use soft_patch::SoftPatch;
-pub use suspension_friction::SuspensionFriction;
-pub use tether::Tether;
-pub use torque_scale::TorqueScale;
-pub use viscous_friction::ViscousFriction;
-pub use voltage_limit::VoltageLimit;
-pub use winding_heat::{Warming, WindingHeat};
+pub use sensor_lag::RecordingLag;
+pub use winding_heat::Warming;
 
 pub use crate::motor::Geared;
 
@@ -136,6 +115,8 @@ effects! {
     suspension_friction: SuspensionFriction,
     /// Adhesion at the rim: it transmits less shear than the soil bears.
     rim_adhesion: RimAdhesion,
+    /// Rolling resistance of the wheel itself: a moment that grows with its load.
+    rolling_resistance: RollingResistance,
 }
 
 impl<S: Scalar> Effects<S> {

@@ -98,7 +98,7 @@ over!(BodyMotion { travelled, velocity });
 over!(Forces { normal, drawbar, torque });
 over!(Geared { torque, by_torque, by_speed });
 over!(RecordingLag { time_constant, dead_time });
-over!(Surface { exit_ratio, arc, arm, shear_radius, cohesion_gain, friction_gain, grip, resistance });
+over!(Surface { exit_ratio, arc, arm, shear_radius, cohesion_gain, friction_gain, grip, rounding, resistance, lead });
 over!(TorqueRange { least, most, least_slope, most_slope });
 over!(Warming { end, time_constant });
 

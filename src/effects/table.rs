@@ -3,6 +3,8 @@
 /// Declares the library: one line an effect.
 macro_rules! effects {
     ($($(#[doc = $doc:literal])+ $id:ident: $group:ident,)*) => {
+        $(pub use $id::$group;)*
+
         /// The library of effects. All are present in every rover and neutral by default.
         #[derive(Clone, PartialEq)]
         pub struct Effects<S = f64> {

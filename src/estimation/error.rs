@@ -93,6 +93,13 @@ pub enum EstimationError {
     },
 }
 
+/// A controller that has an estimator in its loop fails with it.
+impl From<EstimationError> for ControlError {
+    fn from(error: EstimationError) -> Self {
+        Self::Estimation(error.to_string())
+    }
+}
+
 fn numbered(number: Option<usize>) -> String {
     number.map_or_else(String::new, |number| format!(" {number}"))
 }

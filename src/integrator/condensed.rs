@@ -1,9 +1,9 @@
 //! Elimination of a wheel's spin and memory from the implicit system.
 
 use crate::contact::Forces;
+use crate::linear::{Matrix, add_outer};
 use crate::rover::Rover;
 use crate::rover::dynamics::WheelEvaluation;
-use crate::rover::linear::{Matrix, add_outer};
 use crate::scalar::{Scalar, always};
 use crate::signals::Drive;
 

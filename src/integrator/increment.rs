@@ -1,8 +1,8 @@
 //! Rate or increment of a whole state.
 
 use super::condensed::Condensed;
+use crate::linear::{Factors, Vector, add_scaled, dot, zeros};
 use crate::rover::dynamics::Evaluation;
-use crate::rover::linear::{Factors, Vector, add_scaled, dot, zeros};
 use crate::rover::{Rover, State};
 use crate::scalar::Scalar;
 use crate::signals::Drive;

@@ -15,8 +15,8 @@ mod increment;
 
 pub(crate) use increment::Increment;
 
+use crate::linear::{Factors, add_outer, add_scaled, zeros};
 use crate::rover::dynamics::{DynamicsError, Evaluation};
-use crate::rover::linear::{Factors, add_outer, add_scaled, zeros};
 use crate::rover::{Rover, State};
 use crate::scalar::Scalar;
 use crate::signals::{Command, Drive};

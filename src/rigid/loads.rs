@@ -12,9 +12,9 @@
 use super::world::WheelLoad;
 use crate::contact::Forces;
 use crate::integrator::{DRY_FRICTION, GAMMA, Increment, Integrator};
+use crate::linear::dot;
 use crate::rover::Rover;
 use crate::rover::dynamics::{Evaluation, WheelEvaluation};
-use crate::rover::linear::dot;
 use crate::signals::Drive;
 
 /// Mean forces of a step.

@@ -1,10 +1,10 @@
 //! The equations of motion: M(q) u' = Q(q, u, wheels, command), explicit in the accelerations.
 
 use super::kinematics::{Frames, turn_jacobian};
-use super::linear::{Factors, Matrix, Vector, add_outer, add_scaled, dot, zeros};
 use super::{Rover, State, Track};
 use crate::contact::{Motion, Surface, Touch, slip, touch};
 use crate::effects::{BodyMotion, ExpressionFailure, Place};
+use crate::linear::{Factors, Matrix, Vector, add_outer, add_scaled, dot, zeros};
 use crate::motor::{self, Motor};
 use crate::scalar::Scalar;
 use crate::signals::{Command, Drive};

@@ -5,7 +5,7 @@
 //! point with every angle at zero.
 
 use super::Rover;
-use super::linear::{Vector, zeros};
+use crate::linear::{Vector, zeros};
 use crate::scalar::Scalar;
 use crate::snapshot::moving_beside;
 
@@ -63,7 +63,7 @@ impl<S: Scalar> Frames<S> {
             rate: rate[2],
             bias: [zero; 2],
         };
-        let mut angles = [zero; super::linear::MAX_COORDINATES];
+        let mut angles = [zero; crate::vehicle::MAX_COORDINATES];
         angles[0] = position[2];
         for (j, link) in rover.links.iter().enumerate() {
             let reference = [link.parameters.x, link.parameters.z];

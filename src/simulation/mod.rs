@@ -2,19 +2,21 @@
 
 mod energies;
 mod motion;
+mod settle;
 mod status;
 mod truth;
 mod window;
 
 pub(crate) use energies::Energies;
 pub(crate) use motion::{Motion, TIPPED, belly_clearance};
+pub use settle::SettleError;
 pub use status::{Event, Status, StatusEntry};
 pub(crate) use window::Window;
 
 use crate::integrator::Integrator;
 use crate::recording::Recorder;
 use crate::rover::dynamics::DynamicsError;
-use crate::rover::{Rover, SettleError, State};
+use crate::rover::{Rover, State};
 use crate::scalar::{Mask, Scalar};
 use crate::signals::{Command, Drive, Signals};
 use crate::snapshot::moving;

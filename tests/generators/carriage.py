@@ -39,7 +39,8 @@ def steady_points(p, load, slip, wheel_speed):
         middle = 0.5 * (low + high)
         light = at(middle)[2][0] < load
         low, high = np.where(light, middle, low), np.where(light, high, middle)
-    sinkage, place, (_, pull, torque, _) = at(0.5 * (low + high))
+    sinkage, place, (normal, pull, torque, _) = at(0.5 * (low + high))
+    torque = torque + ground.added_torque(p, normal, wheel_speed)
     pull = pull + ground.added_pull(p, place) + drive.resistance(p, velocity, np.zeros_like(velocity))
     torque = drive.recorded_torque(p, drive.motor_torque(p, torque, wheel_speed) + drive.ripple(p, p.get("turned", 0.0)))
     if (s := ground.on(p, "drift.order")) is not None:  # outside the library: the force sensor drifts from run to run

@@ -73,14 +73,20 @@ FORMS = [
     Form("pitch_bias", "constant", 0.02, 0.1, R, library=True, signed=True),
     Form("pitch_bias", "drifting", 0.02, 0.1, R, signed=True),
     Form("drag", "constant", 3.0, 15.0, BOTH, library=True),
+    # Both of the library's forms at once, with the growth of a usual cable.
     Form("drag", "speed", 3.0, 15.0, BOTH),
+    Form("drag", "growth", 10.0, 50.0, BOTH, library=True),
     Form("tether", "linear", 1.0, 8.0, R, library=True),
     Form("tether", "slack", 1.0, 8.0, R),
     Form("sensor_lag", "first_order", 0.2, 1.0, R, library=True),
     Form("sensor_lag", "dead_time", 0.2, 1.0, R),
     # A sticking limit bites only where it is far below the soil's strength.
     Form("rim_adhesion", "minimum", 0.4, 0.7, BOTH, library=True, rival=0.3),
+    # A rounded limit as the library's, of the roundings 1/6 and 1/2.
     Form("rim_adhesion", "smooth", 0.4, 0.7, BOTH, rival=0.3),
+    Form("rim_adhesion", "round", 0.4, 0.7, BOTH, library=True, rival=0.3),
+    Form("rolling_resistance", "moment", 0.05, 0.2, BOTH, library=True),
+    Form("rolling_resistance", "hertz", 0.05, 0.2, BOTH),
     Form("hump", "slip", 0.05, 0.3, BOTH, outside=True, signed=True),
     Form("ripple", "turn", 0.3, 3.0, BOTH, outside=True),
     Form("drift", "order", 5.0, 40.0, W, outside=True, signed=True),

@@ -47,6 +47,8 @@ def resistance(p, velocity, travelled):
         force = force - s * sign
     if (s := on(p, "drag.speed")) is not None:  # grows a little with speed
         force = force - s * sign * (1.0 + 0.3 * np.abs(velocity) / 0.1)
+    if (s := on(p, "drag.growth")) is not None:  # s in N s/m
+        force = force - s * velocity
     if (s := on(p, "tether.linear")) is not None:
         force = force - s * np.maximum(travelled, 0.0)
     if (s := on(p, "tether.slack")) is not None:  # a cable that drags after its first half metre

@@ -148,7 +148,7 @@ def slope_strength(p, at, angle):
 
 def rim_adhesion(p, at, soil):
     """A rim to which the soil sticks less than to itself: at most (1 - s) of the soil's strength."""
-    for form in ("minimum", "smooth"):
+    for form in ("minimum", "smooth", "round"):
         s = on(p, f"rim_adhesion.{form}")
         if s is None:
             continue
@@ -157,8 +157,8 @@ def rim_adhesion(p, at, soil):
         share = np.where(soil["rim_on"] > 0.0, 1.0 - s, 2.0)
         soil["rim_cohesion"] = share * soil["cohesion"]
         soil["rim_tan"] = share * soil["tan_phi"]
-        if form == "smooth":
-            soil["rim_sharpness"] = 6.0
+        if form != "minimum":
+            soil["rim_sharpness"] = {"smooth": 6.0, "round": 2.0}[form]
 
 
 def added_pull(p, at):
@@ -176,3 +176,13 @@ def added_pull(p, at):
     if (s := on(p, "hump.slip")) is not None:  # outside the library: a bump of the pull over slip
         pull = pull + s * at["load"] * np.exp(-0.5 * ((at["slip"] - p["hump_at"]) / p["hump_width"]) ** 2)
     return pull * np.where(at["speed"] > 0.0, 1.0, 0.0)
+
+
+def added_torque(p, normal, turn):
+    """Moment of the wheel itself against its turning, N m, under a normal force and with the sign of `turn`."""
+    moment = 0.0 * normal
+    if (s := on(p, "rolling_resistance.moment")) is not None:  # s r N
+        moment = moment + s * p["radius"] * normal
+    if (s := on(p, "rolling_resistance.hertz")) is not None:  # losses of an elastic cylinder, N^1.5 (Tabor 1955), s at 40 N
+        moment = moment + s * p["radius"] * normal * np.sqrt(normal / 40.0)
+    return moment * np.sign(turn)

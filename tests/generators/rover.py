@@ -107,6 +107,7 @@ class Rover:
         normal, pull, torque, carried = contact.forces(soil, sinkage, travel, turn / soil["radius"], length, self.nodes)
         normal, pull, torque = carried + length * (normal - carried), length * pull, length * torque
         pull = pull + ground.added_pull(p, place) * np.sign(along) * length
+        torque = torque + ground.added_torque(p, np.maximum(normal, 0.0), turn) * length
         normal = np.where(
             sinkage > 0.0, np.maximum(normal - p["damping"] * smooth(sinkage / DAMPING_DEPTH) * up, 0.0), 0.0
         )

@@ -7,7 +7,7 @@
 //! (0.05 N m s in the built-in rocker-bogie) is unknown to the controller.
 
 use crate::control::{Nominal, Posture};
-use crate::rover::MAX_COORDINATES;
+use crate::vehicle::MAX_COORDINATES;
 use nalgebra::{SMatrix, SVector};
 
 /// Most rows of the balance: three of the whole rover, one a passive joint.

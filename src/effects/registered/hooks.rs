@@ -4,9 +4,9 @@ use super::{RegisteredEffect, RegisteredEffects};
 use crate::contact::Forces;
 use crate::effects::{BodyMotion, Local, Place, RecordingLag, Warming};
 use crate::motor::{Geared, Motor, TorqueRange};
-use crate::rover::Body;
 use crate::scalar::Scalar;
 use crate::signals::{BodySignals, WheelSignals};
+use crate::vehicle::Body;
 use crate::wheel::Wheel;
 use bekker_modeldescription::Over;
 

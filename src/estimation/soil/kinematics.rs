@@ -4,9 +4,9 @@
 use super::super::EstimationError;
 use super::super::error::{finite, same_count};
 use crate::control::{ControlError, Nominal};
-use crate::rover::{MAX_COORDINATES, MAX_WHEELS};
 use crate::signals::Measurement;
 use crate::snapshot::moving;
+use crate::vehicle::{MAX_COORDINATES, MAX_WHEELS};
 
 /// Most passive joints of a rover: what is left of the coordinates without x, z and pitch.
 pub(super) const MAX_LINKS: usize = MAX_COORDINATES - 3;

@@ -14,9 +14,9 @@
 use super::super::EstimationError;
 use super::kinematics::{MAX_LINKS, Posture, body_of};
 use crate::control::Nominal;
-use crate::rover::MAX_WHEELS;
-use crate::rover::linear::{Factors, Matrix, Vector, zeros};
+use crate::linear::{Factors, Matrix, Vector, zeros};
 use crate::signals::Measurement;
+use crate::vehicle::MAX_WHEELS;
 
 /// Passes over loads and resistance; the resistance acts on the loads with the small lever of the wheels' heights.
 const PASSES: usize = 4;

@@ -11,8 +11,8 @@ use super::super::suggestion::{Rule, maybe, sure};
 use super::super::suspicion;
 use super::super::vocabulary::{numbered, unit_in};
 use super::Format;
-use crate::rover::MAX_COORDINATES;
 use crate::signals::{BodySignals, LinkSignals, Signals, WheelSignals};
+use crate::vehicle::MAX_COORDINATES;
 use bekker_modeldescription::{Lookup, Unit, Variable};
 use std::f64::consts::PI;
 

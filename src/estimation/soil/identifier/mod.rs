@@ -18,10 +18,10 @@ use super::parameters::SoilIdentification;
 use super::reading::{Deviations, Reading, Strength};
 use super::sinkage::sinkage_under_load;
 use crate::control::Nominal;
-use crate::rover::MAX_WHEELS;
 use crate::signals::Measurement;
 use crate::snapshot::{Moving, Reader, SnapshotError, Writer, loaded, moving};
 use crate::soil::Soil;
+use crate::vehicle::MAX_WHEELS;
 
 /// What one wheel contributed to the last update.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -2,11 +2,9 @@
 //! order and a full set of functions that dual numbers share names with; this needs + - * / only).
 
 use crate::scalar::{Mask, Plain, Scalar};
+use crate::vehicle::MAX_COORDINATES;
 use num_traits::Signed;
 use std::ops::{DivAssign, Mul};
-
-/// Most generalised coordinates of a rover: three of the chassis and five passive joints.
-pub const MAX_COORDINATES: usize = 8;
 
 /// A vector of generalised coordinates; entries beyond the rover's own stay zero.
 pub(crate) type Vector<S> = [S; MAX_COORDINATES];

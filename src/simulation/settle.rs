@@ -1,12 +1,14 @@
 //! A rover at rest on the soil.
 
-use super::dynamics::{DynamicsError, Evaluation};
-use super::linear::{Factors, MAX_COORDINATES, Vector, add_outer, add_scaled, zeros};
-use super::{Rover, State, Track};
 use crate::contact::Hold;
+use crate::effects::Track;
 use crate::integrator::Integrator;
+use crate::linear::{Factors, Vector, add_outer, add_scaled, zeros};
+use crate::rover::dynamics::{DynamicsError, Evaluation};
+use crate::rover::{Rover, State};
 use crate::scalar::{Dual, Scalar};
 use crate::signals::Command;
+use crate::vehicle::MAX_COORDINATES;
 
 /// Accelerations below which a rover is at rest, m/s^2 and rad/s^2: a force balance within 1e-9 of weight.
 const AT_REST: f64 = 1e-8;
