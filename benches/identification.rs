@@ -2,7 +2,7 @@
 
 use bekker::control::Nominal;
 use bekker::estimation::soil::{
-    ClosedForm, Deviations, Reading, SoilIdentification, SoilIdentifier, Strength, StrengthFilter, predict,
+    ClosedForm, Deviations, Reading, SoilIdentification, SoilIdentifier, StrengthFilter, StrengthParameters, predict,
 };
 use bekker::model::nominal;
 use bekker::rover::Rover;
@@ -31,7 +31,7 @@ fn readings() -> Vec<Reading> {
         let phase = 0.21 * k as f64;
         let (load, slip) = (25.0 + 10.0 * phase.sin(), 0.3 + 0.2 * (1.7 * phase).cos());
         let reading = Reading { load, torque: 0.0, sinkage: 0.008 + 0.0002 * load, slip };
-        Reading { torque: predict(&wheel(), &sand(), &Strength::of(&sand()), &reading).torque, ..reading }
+        Reading { torque: predict(&wheel(), &sand(), &StrengthParameters::of(&sand()), &reading).torque, ..reading }
     };
     (0..1000).map(reading).collect()
 }
@@ -57,7 +57,7 @@ fn filter_update(bencher: Bencher, shear_modulus_gain: f64) {
 #[divan::bench]
 fn equation(bencher: Bencher) {
     let reading = readings()[3];
-    let strength = Strength::of(&sand());
+    let strength = StrengthParameters::of(&sand());
     bencher.bench(|| predict(black_box(&wheel()), black_box(&sand()), &strength, black_box(&reading)));
 }
 

@@ -17,7 +17,7 @@ PAGE = Path(__file__).with_suffix(".md")
 
 HEAD = """# Environments
 
-A rover drives over deformable soil, every wheel sinking, slipping and pulling as the stresses under it say: the physics of
+A rover drives over deformable soil, whose stresses under each wheel give its sinkage, slip and pull: the physics of
 `bekker.simulate`, of the FMU and of the core, to the same bits. Written by `python examples/environment.py`.
 
 ```python
@@ -69,7 +69,7 @@ single one does with s + i, whatever the number of environments and threads.
 
 **Copies.** `snapshot()` and `restore()` go on to the same bits; so do `copy.deepcopy` and `pickle`, single and vector, in the middle of an
 episode. (The plant of rigid bodies can be copied, not pickled.) A forked process can go on with a vector of many threads: the threads
-belong to the vector and know their process.
+belong to the vector, which starts new ones in the new process.
 
 **Vector.** `make_vec` gives a `bekker.RoverVectorEnv`, stepped in the core: `autoreset_mode` (`NextStep`, `SameStep`, `Disabled`),
 `threads`, `copy=False` (observations are overwritten), `reset(options={{"reset_mask": ...}})`.
@@ -79,8 +79,8 @@ belong to the vector and know their process.
 {arguments}
 
 **Free-threaded Python.** The wheel is abi3, one for CPython 3.10 and later, which builds without the global lock do not
-load. For them build from source with that Python, 3.14 or later (PyO3 has given 3.13 up): by its sources PyO3 then leaves abi3 by
-itself and makes a wheel for that version alone. No such Python was to be had here, so this has not been tried. The classes hold their
+load. For them build from source with that Python, 3.14 or later (PyO3 does not support 3.13): by its sources PyO3 then leaves abi3 by
+itself and makes a wheel for that version alone. This is not tested. The classes hold their
 state behind PyO3's borrow checks, so that two threads that step one environment at once get an error, not a race.
 
 **Pictures.** `render_mode="rgb_array"` draws the rover, the ground, its ruts and the forces without a display, some 11 ms a frame of
@@ -109,7 +109,7 @@ and 12 quotients and roots, the step 10,843 and 203 (three wheels of a rocker-bo
 counted by `cargo test --lib operations -- --nocapture`). A core of this machine makes 51 G sums and products in AVX-512 registers a
 second, or 3.2 G quotients, not fused, as the same bits on every processor ask. So no more than 3.6 million steps are possible in
 this way, of which 25 to 27 % are reached (rocker-bogie 30, random ground 35 to 38; `cargo bench --bench batch`). The counts are of
-eight rovers in one regime, where no contact is reckoned twice. Of the rest one part is known: a sampling profile shows about an
+eight rovers in one regime, where no contact is evaluated twice. Of the rest one part is known: a sampling profile shows about an
 eighth of the time in copies, most of them of matrices of 4 to 5 kB. Random actions, with their resets and rovers in different
 regimes, halve the speed.
 """

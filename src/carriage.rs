@@ -90,7 +90,7 @@ pub enum SteadyError {
 }
 
 impl SteadyError {
-    /// Whether it is the row that asks for what the rig cannot do, rather than an effect that is defined wrongly.
+    /// Whether the row has no answer on this rig, in contrast to an effect that is defined wrongly.
     pub(crate) fn is_of_the_row(&self) -> bool {
         !matches!(self, Self::Effect(_))
     }

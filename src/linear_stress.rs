@@ -48,7 +48,7 @@ pub struct LinearStress<S = f64> {
     tan_phi: S,
 }
 
-/// What one measurement says of the strength by (2.24): tan phi = (h_1 h_6 - c h_0 h_1)/(h_8 - c h_9).
+/// The equation that one measurement gives for the strength (2.24): tan phi = (h_1 h_6 - c h_0 h_1)/(h_8 - c h_9).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StrengthEquation<S = f64> {
     /// h_0.

@@ -1,5 +1,5 @@
 //! Rigid obstacles on the ground: rocks, ledges, blocks. The plant of rigid bodies (`plant = "rigid_bodies"`) feels
-//! them; the joint-coordinate plant knows soil only and refuses a model that has any.
+//! them; the joint-coordinate plant computes contact with soil only and refuses a model that has any.
 
 use bekker_modeldescription::{Unit, parameters};
 use serde::{Deserialize, Serialize};

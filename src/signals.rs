@@ -164,7 +164,7 @@ pub enum Drive {
 
 moving_code!(Drive, "what is commanded" { Drive::Torque => 0 => Drive::Torque, Drive::Speed => 1 => Drive::Speed });
 
-/// What the drives are told: one value a wheel, held until the next command.
+/// Command to the drives: one value a wheel, held until the next command.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Command<S = f64> {
     /// Meaning of the values.

@@ -19,26 +19,26 @@ const ACCURACY: f64 = 1e-6;
 
 /// How the wheel moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Motion {
+enum Regime {
     Driving,
     Skidding,
     Locked,
     Opposite,
 }
 
-const MOTIONS: [Motion; 4] = [Motion::Driving, Motion::Skidding, Motion::Locked, Motion::Opposite];
+const REGIMES: [Regime; 4] = [Regime::Driving, Regime::Skidding, Regime::Locked, Regime::Opposite];
 
 /// (V, r omega) in m/s; half of them backward.
-fn speeds(motion: Motion, random: &mut impl Rng) -> (f64, f64) {
+fn speeds(motion: Regime, random: &mut impl Rng) -> (f64, f64) {
     let slip = random.random_range(0.0..1.0_f64);
     let (v, rim) = match motion {
         // Slip 0 and 1 exactly now and then.
-        Motion::Driving => (1.0 - [0.0, 1.0, slip, slip, slip][random.random_range(0..5)], 1.0),
+        Regime::Driving => (1.0 - [0.0, 1.0, slip, slip, slip][random.random_range(0..5)], 1.0),
         // Evenly in slip, and down to nearly locked.
-        Motion::Skidding => (1.0, [1.0 - slip, 1e-5_f64.powf(slip)][random.random_range(0..2)]),
-        Motion::Locked => (1.0, 0.0),
+        Regime::Skidding => (1.0, [1.0 - slip, 1e-5_f64.powf(slip)][random.random_range(0..2)]),
+        Regime::Locked => (1.0, 0.0),
         // Nearer to V = 0 the model turns over smoothly between two limits of the formulas.
-        Motion::Opposite => (1.0, -slip / 0.12 * 0.8),
+        Regime::Opposite => (1.0, -slip / 0.12 * 0.8),
     };
     let speed = 0.1 * if random.random() { 1.0 } else { -1.0 };
     (v * speed, rim * speed)
@@ -47,7 +47,7 @@ fn speeds(motion: Motion, random: &mut impl Rng) -> (f64, f64) {
 /// A random contact for given n and K, over wheels and soils far beyond those of small rovers. The cohesion is at most
 /// the peak pressure: beyond it a wheel does not roll on the soil but hangs on it. For the same reason a contact is
 /// drawn again where the shear of a sliding rim takes away more than four fifths of what the pressure carries.
-fn draw(random: &mut impl Rng, motion: Motion, n: f64, k: f64) -> Case {
+fn draw(random: &mut impl Rng, motion: Regime, n: f64, k: f64) -> Case {
     loop {
         let mut log = |from: f64, to: f64| from * (to / from).powf(random.random());
         let (r, b, k_phi, depth, cohesion) =
@@ -75,7 +75,7 @@ fn error(case: &Case) -> f64 {
 
 /// Worst of `draws` random contacts.
 fn worst(
-    motion: Motion,
+    motion: Regime,
     draws: usize,
     random: &mut ChaCha8Rng,
     nk: impl Fn(&mut ChaCha8Rng) -> (f64, f64),
@@ -96,7 +96,7 @@ fn worst(
 #[test]
 fn agreement_forces_are_the_adaptive_integrals() {
     let mut random = ChaCha8Rng::seed_from_u64(1);
-    for motion in MOTIONS {
+    for motion in REGIMES {
         let (error, case) = worst(motion, 4000, &mut random, |random| {
             // The bounds of the claim themselves now and then.
             let n = [0.5, 1.3, 1.0, random.random_range(0.5..1.3)][random.random_range(0..4)];
@@ -122,7 +122,7 @@ fn agreement_outside_the_bound_the_error_is_as_stated() {
         (1.0, 0.0003, 1e-7),
     ];
     for (n, k, stated) in outside {
-        let of = MOTIONS.map(|motion| worst(motion, 500, &mut random, |_| (n, k)));
+        let of = REGIMES.map(|motion| worst(motion, 500, &mut random, |_| (n, k)));
         let largest = of.iter().fold(0.0, |largest: f64, (error, _)| largest.max(*error));
         println!("n = {n}, K = {} mm: {largest:.1e} of N, stated {stated:e}", k * 1e3);
         assert!(largest < stated, "n = {n}, K = {k}: {largest:e}");

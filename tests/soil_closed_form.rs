@@ -11,7 +11,7 @@ use bekker::estimation::soil::{
 };
 use bekker::linear_stress::LinearStress;
 use bekker::soil::Soil;
-use bekker_reproduction::instruments::{Bevameter, Noise};
+use bekker_reproduction::instruments::{Bevameter, NormalNoise};
 use test_wheel::{LOADS, SLIPS, sand, truths, wheel};
 
 /// Rounding of closed forms through quotients and roots.
@@ -93,7 +93,7 @@ fn analytic_bevameter_without_noise_gives_the_soil() {
     const SHEAR: f64 = 1e-6;
     let soil = sand(180.0, 29.2, 0.01);
     let bevameter = Bevameter { soil, relative_noise: 0.0, noise: 0.0 };
-    let mut noise = Noise::new(0);
+    let mut noise = NormalNoise::new(0);
     let curve = pressure_sinkage(&[0.04, 0.08].map(|width| bevameter.press(width, 0.05, 40, &mut noise))).unwrap();
     assert!((curve.exponent - soil.exponent).abs() < ROUNDING);
     assert!((curve.k_phi / soil.k_phi - 1.0).abs() < 1e-8 && (curve.k_c / soil.k_c - 1.0).abs() < 1e-5, "{curve:?}");
@@ -107,7 +107,7 @@ fn analytic_bevameter_without_noise_gives_the_soil() {
 #[test]
 fn property_bevameter_refuses_what_determines_nothing() {
     let bevameter = Bevameter { soil: sand(180.0, 29.2, 0.01), relative_noise: 0.0, noise: 0.0 };
-    let mut noise = Noise::new(0);
+    let mut noise = NormalNoise::new(0);
     let plate = bevameter.press(0.05, 0.05, 20, &mut noise);
     assert!(pressure_sinkage(std::slice::from_ref(&plate)).is_err());
     assert!(matches!(pressure_sinkage(&[plate.clone(), plate]), Err(EstimationError::Undetermined { .. })));

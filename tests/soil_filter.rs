@@ -6,7 +6,8 @@
 mod test_wheel;
 
 use bekker::estimation::soil::{
-    Deviations, Reading, SoilIdentification, Strength, StrengthFilter, Update, fit, friction_angle_at, predict,
+    Deviations, Reading, SoilIdentification, StrengthFilter, StrengthParameters, Update, fit, friction_angle_at,
+    predict,
 };
 use bekker::soil::Soil;
 use nalgebra::{Matrix3, Vector3};
@@ -37,7 +38,7 @@ fn filtered(soil: &Soil, parameters: SoilIdentification, readings: &[Reading], e
 fn analytic_true_strength_predicts_the_torque_of_the_full_integrals() {
     let soil = sand(400.0, 29.0, 0.012);
     for reading in truths(soil, &test_wheel::LOADS, &test_wheel::SLIPS) {
-        let seen = predict(&wheel(), &believed(), &Strength::of(&soil), &reading);
+        let seen = predict(&wheel(), &believed(), &StrengthParameters::of(&soil), &reading);
         assert!((seen.torque - reading.torque).abs() < ROUNDING * reading.torque, "{seen:?} {reading:?}");
         let phi = friction_angle_at(&wheel(), &soil, &reading, soil.cohesion).unwrap();
         assert!((phi - soil.friction_angle).abs() < ROUNDING, "{phi}");
@@ -48,10 +49,10 @@ fn analytic_true_strength_predicts_the_torque_of_the_full_integrals() {
 fn agreement_slopes_are_those_of_differences() {
     /// Central differences with steps of 1e-5 of the quantity leave 1e-8.
     const DIFFERENCE: f64 = 1e-6;
-    let strength = Strength { cohesion: 600.0, friction_angle: 0.5, shear_modulus: 0.012 };
+    let strength = StrengthParameters { cohesion: 600.0, friction_angle: 0.5, shear_modulus: 0.012 };
     let reading = Reading { load: 25.0, torque: 0.4, sinkage: 0.012, slip: 0.3 };
     let at = |x: [f64; 6]| {
-        let strength = Strength { cohesion: x[0], friction_angle: x[1], shear_modulus: x[2].exp() };
+        let strength = StrengthParameters { cohesion: x[0], friction_angle: x[1], shear_modulus: x[2].exp() };
         predict(&wheel(), &believed(), &strength, &Reading { load: x[3], sinkage: x[4], slip: x[5], ..reading })
     };
     let x = [600.0, 0.5, 0.012_f64.ln(), 25.0, 0.012, 0.3];
@@ -105,7 +106,7 @@ fn property_estimates_are_unbiased_and_consistent_over_seeds() {
     // The prior must be about the truth for its part of the error to be as its covariance says: it is drawn.
     let (mut nees, mut nis, mut off, mut count) = (0.0, 0.0, Vector3::zeros(), 0);
     for seed in 0..SEEDS {
-        let mut stream = bekker_reproduction::instruments::Noise::new(90_000 + seed);
+        let mut stream = bekker_reproduction::instruments::NormalNoise::new(90_000 + seed);
         let parameters = SoilIdentification {
             cohesion_deviation: 300.0,
             friction_angle_deviation: 0.05,

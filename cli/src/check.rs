@@ -22,7 +22,7 @@ pub struct Check {
     /// Python with the package bekker.
     #[arg(long, value_delimiter = ',', default_value = "core", value_name = "core|fmu|fmi2|fmi3|environment|all")]
     on: Vec<Target>,
-    /// Drive this FMU instead, whoever made it: FMI 2.0 or 3.0 with co-simulation.
+    /// Drive this FMU instead, made by any tool: FMI 2.0 or 3.0 with co-simulation.
     #[arg(long, value_name = "FILE", conflicts_with = "on")]
     fmu: Option<PathBuf>,
     /// Write what the core gives as what the scripts expect from now on, into the files that they name.
@@ -122,7 +122,7 @@ fn judge(script: &Script, door: &mut dyn Door) -> Result<bool> {
     Ok(report.passed())
 }
 
-/// An FMU that somebody gives.
+/// An FMU file that the user names.
 fn on_file(script: &Script, file: &Path) -> Result<bool> {
     let place = || format!("{} on {}", script.file.display(), file.display());
     let fmu = Fmu::open(file).with_context(place)?;
@@ -138,7 +138,7 @@ fn on_own_fmu(script: &Script, version: Version) -> Result<bool> {
     on_file(script, &file)
 }
 
-/// The environment lives in Python: its own door says what it found.
+/// Drives the gymnasium environment in a Python process, which prints the report.
 fn on_environment(script: &Script, python: &Path) -> Result<bool> {
     let output = Command::new(python)
         .args(["-m", "bekker", "check", "--on", "environment"])

@@ -1,4 +1,4 @@
-//! Ctrl-C: the first asks the work to end with what it has, the second ends the program.
+//! Ctrl-C: the first ends the work with the results so far, the second ends the program.
 
 use anyhow::{Context, Result};
 use std::path::PathBuf;

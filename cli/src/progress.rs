@@ -48,7 +48,7 @@ impl Shared {
 }
 
 impl Reporter {
-    /// Begins with work that is called `stage` until something else is told.
+    /// Starts with the stage `stage`, shown until the first report.
     pub fn start(stage: &'static str) -> Self {
         let progress = Progress { stage, trying: String::new(), done: 0.0, total: 1.0, elapsed: 0.0, remaining: None };
         let at = Mutex::new(At { progress, told: Instant::now(), ended: false });
@@ -63,7 +63,7 @@ impl Reporter {
         Self { shared, thread: Some(thread) }
     }
 
-    /// Takes what the work says of itself.
+    /// Takes a report of progress.
     pub fn tell(&self, progress: Progress) {
         let mut at = self.shared.at();
         (at.progress, at.told) = (progress, Instant::now());

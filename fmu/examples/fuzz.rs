@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Most values that a call asks for.
 const WIDTH: usize = 6;
 
-/// Numbers that do harm where nobody looks.
+/// Numbers that cause errors where they are not checked.
 const NUMBERS: [f64; 14] = [
     0.0,
     -0.0,

@@ -1,13 +1,13 @@
 //! What a model offers beyond values and steps, found out by asking it.
 
-use crate::model::Model;
+use crate::model::FmuModel;
 use bekker_modeldescription::xml::{Abilities, Causality, Kind};
 
 /// The capabilities that the model description claims for `model`.
 ///
 /// # Errors
 /// A sentence where the model does not start.
-pub fn abilities(model: &mut dyn Model) -> Result<Abilities, String> {
+pub fn abilities(model: &mut dyn FmuModel) -> Result<Abilities, String> {
     model.start().map_err(|failure| failure.to_string())?;
     let first = |wanted: Causality| {
         let entries = &model.description().entries;

@@ -18,7 +18,7 @@ pub fn fresh() -> usize {
     NEXT.fetch_add(STRIDE, Ordering::Relaxed)
 }
 
-/// The pointer that an importer sees.
+/// The pointer that the importer receives.
 pub fn to_pointer(handle: usize) -> *mut c_void {
     std::ptr::without_provenance_mut(handle)
 }
@@ -40,7 +40,7 @@ impl<T> Registry<T> {
         to_pointer(handle)
     }
 
-    /// The thing behind a pointer, if it is one of ours and not removed.
+    /// The value of a handle, if this registry has issued it and it is not removed.
     pub fn get(&self, pointer: *mut c_void) -> Option<Arc<Mutex<T>>> {
         self.0.read().unwrap_or_else(PoisonError::into_inner).get(&pointer.addr()).cloned()
     }

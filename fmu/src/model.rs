@@ -1,4 +1,4 @@
-//! What a model must offer to become an FMU. Nothing here knows of a version of the standard.
+//! What a model must offer to become an FMU. It is the same for all versions of the standard.
 
 use bekker_modeldescription::xml::Description;
 
@@ -39,9 +39,9 @@ pub struct EventOutcome {
     pub next_time: Option<f64>,
 }
 
-/// A model as explicit ordinary differential equations, x' = f(x, u, t), for somebody else's integrator.
+/// A model as explicit ordinary differential equations, x' = f(x, u, t), which the importer integrates.
 ///
-/// Inputs and parameters are set through [`Model::set`], outputs read through [`Model::get`]; they belong to the
+/// Inputs and parameters are set through [`FmuModel::set`], outputs read through [`FmuModel::get`]; they belong to the
 /// states of the last call of [`rates`](Self::rates).
 pub trait Continuous {
     /// Whether the present parameters leave nothing but ordinary differential equations.
@@ -109,7 +109,7 @@ pub trait Continuous {
 ///
 /// References are places in [`Description::entries`]; [`Lifecycle`](crate::lifecycle::Lifecycle) checks them,
 /// the values and the order of calls, so that a model need not.
-pub trait Model: Send {
+pub trait FmuModel: Send {
     /// The variables, with the values at which the model was loaded.
     fn description(&self) -> &Description;
 
@@ -149,7 +149,7 @@ pub trait Model: Send {
     fn reset(&mut self);
 
     /// A copy with the whole state, which goes on exactly as this one would.
-    fn duplicate(&self) -> Box<dyn Model>;
+    fn duplicate(&self) -> Box<dyn FmuModel>;
 
     /// The whole state as bytes: values, time, everything that moves. They also serve in another process.
     ///
@@ -203,7 +203,7 @@ pub trait Model: Send {
     }
 }
 
-impl Clone for Box<dyn Model> {
+impl Clone for Box<dyn FmuModel> {
     fn clone(&self) -> Self {
         self.duplicate()
     }

@@ -47,7 +47,7 @@ macro_rules! refused {
     )*};
 }
 
-/// Counts calls on instances that do not exist: an error, and nobody to tell it to.
+/// Counts calls on instances that do not exist: an error without a message, since no logger is known.
 macro_rules! unknown {
     ($count:ident: $($call:expr;)*) => {$(
         $count += 1;

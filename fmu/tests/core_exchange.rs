@@ -5,14 +5,14 @@ mod core_support;
 
 use bekker::model::Model as RoverModel;
 use bekker_fmu::Kind;
-use bekker_fmu::model::{Continuous, Model};
+use bekker_fmu::model::{Continuous, FmuModel};
 use bekker_modeldescription::xml::Causality;
 use core_support::{all, get, loaded, reference, set};
 
 /// Step of the explicit method of order 4, s.
 const FINE: f64 = 1e-4;
 
-fn plant(parameters: &[(&str, f64)]) -> Box<dyn Model> {
+fn plant(parameters: &[(&str, f64)]) -> Box<dyn FmuModel> {
     let mut fmu = loaded(&RoverModel::preset("gentle_velocity").unwrap(), Kind::Rover);
     parameters.iter().for_each(|(name, value)| set(&mut *fmu, name, *value));
     fmu.start().unwrap();
@@ -28,7 +28,7 @@ fn rates(equations: &mut dyn Continuous, x: &[f64]) -> Vec<f64> {
 }
 
 /// Integrates up to `end` as a tool would that knows the standard alone.
-fn integrate(fmu: &mut dyn Model, from: f64, end: f64) {
+fn integrate(fmu: &mut dyn FmuModel, from: f64, end: f64) {
     let equations = fmu.continuous().unwrap();
     let mut x = vec![0.0; equations.states().len()];
     equations.get_states(&mut x);

@@ -6,7 +6,7 @@ mod core_support;
 use bekker::model::Model as RoverModel;
 use bekker::modeldescription::Lookup;
 use bekker_fmu::Kind;
-use bekker_fmu::model::Model;
+use bekker_fmu::model::FmuModel;
 use bekker_modeldescription::xml::Causality;
 use core_support::{all, get, loaded, reference, set};
 
@@ -28,8 +28,9 @@ struct Wires {
 }
 
 impl Wires {
-    fn new(rover: &dyn Model, controller: &dyn Model, prefix: &str) -> Self {
-        let name = |model: &dyn Model, reference: usize| model.description().entries[reference].variable.name.clone();
+    fn new(rover: &dyn FmuModel, controller: &dyn FmuModel, prefix: &str) -> Self {
+        let name =
+            |model: &dyn FmuModel, reference: usize| model.description().entries[reference].variable.name.clone();
         let inputs = all(controller, Causality::Input).into_iter();
         let inputs = inputs.filter(|&input| name(controller, input) != "velocity_command");
         let measurements =
@@ -40,7 +41,7 @@ impl Wires {
     }
 }
 
-fn carry(wires: &[(usize, usize)], from: &dyn Model, to: &mut dyn Model) {
+fn carry(wires: &[(usize, usize)], from: &dyn FmuModel, to: &mut dyn FmuModel) {
     for (source, sink) in wires {
         to.set(*sink, from.get(*source));
     }
@@ -133,7 +134,7 @@ fn property_a_controller_holds_its_torques_between_decisions() {
     let mut controller = loaded(&model, Kind::Controller);
     controller.start().unwrap();
     let period = controller.inner_step();
-    let torque = |controller: &dyn Model| get(controller, "wheel[1].torque_command");
+    let torque = |controller: &dyn FmuModel| get(controller, "wheel[1].torque_command");
     assert_eq!(torque(&*controller), 0.0);
     controller.advance_to(0.3 * period).unwrap();
     let first = torque(&*controller);

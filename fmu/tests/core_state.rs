@@ -6,7 +6,7 @@ mod core_support;
 use bekker::model::Model as RoverModel;
 use bekker::modeldescription::Lookup;
 use bekker_fmu::Kind;
-use bekker_fmu::model::Model;
+use bekker_fmu::model::FmuModel;
 use bekker_modeldescription::xml::{Causality, Entry, Kind as Type, Variability};
 use core_support::{all, bits, get, loaded, set};
 use rand::{RngExt, SeedableRng};
@@ -32,7 +32,7 @@ fn models() -> Vec<Case> {
 }
 
 /// Inputs of the size that each of them has.
-fn steer(model: &mut dyn Model, dice: &mut ChaCha8Rng) {
+fn steer(model: &mut dyn FmuModel, dice: &mut ChaCha8Rng) {
     for input in all(model, Causality::Input) {
         let name = model.description().entries[input].variable.name.clone();
         let value = match name.rsplit('.').next().unwrap() {
@@ -46,7 +46,7 @@ fn steer(model: &mut dyn Model, dice: &mut ChaCha8Rng) {
 }
 
 /// Goes on over some points, on whole steps and between.
-fn drive(model: &mut dyn Model, points: usize, dice: &mut ChaCha8Rng) {
+fn drive(model: &mut dyn FmuModel, points: usize, dice: &mut ChaCha8Rng) {
     for _ in 0..points {
         steer(model, dice);
         let time = model.elapsed() + dice.random_range(0.3..4.0) * model.inner_step();

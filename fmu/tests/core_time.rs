@@ -6,7 +6,7 @@ mod core_support;
 use bekker::model::{Model as RoverModel, Run};
 use bekker::modeldescription::Parameters;
 use bekker_fmu::Kind;
-use bekker_fmu::model::{Model, Outcome};
+use bekker_fmu::model::{FmuModel, Outcome};
 use core_support::{get, loaded, reference, set};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -23,7 +23,7 @@ fn signals(run: &Run) -> Vec<f64> {
 }
 
 /// The FMU's signals, which come first among its outputs.
-fn shown(fmu: &dyn Model, count: usize) -> Vec<f64> {
+fn shown(fmu: &dyn FmuModel, count: usize) -> Vec<f64> {
     let first = reference(fmu, "x");
     (first..first + count).map(|reference| fmu.get(reference)).collect()
 }
@@ -79,7 +79,7 @@ fn property_points_within_one_step_move_along_a_line() {
     let mut fmu = loaded(&model, Kind::RoverWithController);
     fmu.start().unwrap();
     fmu.advance_to(100.0 * STEP).unwrap();
-    let at = |fmu: &dyn Model| get(fmu, "x");
+    let at = |fmu: &dyn FmuModel| get(fmu, "x");
     let start = at(&*fmu);
     let mut copy = fmu.duplicate();
     copy.advance_to(101.0 * STEP).unwrap();

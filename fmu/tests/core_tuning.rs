@@ -6,11 +6,11 @@ mod core_support;
 use bekker::model::{Model as RoverModel, Plant, RunError};
 use bekker::modeldescription::{Lookup, Parameters};
 use bekker_fmu::Kind;
-use bekker_fmu::model::Model;
+use bekker_fmu::model::FmuModel;
 use bekker_modeldescription::xml::Variability;
 use core_support::{bits, get, loaded, reference, set};
 
-fn variability(model: &dyn Model, name: &str) -> Variability {
+fn variability(model: &dyn FmuModel, name: &str) -> Variability {
     model.description().entries[reference(model, name)].variability
 }
 
@@ -62,7 +62,7 @@ fn property_gains_of_a_controller_change_with_its_history_kept() {
     controller.start().unwrap();
     let period = controller.inner_step();
     controller.advance_to(10.0 * period).unwrap();
-    let torque = |model: &dyn Model| get(model, "wheel[1].torque_command");
+    let torque = |model: &dyn FmuModel| get(model, "wheel[1].torque_command");
     let wanted = 0.25 / 0.1;
     // Ten steps of the integral on an error that does not change, and the direct part.
     let integral = 10.0 * 20.0 * period * wanted;

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use bekker_fmu::lifecycle::{Direction, Lifecycle, Phase, Refusal, Type};
-use bekker_fmu::model::{Continuous, EventOutcome, Failure, Model, Outcome};
+use bekker_fmu::model::{Continuous, EventOutcome, Failure, FmuModel, Outcome};
 use bekker_modeldescription::xml::{Arrays, Description, Entry, Experiment};
 use bekker_modeldescription::{Lookup, Unit, parameters};
 
@@ -74,7 +74,7 @@ fn rail() -> Rail {
     Rail { description, cart, steps: 0, places: [0.0; 2], shown: 0.0, rate: f64::NAN }
 }
 
-impl Model for Rail {
+impl FmuModel for Rail {
     fn description(&self) -> &Description {
         &self.description
     }
@@ -138,7 +138,7 @@ impl Model for Rail {
         self.cart = Cart::default();
     }
 
-    fn duplicate(&self) -> Box<dyn Model> {
+    fn duplicate(&self) -> Box<dyn FmuModel> {
         Box::new(self.clone())
     }
 

@@ -104,7 +104,7 @@ pub struct UnitError {
     pub symbol: String,
     /// The SI unit that it was to be converted to.
     pub si: &'static str,
-    /// The SI unit that it would be converted to; `None` where nobody knows the unit.
+    /// The SI unit that it would be converted to; `None` where the unit is unknown.
     pub other: Option<&'static str>,
     /// Units that fit, SI first.
     pub fits: Vec<&'static str>,

@@ -9,9 +9,9 @@ use rand_distr::{Distribution, StandardNormal};
 
 /// Standard normal noise from a seed.
 #[derive(Clone, Debug)]
-pub struct Noise(ChaCha8Rng);
+pub struct NormalNoise(ChaCha8Rng);
 
-impl Noise {
+impl NormalNoise {
     /// The stream of a seed.
     #[must_use]
     pub fn new(seed: u64) -> Self {
@@ -38,7 +38,7 @@ pub struct Bevameter {
 
 impl Bevameter {
     /// A plate of `width` (m) pressed in to `depth` (m) in `points` steps.
-    pub fn press(&self, width: f64, depth: f64, points: usize, noise: &mut Noise) -> PlateTest {
+    pub fn press(&self, width: f64, depth: f64, points: usize, noise: &mut NormalNoise) -> PlateTest {
         let point = |i: usize| {
             let z = depth * (i + 1) as f64 / points as f64;
             [z, self.read(self.soil.pressure(z, width), noise)]
@@ -47,7 +47,7 @@ impl Bevameter {
     }
 
     /// The annulus under `pressure` (Pa) turned by `travel` (m) in `points` steps.
-    pub fn shear(&self, pressure: f64, travel: f64, points: usize, noise: &mut Noise) -> AnnulusTest {
+    pub fn shear(&self, pressure: f64, travel: f64, points: usize, noise: &mut NormalNoise) -> AnnulusTest {
         let strength = self.soil.cohesion + pressure * self.soil.friction_angle.tan();
         let point = |i: usize| {
             let j = travel * (i + 1) as f64 / points as f64;
@@ -56,7 +56,7 @@ impl Bevameter {
         AnnulusTest { pressure, points: (0..points).map(point).collect() }
     }
 
-    fn read(&self, stress: f64, noise: &mut Noise) -> f64 {
+    fn read(&self, stress: f64, noise: &mut NormalNoise) -> f64 {
         stress * (1.0 + noise.draw(self.relative_noise)) + noise.draw(self.noise)
     }
 }
@@ -88,7 +88,7 @@ impl Carriage {
     ///
     /// # Errors
     /// [`SteadyError`] where the wheel sinks to its axle.
-    pub fn read(&self, load: f64, slip: f64, noise: &mut Noise) -> Result<CarriagePoint, SteadyError> {
+    pub fn read(&self, load: f64, slip: f64, noise: &mut NormalNoise) -> Result<CarriagePoint, SteadyError> {
         let point = steady_point(&self.rig, load, slip, self.wheel_speed)?;
         let truth = Reading { load, torque: point.torque, sinkage: point.sinkage, slip };
         let radius = self.rig.wheel.radius;

@@ -1,7 +1,7 @@
 //! A simulated rover read by noisy sensors, its wheels at given speeds: what an identification experiment of 2.3.2
 //! drives.
 
-use super::instruments::Noise;
+use super::instruments::NormalNoise;
 use bekker::rover::Rover;
 use bekker::signals::{Command, LinkMeasurement, Measurement, WheelMeasurement};
 use bekker::simulation::{Simulation, Status, StepError};
@@ -26,7 +26,7 @@ pub struct SensorNoise {
 pub struct OnBoard {
     simulation: Simulation,
     sensors: SensorNoise,
-    noise: Noise,
+    noise: NormalNoise,
     steps: u64,
     measured: Measurement,
 }
@@ -43,7 +43,7 @@ impl OnBoard {
         (step_size, steps): (f64, u64),
     ) -> Result<Self, StepError> {
         let simulation = Simulation::new(rover, 0.0, step_size)?;
-        Ok(Self { simulation, sensors, noise: Noise::new(seed), steps, measured: Measurement::default() })
+        Ok(Self { simulation, sensors, noise: NormalNoise::new(seed), steps, measured: Measurement::default() })
     }
 
     /// Drives on for one sampling time with these wheel speeds (rad/s), and reads.

@@ -2,7 +2,7 @@
 //!
 //! Section 2.4 is in [`soil_testbed`](super::soil_testbed) and [`soil_on_board`](super::soil_on_board).
 
-use super::instruments::{CarriagePoint, Noise};
+use super::instruments::{CarriagePoint, NormalNoise};
 use super::soil_testbed::testbed;
 use super::stresses::Contact;
 use super::{Finding, LinePlot, Row, Series, Spread};
@@ -234,7 +234,7 @@ pub fn drawbar_pull_of_models() -> Result<Finding, SoilFindingError> {
     let mut lines: [Vec<[f64; 2]>; 3] = Default::default();
     for i in 0..=60 {
         let slip = 0.01 + 0.88 * f64::from(i) / 60.0;
-        let CarriagePoint { truth, drawbar_pull: full, .. } = carriage.read(30.0, slip, &mut Noise::new(0))?;
+        let CarriagePoint { truth, drawbar_pull: full, .. } = carriage.read(30.0, slip, &mut NormalNoise::new(0))?;
         let [simplified, modified] = drawbar_pull(&test_wheel(), &soil, &truth)?;
         for (line, pull) in lines.iter_mut().zip([full, simplified, modified]) {
             line.push([100.0 * slip, pull]);

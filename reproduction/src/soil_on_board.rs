@@ -1,4 +1,4 @@
-//! Section 2.4 on the rover: one rear wheel is driven faster for 4 s, sinks, and tells the soil (figures 2.8, 2.14-2.17).
+//! Section 2.4 on the rover: one rear wheel is driven faster for 4 s, sinks, and its readings give the soil (figures 2.8, 2.14-2.17).
 
 use super::on_board::{OnBoard, SensorNoise};
 use super::soil::{SoilFindingError, row, sand_assumption, series, testbed_sand};

@@ -1,13 +1,13 @@
 //! The testbeds of section 2.4 again: the bevameter (figure 2.12) and the driven wheel on a carriage (figure 2.13).
 
-use super::instruments::{Bevameter, Carriage, CarriagePoint, Noise};
+use super::instruments::{Bevameter, Carriage, CarriagePoint, NormalNoise};
 use super::soil::{NO_NOISE, SoilFindingError, row, sand_assumption, series, test_wheel, testbed_sand};
 use super::{Finding, LinePlot, Row};
 use bekker::contact::rolling;
 use bekker::diagnosis::Rig;
 use bekker::estimation::soil::{
-    ClosedForm, Deviations, Reading, SoilIdentification, Strength, StrengthFilter, drawbar_pull, pressure_sinkage,
-    reduce_annulus, strength_line,
+    ClosedForm, Deviations, Reading, SoilIdentification, StrengthFilter, StrengthParameters, drawbar_pull,
+    pressure_sinkage, reduce_annulus, strength_line,
 };
 use bekker::parallel::map_in_order;
 use bekker::rover::Rover;
@@ -31,7 +31,7 @@ pub(super) fn testbed(soil: Soil, noise: Deviations) -> Carriage {
 /// K (mm) by logarithms.
 fn bevameter_session(seed: u64) -> Result<[f64; 6], SoilFindingError> {
     let bevameter = Bevameter { soil: testbed_sand(), relative_noise: 0.03, noise: 50.0 };
-    let mut noise = Noise::new(seed);
+    let mut noise = NormalNoise::new(seed);
     let plates = [0.04, 0.08].map(|width| bevameter.press(width, 0.05, 50, &mut noise));
     let annuli = PRESSURES.map(|pressure| reduce_annulus(&bevameter.shear(pressure, 0.06, 60, &mut noise)));
     let annuli = annuli.into_iter().collect::<Result<Vec<_>, _>>()?;
@@ -61,7 +61,7 @@ pub fn bevameter(trials: u64) -> Result<Finding, SoilFindingError> {
     let truth = "The thesis's result is the truth of the virtual sand; ours scatters with the assumed noise of 3 % and \
                  50 Pa of each stress.";
     let session = Bevameter { soil: testbed_sand(), relative_noise: 0.03, noise: 50.0 };
-    let mut noise = Noise::new(0);
+    let mut noise = NormalNoise::new(0);
     let strengths = PRESSURES
         .map(|pressure| reduce_annulus(&session.shear(pressure, 0.06, 60, &mut noise)))
         .into_iter()
@@ -124,7 +124,7 @@ struct Identified {
 }
 
 fn believed() -> (Soil, SoilIdentification) {
-    // The prior knows dry sand, not this one.
+    // The prior is that of dry sand, not of this soil.
     let soil = Soil { cohesion: 500.0, friction_angle: 32.0_f64.to_radians(), shear_modulus: 0.014, ..testbed_sand() };
     (soil, SoilIdentification { shear_modulus_gain: 1.0, cohesion_deviation: 500.0, ..SoilIdentification::default() })
 }
@@ -135,7 +135,7 @@ fn in_display_units(cohesion: f64, friction_angle: f64) -> [f64; 2] {
 
 fn identify(seed: u64, noise: Deviations) -> Result<Identified, SoilFindingError> {
     let (wheel, sand) = (test_wheel(), testbed_sand());
-    let (carriage, mut stream) = (testbed(sand, noise), Noise::new(seed));
+    let (carriage, mut stream) = (testbed(sand, noise), NormalNoise::new(seed));
     let grid = LOADS.into_iter().flat_map(|load| SLIPS.map(|slip| (load, slip)));
     let points = grid.map(|(load, slip)| carriage.read(load, slip, &mut stream)).collect::<Result<Vec<_>, _>>()?;
     let readings: Vec<Reading> = points.iter().map(|point| point.reading).collect();
@@ -179,7 +179,7 @@ fn full_drawbar_pull(wheel: &Wheel, soil: &Soil, reading: &Reading) -> f64 {
 fn drawbar_errors(
     points: &[CarriagePoint],
     by_closed: &Soil,
-    strength: &Strength,
+    strength: &StrengthParameters,
 ) -> Result<[f64; 2], SoilFindingError> {
     let wheel = test_wheel();
     let mut sums = [0.0; 2];
@@ -288,7 +288,7 @@ fn figure_2_13() -> Result<LinePlot, SoilFindingError> {
     let (wheel, sand) = (test_wheel(), testbed_sand());
     let found = identify(1, CARRIAGE_NOISE)?;
     let with = |[c, phi]: [f64; 2]| Soil { cohesion: 1e3 * c, friction_angle: phi.to_radians(), ..sand };
-    let (carriage, mut noise) = (testbed(sand, CARRIAGE_NOISE), Noise::new(99));
+    let (carriage, mut noise) = (testbed(sand, CARRIAGE_NOISE), NormalNoise::new(99));
     let mut lines: [Vec<[f64; 2]>; 3] = Default::default();
     for i in 0..40 {
         let slip = 0.05 + 0.75 * f64::from(i) / 39.0;

@@ -25,7 +25,7 @@
 //! # record_every = 0.1             # s, whole intervals
 //! ```
 //! A [`Script`] is read strictly: whatever cannot be right is a [`ScriptError`] that names file and key. Anything that is a
-//! [`Door`] can be driven through it; the [`Report`] tells for each signal the first and the largest deviation.
+//! [`Door`] can be driven through it; the [`Report`] states for each signal the first and the largest deviation.
 //! ```no_run
 //! use bekker_script::{Core, Script};
 //! let script = Script::read("start.toml".as_ref())?;

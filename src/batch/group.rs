@@ -7,7 +7,7 @@ use crate::model::Run;
 use crate::rover::Rover;
 use crate::scalar::{Arch, Beside, Lanes, Mask, Plain, WIDTH};
 use crate::signals::{Command, Drive, Signals};
-use crate::simulation::{Motion, Simulation, Status};
+use crate::simulation::{Simulation, Status, StepState};
 use crate::terrain::Terrain;
 use bekker_modeldescription::Parameters;
 use std::cell::Cell;
@@ -80,12 +80,12 @@ struct SideBySide<A: Arch> {
     kind: Kind,
     members: [Option<usize>; WIDTH],
     rover: Rover<Lanes<A>>,
-    motion: Motion<Lanes<A>>,
+    motion: StepState<Lanes<A>>,
     command: Command<Lanes<A>>,
     signals: Signals<Lanes<A>>,
     step_size: f64,
     /// A member with its motion at the time it joined, which stands in empty places and for members that rest.
-    spare: Motion,
+    spare: StepState,
     /// Whether the place holds the present motion of its member.
     inside: [bool; WIDTH],
     /// Whether members have changed since the constants were set side by side.
@@ -101,7 +101,7 @@ impl<A: Arch> SideBySide<A> {
         let state = simulation.state().map(&lift);
         let wheels = rover.wheels.len();
         let command = Command { drive: kind.drive, values: vec![Lanes::from(0.0); wheels] };
-        let motion = Motion::new(&rover, state, &command).ok()?;
+        let motion = StepState::new(&rover, state, &command).ok()?;
         Some(Self {
             signals: Signals::of(wheels, rover.links.len()),
             step_size: simulation.step_size(),
@@ -254,8 +254,9 @@ impl<A: Arch> SideBySide<A> {
         self.signals.take_out(k, places.signals);
     }
 
-    /// What is left of a step where one of the runs meets what only the single run knows to handle.
-    fn alone(&mut self, slots: &mut [Slot], movers: [bool; WIDTH], left: u64) {
+    /// Makes the rest of a step, `left` inner steps, run by run: at least one run has reached a case that only the single
+    /// simulation handles.
+    fn advance_one_by_one(&mut self, slots: &mut [Slot], movers: [bool; WIDTH], left: u64) {
         for k in 0..WIDTH {
             let Some(slot) = mover(&self.members, slots, &movers, k) else { continue };
             if std::mem::take(&mut self.inside[k])
@@ -337,7 +338,7 @@ impl<A: Arch> Group for SideBySide<A> {
     fn step(&mut self, slots: &mut [Slot], steps: u64) {
         let mut movers = self.movers(slots);
         if movers.iter().filter(|moves| **moves).count() < FEWEST {
-            return self.alone(slots, movers, steps);
+            return self.advance_one_by_one(slots, movers, steps);
         }
         if std::mem::take(&mut self.changed) {
             self.renew(slots);
@@ -363,7 +364,7 @@ impl<A: Arch> Group for SideBySide<A> {
             }
             left -= made;
             if !sound {
-                return self.alone(slots, movers, left);
+                return self.advance_one_by_one(slots, movers, left);
             }
         }
     }

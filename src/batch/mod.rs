@@ -4,7 +4,7 @@
 //! share a batch, nor on the processor's instructions.
 //!
 //! Runs of one kind go eight at a time, number k of every quantity being that of run k ([`Kernel`] has the instruction
-//! sets). What only the single run handles makes a run go alone, in the same batch: the plant of rigid bodies, effects of
+//! sets). A run that needs what only the single run computes is stepped by itself, in the same batch: the plant of rigid bodies, effects of
 //! the user's own, records that lag, and a step in which one of the eight leaves the ground or is not finite.
 //!
 //! ```
@@ -43,8 +43,8 @@ use shard::{Shard, Slot};
 /// has no threads but its own: there the first step starts new ones.
 #[derive(Debug)]
 pub struct Batch {
-    /// One part a thread. A box travels to its worker and back in every step.
-    #[allow(clippy::vec_box, reason = "a box is what travels")]
+    /// One shard for each thread. In every step a shard moves to its worker thread and back, as a pointer.
+    #[allow(clippy::vec_box, reason = "shards move between threads as pointers")]
     shards: Vec<Box<Shard>>,
     pool: Pool,
     structure: Structure,

@@ -1,7 +1,8 @@
-//! Threads that a batch owns.
+//! Worker threads of one batch.
 //!
-//! A pool that all of a program shares hangs in a process that is forked off, which has its memory but not its threads. So
-//! these belong to one batch, and know the process in which they were started.
+//! A batch has its own threads, since a pool that the whole process shares blocks for ever in a forked process: a fork copies
+//! the memory and not the threads. The pool therefore records the process in which its threads were started, and starts new
+//! ones where it finds itself in another process.
 
 use super::shard::Shard;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -11,84 +12,89 @@ use std::thread::JoinHandle;
 pub struct Pool {
     size: usize,
     /// None before the first step.
-    crew: Option<Crew>,
+    started: Option<Started>,
 }
 
-/// Workers of one process.
+/// Worker threads, and the process in which they were started.
 #[derive(Debug)]
-struct Crew {
+struct Started {
     process: u32,
     workers: Vec<Worker>,
 }
 
 #[derive(Debug)]
 struct Worker {
-    desk: Arc<Desk>,
+    mailbox: Arc<Mailbox>,
     thread: JoinHandle<()>,
 }
 
-/// Where work is handed over.
+/// Holds the one task that passes between the calling thread and a worker.
 #[derive(Debug, Default)]
-struct Desk {
+struct Mailbox {
     task: Mutex<Task>,
     changed: Condvar,
 }
 
+/// Boxed shards, so that a pointer is moved between threads and not a shard of many kilobytes.
 #[derive(Debug, Default)]
 enum Task {
     #[default]
     None,
+    /// To be stepped by the worker.
     Given(Box<Shard>),
+    /// Stepped, to be taken back by the calling thread.
     Done(Box<Shard>),
+    /// The worker ends.
     Over,
 }
 
 impl Pool {
-    /// So many workers, started when they are first needed.
+    /// A pool of `size` workers, started when they are first needed.
     pub fn new(size: usize) -> Self {
-        Self { size, crew: None }
+        Self { size, started: None }
     }
 
-    /// Steps all shards: the first by the calling thread, the others by a worker each, as far as the system gives threads.
-    #[allow(clippy::vec_box, reason = "a box is what travels")]
+    /// Steps all shards: the last ones by one worker each, as far as the system gives threads, the others by the calling
+    /// thread.
+    #[allow(clippy::vec_box, reason = "shards move between threads as pointers")]
     pub fn step(&mut self, shards: &mut Vec<Box<Shard>>) {
         if self.size == 0 {
             return shards.iter_mut().for_each(|shard| shard.step());
         }
-        let crew = self.crew();
-        let own = shards.len() - crew.workers.len();
-        for (worker, shard) in crew.workers.iter().zip(shards.drain(own..)) {
-            worker.desk.put(Task::Given(shard));
+        let workers = self.workers();
+        let own = shards.len() - workers.len();
+        for (worker, shard) in workers.iter().zip(shards.drain(own..)) {
+            worker.mailbox.put(Task::Given(shard));
         }
         shards.iter_mut().for_each(|shard| shard.step());
-        shards.extend(crew.workers.iter().map(|worker| worker.desk.result()));
+        shards.extend(workers.iter().map(|worker| worker.mailbox.result()));
     }
 
-    /// The workers of this process. Those of the process that it was forked from are not there: what is left of them is
-    /// forgotten, as to join or detach a thread that does not exist has no meaning.
-    fn crew(&mut self) -> &Crew {
+    /// The workers of this process, started if there are none. Handles of threads that belong to the process from which this
+    /// one was forked are leaked: those threads do not exist here and can be neither joined nor detached.
+    fn workers(&mut self) -> &[Worker] {
         let process = std::process::id();
-        if self.crew.as_ref().is_some_and(|crew| crew.process != process) {
-            std::mem::forget(self.crew.take());
+        if self.started.as_ref().is_some_and(|started| started.process != process) {
+            std::mem::forget(self.started.take());
         }
-        let size = self.size;
-        self.crew.get_or_insert_with(|| Crew { process, workers: (0..size).map_while(|_| Worker::start()).collect() })
+        let start = || Started { process, workers: (0..self.size).map_while(|_| Worker::start()).collect() };
+        &self.started.get_or_insert_with(start).workers
     }
 }
 
 impl Worker {
     /// None where the system has no thread left.
     fn start() -> Option<Self> {
-        let desk = Arc::new(Desk::default());
-        let own = Arc::clone(&desk);
+        let mailbox = Arc::new(Mailbox::default());
+        let own = Arc::clone(&mailbox);
         let thread = std::thread::Builder::new().name("bekker-batch".to_owned()).spawn(move || own.serve()).ok()?;
-        Some(Self { desk, thread })
+        Some(Self { mailbox, thread })
     }
 }
 
-impl Desk {
+impl Mailbox {
     fn lock(&self) -> MutexGuard<'_, Task> {
-        // Nothing that is done with the lock held can leave the task half written.
+        // A poisoned lock is safe to use: no operation under the lock leaves the task partly written.
         self.task.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -113,7 +119,7 @@ impl Desk {
         self.wait(|task| if let Task::Done(shard) = task { Ok(shard) } else { Err(task) })
     }
 
-    /// The worker's life.
+    /// Steps the shards that are put in, until the task is [`Task::Over`].
     fn serve(&self) {
         let next = || {
             self.wait(|task| match task {
@@ -131,12 +137,12 @@ impl Desk {
 
 impl Drop for Pool {
     fn drop(&mut self) {
-        let Some(Crew { process, workers }) = self.crew.take() else { return };
+        let Some(Started { process, workers }) = self.started.take() else { return };
         if process != std::process::id() {
             return std::mem::forget(workers);
         }
         for worker in workers {
-            worker.desk.put(Task::Over);
+            worker.mailbox.put(Task::Over);
             // A worker catches its panics; there is nothing to learn from how it ended.
             drop(worker.thread.join());
         }

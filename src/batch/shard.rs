@@ -48,7 +48,7 @@ impl Shard {
         shard
     }
 
-    /// Makes the steps. A panic is noted and goes no further, so that nobody waits for a thread that is gone.
+    /// Makes the steps. A panic is caught and recorded, so that the calling thread does not wait for a thread that has ended.
     pub fn step(&mut self) {
         let all = || self.step_all();
         self.panicked |= catch_unwind(AssertUnwindSafe(all)).is_err();

@@ -266,8 +266,8 @@ impl<S: Scalar> Contact<'_, S> {
         integrate(&rim, self.wheel, self.surface)
     }
 
-    /// Forces for `velocity >= 0` where the wheel touches. Side by side, wheels that roll forward are reckoned together
-    /// and the others one by one.
+    /// Forces for `velocity >= 0` where the wheel touches. In SIMD lanes, wheels that roll forward are computed
+    /// together and the others one by one.
     #[cfg_attr(feature = "batch", inline(always))]
     fn forward(&self, velocity: S, spin: S, touches: S::Mask) -> (Rolling<S>, S) {
         let rim_speed = self.wheel.radius * spin;

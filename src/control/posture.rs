@@ -4,7 +4,7 @@ use super::Nominal;
 
 /// One body's place, in world axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Place {
+struct BodyPlacement {
     /// A point of the body: the rover's centre of mass at zero joint angles for the chassis, the joint for a link.
     origin: [f64; 2],
     /// The same point from the chassis reference point, all angles at zero, m.
@@ -15,7 +15,7 @@ struct Place {
     angle: f64,
 }
 
-impl Place {
+impl BodyPlacement {
     fn point(&self, reference: [f64; 2]) -> [f64; 2] {
         let (x, z) = (reference[0] - self.reference[0], reference[1] - self.reference[1]);
         [self.origin[0] + (x * self.cos - z * self.sin), self.origin[1] + (x * self.sin + z * self.cos)]
@@ -33,7 +33,7 @@ struct Load {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Posture {
     /// The chassis, then the links.
-    places: Vec<Place>,
+    places: Vec<BodyPlacement>,
     /// What each joint carries: its link and all links on that.
     loads: Vec<Load>,
     /// Centre of mass of the whole, from the point from which places count.
@@ -45,18 +45,22 @@ impl Posture {
     #[must_use]
     pub fn new(nominal: &Nominal) -> Self {
         let links = nominal.links.len();
-        Self { places: vec![Place::default(); 1 + links], loads: vec![Load::default(); links], centre: [0.0; 2] }
+        Self {
+            places: vec![BodyPlacement::default(); 1 + links],
+            loads: vec![Load::default(); links],
+            centre: [0.0; 2],
+        }
     }
 
     /// Places all bodies; `pitch` and one angle a link in rad.
     pub fn update(&mut self, nominal: &Nominal, pitch: f64, angles: impl Iterator<Item = f64>) {
         let (sin, cos) = pitch.sin_cos();
-        self.places[0] = Place { origin: [0.0; 2], reference: nominal.centre_of_mass, sin, cos, angle: pitch };
+        self.places[0] = BodyPlacement { origin: [0.0; 2], reference: nominal.centre_of_mass, sin, cos, angle: pitch };
         for (j, (link, angle)) in nominal.links.iter().zip(angles).enumerate() {
             let parent = self.places[link.parent];
             let (reference, angle) = ([link.x, link.z], parent.angle + angle);
             let (sin, cos) = angle.sin_cos();
-            self.places[j + 1] = Place { origin: parent.point(reference), reference, sin, cos, angle };
+            self.places[j + 1] = BodyPlacement { origin: parent.point(reference), reference, sin, cos, angle };
         }
         self.weigh(nominal);
     }

@@ -12,6 +12,8 @@ use super::weighted::Weighted;
 use crate::measurement::Prior;
 use bekker_modeldescription::Variable;
 use nalgebra::DMatrix;
+use serde::ser::SerializeStruct;
+use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 
 /// A parameter this close to a bound (a share of the range) is put on it unless that raises the cost.
@@ -51,6 +53,23 @@ pub struct CalibratedParameter {
     pub prior: Option<Prior>,
 }
 
+/// Name, unit symbol and bounds in the place of the whole variable; the shift from the prior in the place of the prior.
+impl Serialize for CalibratedParameter {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut fields = to.serialize_struct("CalibratedParameter", 9)?;
+        fields.serialize_field("name", &self.variable.name)?;
+        fields.serialize_field("unit", self.variable.unit.symbol)?;
+        fields.serialize_field("min", &self.variable.min)?;
+        fields.serialize_field("max", &self.variable.max)?;
+        fields.serialize_field("start", &self.start)?;
+        fields.serialize_field("value", &self.value)?;
+        fields.serialize_field("deviation", &self.deviation)?;
+        fields.serialize_field("at_bound", &self.at_bound)?;
+        fields.serialize_field("prior_shift", &self.prior_shift())?;
+        fields.end()
+    }
+}
+
 impl CalibratedParameter {
     /// How far the parameter moved from its prior, in the prior's standard deviations.
     #[must_use]
@@ -60,7 +79,7 @@ impl CalibratedParameter {
 }
 
 /// Result of a calibration.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Calibration {
     /// The free parameters.
     pub parameters: Vec<CalibratedParameter>,
@@ -221,8 +240,8 @@ fn put_on_bounds(weighted: &Weighted, problem: &LeastSquares, minimum: &mut Mini
 
 /// Standard errors from the Jacobian, enlarged where the residuals scatter more than the noise.
 ///
-/// Data cannot take away what a prior knows, so that no standard error exceeds the prior's, however large the misfit. One
-/// beyond the width of the bounds says less than these: the parameter is not determined.
+/// Data do not reduce the information of a prior, so that no standard error exceeds the prior's, however large the misfit.
+/// Where a standard error exceeds the width of the bounds, the parameter counts as not determined.
 fn deviations(
     weighted: &Weighted,
     u: &[f64],

@@ -7,6 +7,7 @@ use super::thresholds::{HELD, SAME_LEVEL, SET_POINT};
 use crate::measurement::Experiment;
 use crate::signals::{BodySignals, LinkSignals, WheelSignals};
 use bekker_modeldescription::{Lookup, Unit};
+use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// Up to this many different values are levels of their own; more are put into classes of equal count.
@@ -20,7 +21,7 @@ const WHOLE: f64 = 0.9;
 const RESOLVED: f64 = 0.02;
 
 /// Mean residual of one signal where a condition lies within a range.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Level {
     /// Lowest value of the condition.
     pub low: f64,
@@ -33,13 +34,14 @@ pub struct Level {
 }
 
 /// The level of one condition at which a signal's mean residual is largest.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Failure {
     /// The signal.
     pub signal: String,
     /// The condition, for example `slip` or `time`.
     pub condition: String,
     /// The worst level.
+    #[serde(flatten)]
     pub level: Level,
     /// How much the mean residual changes over the levels of this condition (largest less smallest).
     pub spread: f64,

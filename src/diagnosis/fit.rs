@@ -2,12 +2,14 @@
 
 use super::layout::Layout;
 use crate::measurement::Experiment;
+use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 
 /// One signal of one run, one entry a row; NaN where nothing was measured.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SignalFit {
     /// Name of the signal.
+    #[serde(skip)]
     pub signal: String,
     /// Measured values.
     pub measured: Vec<f64>,
@@ -26,6 +28,21 @@ pub struct RunFit {
     pub signals: Vec<SignalFit>,
 }
 
+/// The name of the run, and its signals by name in their order.
+impl Serialize for RunFit {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        (&self.run, BySignal(&self.signals)).serialize(to)
+    }
+}
+
+struct BySignal<'a>(&'a [SignalFit]);
+
+impl Serialize for BySignal<'_> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_map(self.0.iter().map(|fit| (&fit.signal, fit)))
+    }
+}
+
 impl RunFit {
     /// The signal called `name`, if this run measures it.
     #[must_use]
@@ -35,7 +52,7 @@ impl RunFit {
 }
 
 /// The model beside the measurements, for one set of parameters.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fit {
     /// One entry a run of the experiment, in its order.
     pub runs: Vec<RunFit>,

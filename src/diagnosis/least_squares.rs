@@ -5,7 +5,7 @@
 //! evaluation (infinite residual) is a rejected step, and robust losses can be added. `levenberg-marquardt` 0.15 has
 //! no bounds.
 //!
-//! The method sees a problem of n + 1 residuals, however many there are: of the residuals and their Jacobian, [r J] = Q R,
+//! The method is given a problem of n + 1 residuals, however many there are: of the residuals and their Jacobian, [r J] = Q R,
 //! it needs the triangular factor alone, since |Q'r| = |r| and J'r, J'J stay as they are. Its singular values are found
 //! by rotations of whole rows, which for thousands of rows took a fifth of a diagnosis.
 
@@ -32,8 +32,8 @@ pub(crate) struct Pace {
     pub first_steps: usize,
     /// Steps that these make further.
     pub further_steps: usize,
-    /// A search ends where over ten steps it brought its misfit beyond noise down by less than this share: into the corner
-    /// of a box a search crawls, and where the model lacks an effect the last of such steps are not worth their time.
+    /// A search ends where over ten steps it brought its misfit beyond noise down by less than this share: near a corner of the bounds
+    /// a search advances slowly, and where the model lacks an effect the last of such steps are not worth their time.
     pub least_fall: f64,
 }
 

@@ -1,6 +1,6 @@
 //! A smooth through scattered samples: local straight lines (LOESS of degree 1, Cleveland 1979).
 
-/// A local line sees at least this many samples.
+/// A local line is fitted to at least this many samples.
 const FEWEST: usize = 4;
 /// The scatter about the smooth is taken at about this many samples, evenly by rank: enough for a standard error.
 const PROBES: usize = 200;
@@ -35,7 +35,7 @@ struct Local {
 }
 
 impl LocalLine {
-    /// Each local line sees the share `span` of the samples. `None` where there are no samples; NaN is left out.
+    /// Each local line is fitted to the share `span` of the samples. `None` where there are no samples; NaN is left out.
     pub fn new(samples: impl IntoIterator<Item = (f64, f64)>, span: f64) -> Option<Self> {
         let mut samples: Vec<(f64, f64)> = samples.into_iter().filter(|(x, y)| !x.is_nan() && !y.is_nan()).collect();
         if samples.is_empty() {

@@ -51,7 +51,7 @@ pub(super) struct Resolved {
     pub priors: BTreeMap<String, Prior>,
     /// Whether what is found is a wheel on a carriage: a single wheel was measured, and no rover is named.
     pub carriage: bool,
-    /// What was taken from where, where two places disagree, and priors that nobody wrote down.
+    /// What was taken from where, where two places disagree, and priors that come from a class of soil.
     pub sources: Vec<String>,
 }
 
@@ -300,7 +300,7 @@ fn built_in(given: &Given, experiment: &Experiment) -> Result<Choice, CompareErr
     Ok(Choice { model, label: "the built-in model".to_owned(), rank: Rank::Nobody, sources })
 }
 
-/// Where the wheels of a rover that nobody describes sit along x, m, and what is said of it.
+/// Positions of the wheels along x, m, where neither model nor experiment describes the rover, and a note that says so.
 fn wheel_places(given: &Given, experiment: &Experiment, wheels: usize) -> Result<(Vec<f64>, String), CompareError> {
     if wheels > MAX_WHEELS {
         let message = format!("the commands name {wheels} wheels; a rover has at most {MAX_WHEELS}");

@@ -61,11 +61,11 @@ pub(crate) const HELD: f64 = 0.02;
 
 // --- What is worth a fit. Development set; COMMON and the fits afresh: argument, added later for traverses. ---
 
-/// Chi-square over its freedom beyond which a fit is far from the measurements: sensitivities around it say little.
+/// Chi-square over its freedom beyond which a fit is far from the measurements: sensitivities there predict gains poorly.
 pub(crate) const FAR: f64 = 2.0;
-/// Share of the best promise from which a single effect is refitted, where not all are.
+/// Share of the best predicted gain from which a single effect is refitted, where not all are.
 pub(crate) const WORTH_A_REFIT: f64 = 0.3;
-/// A promise that noise alone reaches with this probability is not worth a refit beside a better one.
+/// A predicted gain that noise alone reaches with this probability is not worth a refit while another is larger.
 pub(crate) const COMMON: f64 = 0.5;
 /// Most effects of a far baseline that are fitted afresh, and the share of the best gain from which on.
 pub(crate) const MOST_AFRESH: usize = 4;

@@ -1,4 +1,4 @@
-//! A rover as explicit ordinary differential equations, for somebody else's integrator.
+//! A rover as explicit ordinary differential equations, for an integrator outside this crate.
 //!
 //! ```text
 //! x' = f(x, u),    y = g(x, u)
@@ -80,7 +80,7 @@ impl Equations {
         simulation.equations()
     }
 
-    /// Writes states, inputs and what [`Equations::accept`] remembers.
+    /// Writes states, inputs and what [`Equations::accept`] stores.
     pub fn write(&self, to: &mut Writer) {
         self.save(to);
     }

@@ -33,7 +33,7 @@ impl Kind {
     }
 }
 
-/// What a separate test says of a parameter: a normal distribution.
+/// Knowledge of a parameter from a separate test: a normal distribution.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Prior {
     /// The value that the test gave, in the parameter's unit.

@@ -10,7 +10,7 @@
 //! "DP [kN]" = { signal = "drawbar_pull", unit = "kN" }
 //! [parameters]                     # what is known of the rig; the rest keeps the model's value or is calibrated
 //! "wheel.radius" = 0.10
-//! [priors]                         # what a separate test says of a parameter; frees it
+//! [priors]                         # mean and deviation of a parameter from a separate test; a calibration then moves it
 //! "soil.exponent" = { mean = 1.31, sd = 0.09 }
 //! [[run]]
 //! file = "run1.csv"

@@ -161,7 +161,7 @@ impl Sheet {
             let mut cells = self.rows.iter().flat_map(|row| row.cells.iter().map(|cell| (row.line, cell.text())));
             cells.find(|(_, cell)| decimal_of(cell) == Some(wanted))
         };
-        // Between commas, a comma within a number is one that somebody quoted: it is refused where it stands.
+        // Where commas separate cells, a comma within a number stands in a quoted cell; that cell is refused when it is read.
         if self.separator == Separator::Comma {
             return Ok(Decimal::Point);
         }

@@ -96,7 +96,7 @@ pub(super) fn parameter_factor(name: &str, unit: Option<&str>, effects: &[Effect
     }
 }
 
-/// Byte offsets become lines here: whoever reports an error of the settings does it through this.
+/// The text of the settings, which turns byte offsets into lines; all errors of the settings are reported through it.
 #[derive(Clone, Copy)]
 pub(super) struct SettingsText<'a> {
     pub path: &'a Path,

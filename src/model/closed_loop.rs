@@ -34,7 +34,7 @@ pub enum ControlKind {
     VelocityTuned,
     /// Rough-terrain control: input `velocity_command`.
     Rtc,
-    /// Slip control that is told the true slip, a bound for the others: input `velocity_command`.
+    /// Slip control that receives the true slip, an upper bound for the other controllers: input `velocity_command`.
     Slip,
     /// The same torque for all wheels, from the body's speed: input `velocity_command`.
     EqualTorque,
@@ -77,11 +77,11 @@ pub struct Control {
     pub contact_angles: ContactAngleSource,
     /// Where rough-terrain control has the soil's strength from.
     pub soil: SoilSource,
-    /// What the estimator of contact angles believes.
+    /// Settings of the estimator of contact angles: its model of ground and sensors.
     pub contact_angle_estimation: ContactAngleEstimation,
-    /// What the identification of the soil believes.
+    /// Settings of the identification of the soil: priors and noise.
     pub soil_identification: SoilIdentification,
-    /// The soil in the controllers' data sheet; `None` is the rover's own, which no rover knows.
+    /// The soil parameters that controllers assume; `None` for the true ones, which a real rover does not have.
     pub nominal_soil: Option<Soil>,
 }
 
@@ -107,7 +107,7 @@ impl Control {
 
 /// A controller at work.
 #[derive(Clone)]
-pub(super) enum AtWork {
+pub(super) enum ActiveController {
     Velocity(VelocityController),
     Rtc(Box<EstimatingRtc>),
     Slip(Box<SlipController>),
@@ -115,7 +115,7 @@ pub(super) enum AtWork {
     Registered(RegisteredController),
 }
 
-impl Moving for AtWork {
+impl Moving for ActiveController {
     fn save(&self, to: &mut Writer) {
         match self {
             Self::Velocity(controller) => controller.save(to),
@@ -137,7 +137,7 @@ impl Moving for AtWork {
     }
 }
 
-impl fmt::Debug for AtWork {
+impl fmt::Debug for ActiveController {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Velocity(_) => "individual-wheel velocity control",
@@ -149,7 +149,7 @@ impl fmt::Debug for AtWork {
     }
 }
 
-impl AtWork {
+impl ActiveController {
     /// The controller of `model`, `None` where commands come from outside.
     pub fn new(model: &Model) -> Result<Option<Self>, ControlError> {
         let control = &model.control;
@@ -230,7 +230,7 @@ impl AtWork {
     }
 }
 
-/// What a controller believes of the rover: its data sheet, without any effect. Its soil is the rover's.
+/// The rover that a controller assumes: its data-sheet geometry and masses, without any effect, on the true soil.
 #[must_use]
 pub fn nominal(rover: &Rover) -> Nominal {
     let mass = rover.total_mass();

@@ -1,6 +1,6 @@
 //! A model's controller by itself: its measurements come from outside, its torques go there.
 
-use super::closed_loop::AtWork;
+use super::closed_loop::ActiveController;
 use super::inputs::VelocityCommand;
 use super::origin::Origin;
 use super::run::whole_multiple;
@@ -17,7 +17,7 @@ const VERSION: u32 = 1;
 /// measured at the start of each, it is the [`Run`](super::Run) of the same model to the last bit.
 #[derive(Clone, Debug)]
 pub struct ControllerRun {
-    pub(super) controller: AtWork,
+    pub(super) controller: ActiveController,
     /// Inner step of the model, s, and how many of them make a control period: times are counted as a run counts them.
     step_size: f64,
     period: u64,
@@ -25,7 +25,7 @@ pub struct ControllerRun {
     measurement: Measurement,
     goal: VelocityCommand,
     command: Command,
-    /// For the one kind that is allowed to know it; here nobody tells.
+    /// True signals, an argument of slip control only, which cannot run here: all zero.
     truth: Signals,
     pub(super) origin: Origin,
 }
@@ -54,7 +54,7 @@ impl Model {
         let period = self.control_period().ok_or_else(|| missing.clone())?;
         let (wheels, links) = (self.rover.wheels.len(), self.rover.links.len());
         Ok(ControllerRun {
-            controller: AtWork::new(self).map_err(refused)?.ok_or(missing)?,
+            controller: ActiveController::new(self).map_err(refused)?.ok_or(missing)?,
             step_size,
             period: whole_multiple(period, step_size)?,
             decisions: 0,
@@ -68,7 +68,7 @@ impl Model {
 }
 
 impl ControllerRun {
-    /// What the controller will see, to be set before each decision; its time is the controller's own.
+    /// The measurement that the controller receives, to be set before each decision; its time is the controller's own.
     pub fn measurement_mut(&mut self) -> &mut Measurement {
         &mut self.measurement
     }

@@ -3,7 +3,7 @@
 use super::Control;
 use crate::control::{ControlError, Controller, Nominal, Rtc, RtcOptions};
 use crate::estimation::ContactAngles;
-use crate::estimation::soil::{SoilIdentifier, Strength};
+use crate::estimation::soil::{SoilIdentifier, StrengthParameters};
 use crate::signals::{Command, Measurement, Reference};
 use crate::snapshot::{Moving, Reader, SnapshotError, Writer};
 use crate::soil::Soil;
@@ -37,7 +37,7 @@ pub(super) struct EstimatingRtc {
     rtc: Rtc,
     contact_angles: Option<ContactAngles>,
     soil: Option<SoilIdentifier>,
-    /// The measurement as control sees it.
+    /// The measurement that the controller receives: with estimated contact angles in the place of measured ones.
     seen: Measurement,
 }
 
@@ -103,7 +103,7 @@ impl EstimatingRtc {
         }
         if let Some(identifier) = &mut self.soil {
             identifier.update(&self.seen)?;
-            let Strength { cohesion, friction_angle, shear_modulus } = identifier.strength();
+            let StrengthParameters { cohesion, friction_angle, shear_modulus } = identifier.strength();
             self.rtc.set_soil(cohesion, friction_angle, shear_modulus)?;
         }
         self.rtc.command(&self.seen, goal, command)

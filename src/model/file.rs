@@ -103,7 +103,7 @@ pub enum ModelError {
     /// The terrain cannot be built.
     #[error(transparent)]
     Terrain(#[from] TerrainSpecError),
-    /// Obstacles, and a plant that knows soil only.
+    /// The model has obstacles, and its plant computes contact with soil only.
     #[error(
         "{0} [[obstacle]] given, but the plant is in joint coordinates; expected simulation.plant = \"rigid_bodies\""
     )]

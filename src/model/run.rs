@@ -1,6 +1,6 @@
 //! A model in motion: simulation, sensors and controller on one clock.
 
-use super::closed_loop::AtWork;
+use super::closed_loop::ActiveController;
 use super::origin::Origin;
 use super::{AnyPlant, ControlKind, Inputs, Model, ModelKind};
 use crate::control::{ControlError, Rtc};
@@ -48,7 +48,7 @@ pub enum RunError {
         /// The place of the wheel before it, m.
         before: f64,
     },
-    /// Obstacles, and a plant that knows soil only.
+    /// The model has obstacles, and its plant computes contact with soil only.
     #[error(
         "the model has {obstacles} obstacles, which the plant in joint coordinates cannot feel; \
          expected simulation.plant = \"rigid_bodies\" or no obstacles"
@@ -71,9 +71,9 @@ pub enum RunError {
         /// The parameter.
         name: String,
     },
-    /// A controller by itself, of a model that has none which lives on measurements.
+    /// A controller is asked for by itself, and the model has none that needs measurements only.
     #[error(
-        "control.kind = {kind:?} is no controller that lives on measurements alone; \
+        "control.kind = {kind:?} is no controller that needs measurements only; \
          expected velocity, velocity_tuned, rtc or equal_torque"
     )]
     NoController {
@@ -106,7 +106,7 @@ pub enum RunError {
 pub struct Run {
     pub(super) simulation: AnyPlant,
     pub(super) sensors: SensorSuite,
-    pub(super) controller: Option<AtWork>,
+    pub(super) controller: Option<ActiveController>,
     /// Inner steps a control period.
     period: u64,
     /// Inner steps between readings of the sensors, where they are read without a controller.
@@ -131,7 +131,7 @@ impl Run {
         let mut run = Self {
             simulation,
             sensors: SensorSuite::new(model.sensors, u64::from(model.stepping.seed)),
-            controller: AtWork::new(model).map_err(|source| RunError::Control { time: 0.0, source })?,
+            controller: ActiveController::new(model).map_err(|source| RunError::Control { time: 0.0, source })?,
             period: whole_multiple(seconds, step_size)?,
             sensing: None,
             inputs: Inputs::new(model),
@@ -245,7 +245,7 @@ impl Run {
             (Inputs::Torque(wheels), _) => {
                 values.iter_mut().zip(wheels).for_each(|(value, wheel)| *value = wheel.torque_command);
             }
-            (Inputs::Speed(wheels), Some(AtWork::Velocity(controller))) => {
+            (Inputs::Speed(wheels), Some(ActiveController::Velocity(controller))) => {
                 let time = self.simulation.time();
                 self.sensors.read(time, self.simulation.signals(), &mut self.measurement);
                 controller
@@ -288,7 +288,7 @@ impl Run {
     /// Rough-terrain control, where it drives: its last outcome tells loads, torques and what was missing.
     #[must_use]
     pub fn rtc(&self) -> Option<&Rtc> {
-        self.controller.as_ref().and_then(AtWork::rtc)
+        self.controller.as_ref().and_then(ActiveController::rtc)
     }
 
     /// Signals at the present time: the true ones, but for the errors of sensors among the rover's effects.

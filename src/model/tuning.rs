@@ -1,6 +1,6 @@
 //! Parameters that may change while a run is under way.
 
-use super::closed_loop::AtWork;
+use super::closed_loop::ActiveController;
 use super::origin::Origin;
 use super::{AnyPlant, ControllerRun, Model, Run, RunError};
 use bekker_modeldescription::{Lookup, Parameters};
@@ -91,8 +91,8 @@ impl ControllerRun {
 }
 
 /// The controller of `model`, with the history of `old`.
-fn resumed(old: &AtWork, model: &Model, time: f64) -> Result<AtWork, RunError> {
-    let mut new = AtWork::new(model)
+fn resumed(old: &ActiveController, model: &Model, time: f64) -> Result<ActiveController, RunError> {
+    let mut new = ActiveController::new(model)
         .map_err(|source| RunError::Control { time, source })?
         .ok_or(RunError::NoController { kind: model.control.kind })?;
     new.resume(old).map_err(|_| RunError::NotTunable { name: "the model's structure".to_owned() })?;

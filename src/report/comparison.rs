@@ -1,4 +1,4 @@
-//! The page of a comparison, in the order in which a person asks: what was measured, how large is the error against
+//! The page of a comparison, in this order: what was measured, how large is the error against
 //! the noise, what do measurement and model look like, where does it fail, what did the calibration do.
 
 use super::diagnosis::{add_panels, how_drawn};

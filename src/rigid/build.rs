@@ -2,7 +2,7 @@
 
 use super::bodies::{Carrier, joint, motions, parent};
 use super::rapier::*;
-use super::shapes::{self, Ground};
+use super::shapes::{self, GroundCollider};
 use super::world::World;
 use crate::obstacle::Obstacle;
 use crate::rover::{Rover, State};
@@ -17,7 +17,7 @@ impl World {
     /// The rover at `state` among `obstacles`, stepped by `step_size` (s).
     pub fn new(rover: &Rover, state: &State, obstacles: &[Obstacle], belly_friction: f64, step_size: f64) -> Self {
         let mut colliders = ColliderSet::new();
-        let (ground, collider) = Ground::new(&rover.terrain, state.position[0], belly_friction);
+        let (ground, collider) = GroundCollider::new(&rover.terrain, state.position[0], belly_friction);
         let ground_collider = colliders.insert(collider);
         let obstacles =
             obstacles.iter().filter_map(|o| shapes::obstacle(o, rover)).map(|collider| colliders.insert(collider));

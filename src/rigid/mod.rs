@@ -5,8 +5,8 @@
 //! **Soil.** The terrain is no collider for wheels: they sink into it, and [`crate::contact`] gives the forces, through
 //! the same evaluation as in joint coordinates. These forces are stiff, so each step first solves the two linearly
 //! implicit stages of the other plant from the present motion, with the rigid contacts' forces of the last step as
-//! given, and the bodies get the mean forces of that step (`loads.rs`). Rapier then moves them: it alone knows joints
-//! and contacts. Where a rigid contact holds a wheel, soil and contact agree after a few steps; the fixed point is exact.
+//! given, and the bodies get the mean forces of that step (`loads.rs`). Rapier then moves them: it alone computes the
+//! forces of joints and rigid contacts. Where a rigid contact holds a wheel, soil and contact agree after a few steps; the fixed point is exact.
 //!
 //! **Bodies.** One multibody (reduced coordinates): its joints do not drift, and the weight of a chassis on a light wheel
 //! on a rock is no hard problem for it, as it is for joints by impulses. A wheel's spin is its body's; speeds are imposed

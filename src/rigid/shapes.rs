@@ -84,14 +84,14 @@ pub(super) fn obstacle(obstacle: &Obstacle, rover: &Rover) -> Option<Collider> {
     Some(standing(shape, obstacle.parameters.friction, OBSTACLE, WHEEL.union(BODY)))
 }
 
-/// The ground as chassis and links touch it: a stretch of the profile that follows the rover.
+/// Collider of the terrain for chassis and links: a piece of the profile that moves along with the rover.
 #[derive(Clone, Debug)]
-pub(super) struct Ground {
+pub(super) struct GroundCollider {
     /// Middle of the stretch; NaN where the whole ground is one plane.
     middle: f64,
 }
 
-impl Ground {
+impl GroundCollider {
     /// The ground around `x`, with its collider.
     pub fn new(terrain: &Terrain, x: f64, friction: f64) -> (Self, Collider) {
         let (shape, middle) = match &terrain.profile {

@@ -2,7 +2,7 @@
 
 use super::bodies::{Carrier, motions, parent};
 use super::rapier::*;
-use super::shapes::Ground;
+use super::shapes::GroundCollider;
 use crate::rover::{DynamicsError, Rover, State};
 
 /// Damping of the motor that imposes a wheel's speed, N m s/rad: 1e6 times what the soil of a small rover can do.
@@ -42,7 +42,7 @@ pub(super) struct World {
     /// Joints of the wheels on their axles.
     pub(super) axles: Vec<MultibodyJointHandle>,
     pub obstacles: Vec<ColliderHandle>,
-    pub(super) ground: Ground,
+    pub(super) ground: GroundCollider,
     pub(super) ground_collider: ColliderHandle,
     pub(super) imposing: bool,
 }

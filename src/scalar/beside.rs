@@ -67,7 +67,7 @@ macro_rules! beside {
         }
     };
 }
-/// Without batches nobody asks.
+/// Without the feature `batch` no type needs the trait `Beside`, and the macro expands to nothing.
 #[cfg(not(feature = "batch"))]
 macro_rules! beside {
     ($($fields:tt)*) => {};

@@ -12,7 +12,7 @@ use std::f64::consts::{FRAC_2_PI, LOG2_E};
 const LN_2: [f64; 2] = [0.693_147_180_369_123_8, 1.908_214_929_270_587_7e-10];
 /// pi/2 in three parts of 33 bits.
 const FRAC_PI_2: [f64; 3] = [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_711_166_5e-21];
-/// Where the parts of pi/2 suffice; beyond it libm takes over, number by number.
+/// Where the parts of pi/2 suffice; beyond it libm is called for each number.
 const LARGE_ANGLE: f64 = 1e6;
 
 /// Horner's scheme, highest power first.

@@ -17,8 +17,9 @@ pub(super) struct Channel {
 impl Channel {
     /// The reading of `truth`, with `unit` drawn from the standard normal distribution.
     ///
-    /// Where nothing but noise may be set, as in the first four channels that there were, the noise is always added:
-    /// their bits are older than the other parameters.
+    /// Noise is added also where its standard deviation is 0: the channels that have no parameter but `noise` use this
+    /// function. Adding a zero can change the sign of a reading of zero, so these channels keep it for results of the same
+    /// bits as before; [`reading_if_noisy`](Self::reading_if_noisy) leaves such a reading as it is.
     pub fn reading(&self, truth: f64, unit: f64) -> f64 {
         self.rounded(self.analogue(truth + self.noise * unit))
     }

@@ -1,16 +1,16 @@
 //! The simulation: a rover in motion, stepped with a fixed inner step.
 
 mod energies;
-mod motion;
 mod settle;
 mod status;
+mod step_state;
 mod truth;
 mod window;
 
 pub(crate) use energies::Energies;
-pub(crate) use motion::{Motion, TIPPED, belly_clearance};
 pub use settle::SettleError;
 pub use status::{Event, Status, StatusEntry};
+pub(crate) use step_state::{StepState, TIPPED, belly_clearance};
 pub(crate) use window::Window;
 
 use crate::integrator::Integrator;
@@ -74,7 +74,7 @@ pub enum StepError {
 #[derive(Clone, Debug)]
 pub struct Simulation<S: Scalar = f64> {
     rover: Rover<S>,
-    motion: Motion<S>,
+    motion: StepState<S>,
     command: Command,
     step_size: f64,
     ticks: u64,
@@ -105,7 +105,7 @@ impl<S: Scalar> Simulation<S> {
         }
         let command = Command::torque(vec![0.0; rover.wheels.len()]);
         let motion =
-            Motion::new(&rover, state, &command).map_err(|source| StepError::Dynamics { time: 0.0, source })?;
+            StepState::new(&rover, state, &command).map_err(|source| StepError::Dynamics { time: 0.0, source })?;
         let signals = Signals::of(rover.wheels.len(), rover.links.len());
         let recorder = Recorder::new(&rover.effects, &signals, step_size);
         let mut simulation =
@@ -209,7 +209,7 @@ impl<S: Scalar> Simulation<S> {
 
     /// Writes the signals from the present state, as sensors without memory see it.
     fn sense(&mut self) {
-        let Motion { state, integrator, energies, .. } = &self.motion;
+        let StepState { state, integrator, energies, .. } = &self.motion;
         integrator.now.sense(&self.rover, state, energies, &mut self.signals);
     }
 
@@ -255,12 +255,13 @@ impl<S: Scalar> Simulation<S> {
         &self.motion.state
     }
 
-    /// What a step moves.
-    pub(crate) fn motion(&self) -> &Motion<S> {
+    /// What a step changes.
+    pub(crate) fn motion(&self) -> &StepState<S> {
         &self.motion
     }
 
-    /// Places for what another has reckoned: the motion, the steps made, the status, the true signals.
+    /// Mutable access to the parts that a batch computes in SIMD lanes and writes back: the state after a step, the number of
+    /// steps made, the status, the true signals, the command.
     pub(crate) fn places(&mut self) -> Places<'_, S> {
         let Self { motion, ticks, status, signals, command, .. } = self;
         Places { motion, ticks, status, signals, command }
@@ -286,9 +287,9 @@ impl<S: Scalar> Simulation<S> {
     }
 }
 
-/// Places of a simulation that another may write.
+/// Parts of a simulation that a batch writes after it has stepped several simulations together.
 pub(crate) struct Places<'a, S: Scalar> {
-    pub motion: &'a mut Motion<S>,
+    pub motion: &'a mut StepState<S>,
     pub ticks: &'a mut u64,
     pub status: &'a mut Status,
     pub signals: &'a mut Signals<S>,

@@ -13,7 +13,7 @@ impl<S: Scalar> Evaluation<S> {
         self.sense_beside(rover, state, energies, signals, |_| {});
     }
 
-    /// The same where `beside` knows true signals better: where something else than the soil touches a wheel.
+    /// The same, with `beside` to overwrite signals that the soil does not decide alone: where an obstacle touches a wheel.
     #[inline]
     pub(crate) fn sense_beside(
         &self,

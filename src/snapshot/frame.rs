@@ -27,7 +27,7 @@ pub enum FrameError {
     Size {
         /// Bytes found.
         got: usize,
-        /// Bytes that the frame tells.
+        /// Number of bytes that the frame states.
         expected: u64,
     },
     /// Bytes have changed.

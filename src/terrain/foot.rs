@@ -8,7 +8,7 @@
 
 use super::TerrainError;
 use super::curve::{Curve, Sample};
-use super::several::Several;
+use super::lanes::LaneTerrains;
 use crate::scalar::{Mask, Plain, Scalar};
 
 /// Point of the profile nearest to a wheel's centre, and the frame there.
@@ -28,7 +28,7 @@ pub struct Foot<S = f64> {
 
 /// A wheel's centre further than this from the ground, m, is an error: no wheel is larger (its radius is at most 2 m).
 const FAR: f64 = 20.0;
-/// Newton steps of the fast path; beyond them the search takes over.
+/// Newton steps of the fast path; beyond them the slower search is used.
 const NEWTON_STEPS: usize = 12;
 /// A Newton step below this part of the clearance is the last: the error after it is of the order of its square.
 const LAST_STEP: f64 = 1e-8;
@@ -265,7 +265,7 @@ pub(super) fn on_formula<S: Scalar, C: Curve<f64>>(
 /// # Errors
 /// As [`foot`].
 #[cfg_attr(feature = "batch", inline(always))]
-pub(super) fn on_several<S: Scalar>(several: &Several, centre: [S; 2]) -> Result<Foot<S>, TerrainError> {
+pub(super) fn on_several<S: Scalar>(several: &LaneTerrains, centre: [S; 2]) -> Result<Foot<S>, TerrainError> {
     Ok(several.foot([centre[0].plain(), centre[1].plain()])?.constant())
 }
 

@@ -4,15 +4,15 @@ mod course;
 mod curve;
 mod error;
 mod foot;
+#[cfg(feature = "batch")]
+mod lanes;
+#[cfg(not(feature = "batch"))]
+#[path = "no_lanes.rs"]
+mod lanes;
 mod preset;
 mod profile_file;
 mod random;
 mod samples;
-#[cfg(feature = "batch")]
-mod several;
-#[cfg(not(feature = "batch"))]
-#[path = "alone.rs"]
-mod several;
 mod soil_table;
 mod spec;
 
@@ -30,7 +30,7 @@ use crate::scalar::{Plain, Scalar};
 use crate::soil::Soil;
 use bekker_modeldescription::{Parameters, Variable};
 use curve::Curve;
-use several::Several;
+use lanes::LaneTerrains;
 use std::sync::Arc;
 
 /// Shape of the ground.
@@ -70,8 +70,8 @@ pub struct Terrain<S = f64> {
     /// Shape of the ground.
     pub profile: Profile<S>,
     soil: Option<Arc<SoilTable>>,
-    /// The grounds of several rovers, where formulas do not describe them.
-    several: Option<Arc<Several>>,
+    /// The terrains of several rovers in SIMD lanes, where a formula does not describe them.
+    several: Option<Arc<LaneTerrains>>,
 }
 
 impl<S> Default for Terrain<S> {
@@ -175,7 +175,7 @@ impl<S: Scalar> Terrain<S> {
             Some(Profile::Step(_)) => formula!(Step { height, length, position }),
             _ => Profile::Flat,
         };
-        Self { profile, soil: None, several: Some(Arc::new(Several::new(grounds))) }
+        Self { profile, soil: None, several: Some(Arc::new(LaneTerrains::new(grounds))) }
     }
 
     /// First and last position at which the ground is described, m; infinite for formulas.

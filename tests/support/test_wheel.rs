@@ -6,7 +6,7 @@ use bekker::estimation::soil::{Deviations, Reading};
 use bekker::rover::Rover;
 use bekker::soil::Soil;
 use bekker::wheel::Wheel;
-use bekker_reproduction::instruments::{Carriage, CarriagePoint, Noise};
+use bekker_reproduction::instruments::{Carriage, CarriagePoint, NormalNoise};
 
 /// Noise of a carriage: 0.2 N, 10 mN m, 0.5 mm, 1 % slip.
 pub const NOISE: Deviations = Deviations { load: 0.2, torque: 0.01, sinkage: 0.0005, slip: 0.01 };
@@ -40,14 +40,14 @@ pub fn carriage(soil: Soil, noise: Deviations) -> Carriage {
 
 /// `rounds` times every load at every slip.
 pub fn experiment(soil: Soil, noise: Deviations, seed: u64, rounds: usize) -> Vec<CarriagePoint> {
-    let (carriage, mut stream) = (carriage(soil, noise), Noise::new(seed));
+    let (carriage, mut stream) = (carriage(soil, noise), NormalNoise::new(seed));
     let points = (0..rounds).flat_map(|_| LOADS.into_iter().flat_map(|load| SLIPS.map(|slip| (load, slip))));
     points.map(|(load, slip)| carriage.read(load, slip, &mut stream).expect("the sand carries the wheel")).collect()
 }
 
 /// Readings without noise at these loads and slips.
 pub fn truths(soil: Soil, loads: &[f64], slips: &[f64]) -> Vec<Reading> {
-    let (carriage, mut stream) = (carriage(soil, NOISE), Noise::new(0));
+    let (carriage, mut stream) = (carriage(soil, NOISE), NormalNoise::new(0));
     let points = loads.iter().flat_map(|&load| slips.iter().map(move |&slip| (load, slip)));
     points
         .map(|(load, slip)| carriage.read(load, slip, &mut stream).expect("the sand carries the wheel").truth)

@@ -60,7 +60,7 @@ class Arguments(TypedDict, total=False):
     rewards: Terms
     """Terms of the reward, by name (`bekker.rewards.TERMS`) or as objects."""
     reward_weights: Mapping[str, float]
-    """Weights of the terms, by name; those left out keep theirs."""
+    """Weights of the terms, by name; terms that are left out keep their default weight."""
 
 
 @dataclass(frozen=True)

@@ -82,7 +82,7 @@ def check(
     Args:
         script: path of the script (TOML), or one that is read.
         on: what to drive: "core", "fmu", "environment", or a :class:`Door` of your own.
-        fmu: with "fmu", the file of an FMU, whoever made it; else one of the script's model is packed.
+        fmu: with "fmu", the file of an FMU of any tool; else one of the script's model is packed.
         fmi: version of the standard of the FMU that is packed, 2 or 3.
 
     Returns:

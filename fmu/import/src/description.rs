@@ -46,7 +46,7 @@ pub struct Variable {
     pub kind: Kind,
 }
 
-/// What an FMU says of itself.
+/// The parts of an FMU's `modelDescription.xml` that are used here.
 #[derive(Clone, Debug)]
 pub struct Description {
     /// Version of the standard.

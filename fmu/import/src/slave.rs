@@ -12,7 +12,7 @@ use std::ffi::{CStr, c_char, c_int};
 pub struct Progress {
     /// Time reached, s.
     pub time: f64,
-    /// Whether the FMU wants to end the simulation.
+    /// Whether the FMU requests the end of the simulation.
     pub ended: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Where the versions of the standard want what.
+//! Paths of the files within an FMU, by version of the standard.
 
 /// Version of the standard.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

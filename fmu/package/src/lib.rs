@@ -2,7 +2,7 @@
 //!
 //! Two libraries serve every model, and this crate carries them: a small one for rovers in joint coordinates, and one
 //! that also has the plant of rigid bodies. Packing is writing the model file and its description and zipping, so
-//! whoever uses this crate needs no compiler.
+//! a user of this crate needs no compiler.
 
 mod archive;
 mod documentation;

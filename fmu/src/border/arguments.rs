@@ -12,7 +12,7 @@ pub(crate) unsafe fn list<'a, T>(name: &'static str, pointer: *const T, count: u
         return Ok(&[]);
     }
     check(name, pointer, count)?;
-    // SAFETY: neither NULL nor unaligned nor too long; valid by the promise above.
+    // SAFETY: neither NULL nor unaligned nor too long; valid by the safety section above.
     Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
 }
 
@@ -57,7 +57,7 @@ pub(crate) unsafe fn list_mut<'a, T>(
         return Ok(&mut []);
     }
     check(name, pointer, count)?;
-    // SAFETY: neither NULL nor unaligned nor too long; valid by the promise above.
+    // SAFETY: neither NULL nor unaligned nor too long; valid by the safety section above.
     Ok(unsafe { std::slice::from_raw_parts_mut(pointer, count) })
 }
 
@@ -66,7 +66,7 @@ pub(crate) unsafe fn list_mut<'a, T>(
 /// # Safety
 /// `pointer` is NULL or a NUL-terminated text that lives as long as the result.
 pub(crate) unsafe fn text<'a>(pointer: *const c_char) -> Option<&'a CStr> {
-    // SAFETY: not NULL; a text by the promise above.
+    // SAFETY: not NULL; a text by the safety section above.
     (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })
 }
 

@@ -5,14 +5,14 @@ use super::arguments::{list, text};
 use super::logger::Logger;
 use crate::handles::Registry;
 use crate::lifecycle::{Lifecycle, Refusal};
-use crate::model::Model;
+use crate::model::FmuModel;
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::ffi::{c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr::null_mut;
 
-/// A handle, as the importer sees it.
+/// The handle that the importer holds.
 pub type Instance = *mut c_void;
 
 /// One instance; `X` is what a version of the standard keeps besides.
@@ -26,7 +26,7 @@ pub(crate) struct Component<X> {
 
 /// Runs `body` on the instance: a refusal is logged with the function's name and becomes an error, and
 /// so does a panic, after which the instance is failed. An unknown or freed instance is an error without
-/// a message, since nobody is known to tell it to.
+/// a message, since no logger is known.
 pub(crate) fn call<X, R: Into<Status>>(
     instances: &Registry<Component<X>>,
     instance: Instance,
@@ -69,8 +69,8 @@ pub(crate) fn create<X>(
     function: &str,
     logger: Logger,
     own: X,
-    load: impl FnOnce() -> Result<Box<dyn Model>, String>,
-    begin: impl FnOnce(Box<dyn Model>) -> Result<Lifecycle, Refusal>,
+    load: impl FnOnce() -> Result<Box<dyn FmuModel>, String>,
+    begin: impl FnOnce(Box<dyn FmuModel>) -> Result<Lifecycle, Refusal>,
 ) -> Instance {
     let made = catch_unwind(AssertUnwindSafe(|| begin(load()?).map_err(|refusal| refusal.to_string())));
     let reason = match made {
@@ -86,7 +86,7 @@ pub(crate) fn create<X>(
 
 /// Frees an instance; NULL and instances that are freed already are ignored.
 pub(crate) fn free<X>(instances: &Registry<Component<X>>, instance: Instance) {
-    // A model's drop has no code of ours; the guard is for the promise that no panic crosses.
+    // No panic may cross the C interface, also not from the destructor of a model.
     let _ = catch_unwind(AssertUnwindSafe(|| instances.remove(instance)));
 }
 
@@ -100,11 +100,11 @@ pub(crate) unsafe fn configure_logging<X>(
     categories: *const *const c_char,
     count: usize,
 ) -> Result<(), Refusal> {
-    // SAFETY: by the promise above.
+    // SAFETY: by the safety section above.
     let pointers = unsafe { list("categories", categories, count) }?;
     let mut names = Vec::with_capacity(pointers.len());
     for pointer in pointers {
-        // SAFETY: by the promise above.
+        // SAFETY: by the safety section above.
         let name = unsafe { text(*pointer) }.ok_or(Refusal::Pointer("categories[i]"))?;
         names.push(name.to_str().map_err(|_| Refusal::Text("categories[i]"))?);
     }
@@ -132,7 +132,7 @@ mod tests {
     /// A model of which only reset works.
     struct Broken;
 
-    impl Model for Broken {
+    impl FmuModel for Broken {
         fn description(&self) -> &Description {
             panic!("no description")
         }
@@ -153,7 +153,7 @@ mod tests {
             Ok(Outcome::Running)
         }
         fn reset(&mut self) {}
-        fn duplicate(&self) -> Box<dyn Model> {
+        fn duplicate(&self) -> Box<dyn FmuModel> {
             Box::new(Self)
         }
     }
@@ -171,7 +171,7 @@ mod tests {
         static INSTANCES: Registry<Component<()>> = Registry::new();
         let log = Arc::new(Mutex::new(String::new()));
         let logger = Logger::new(Kept(Arc::clone(&log)), false);
-        let load = || -> Result<Box<dyn Model>, String> { Ok(Box::new(Broken)) };
+        let load = || -> Result<Box<dyn FmuModel>, String> { Ok(Box::new(Broken)) };
         let instance = create(&INSTANCES, "create", logger, (), load, |model| Ok(Lifecycle::new(model)));
         let enter = |c: &mut Component<()>| c.lifecycle.enter_initialization(0.0, None);
         let reset = |c: &mut Component<()>| -> Result<(), Refusal> {
@@ -193,7 +193,7 @@ mod tests {
         static INSTANCES: Registry<Component<()>> = Registry::new();
         let log = Arc::new(Mutex::new(String::new()));
         let logger = Logger::new(Kept(Arc::clone(&log)), false);
-        let load = || -> Result<Box<dyn Model>, String> { panic!("no file") };
+        let load = || -> Result<Box<dyn FmuModel>, String> { panic!("no file") };
         assert!(create(&INSTANCES, "create", logger, (), load, |model| Ok(Lifecycle::new(model))).is_null());
         assert_eq!(*log.lock().expect("not poisoned"), "create: defect in the FMU: no file");
     }

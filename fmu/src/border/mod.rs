@@ -39,7 +39,7 @@ pub(crate) fn load(
     name: Option<&CStr>,
     token: Option<&CStr>,
     resources: Option<&CStr>,
-) -> Result<Box<dyn crate::model::Model>, String> {
+) -> Result<Box<dyn crate::model::FmuModel>, String> {
     if name.is_none_or(CStr::is_empty) {
         return Err("instanceName is NULL or empty".into());
     }

@@ -15,12 +15,12 @@ pub type SavedState = *mut c_void;
 /// As [`Places::new`], for this and the following functions.
 pub(crate) unsafe fn save<X>(component: &mut Component<X>, place: *mut SavedState) -> Result<(), Refusal> {
     let now = component.lifecycle.clone();
-    // SAFETY: by the promise above.
+    // SAFETY: by the safety section above.
     unsafe { keep(component, place, now) }
 }
 
 unsafe fn keep<X>(component: &mut Component<X>, place: *mut SavedState, state: Lifecycle) -> Result<(), Refusal> {
-    // SAFETY: NULL or valid, by the promise of the border.
+    // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
     let place = unsafe { Places::new("FMUState", place, 1) }?;
     let old = place.first();
     if old.is_null() {
@@ -44,7 +44,7 @@ pub(crate) unsafe fn free<X>(component: &mut Component<X>, place: *mut SavedStat
     if place.is_null() {
         return Ok(());
     }
-    // SAFETY: valid, by the promise of the border.
+    // SAFETY: valid, by the importer's obligations in `fmi3`.
     let place = unsafe { Places::new("FMUState", place, 1) }?;
     let state = place.first();
     if !state.is_null() {
@@ -60,7 +60,7 @@ pub(crate) unsafe fn serialised_size<X>(
     state: SavedState,
     size: *mut usize,
 ) -> Result<(), Refusal> {
-    // SAFETY: NULL or valid, by the promise of the border.
+    // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
     let place = unsafe { Places::new("size", size, 1) }?;
     place.put(0, found(component, state)?.to_bytes()?.len());
     Ok(())
@@ -74,7 +74,7 @@ pub(crate) unsafe fn serialise<X>(
     size: usize,
 ) -> Result<(), Refusal> {
     let state = found(component, state)?.to_bytes()?;
-    // SAFETY: NULL or valid, by the promise of the border.
+    // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
     let memory = unsafe { list_mut("serializedState", bytes, size) }?;
     let wrong = Refusal::Memory { needed: state.len(), given: size };
     memory.get_mut(..state.len()).ok_or(wrong)?.copy_from_slice(&state);
@@ -88,7 +88,7 @@ pub(crate) unsafe fn deserialise<X>(
     size: usize,
     place: *mut SavedState,
 ) -> Result<(), Refusal> {
-    // SAFETY: NULL or valid, by the promise of the border.
+    // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
     let bytes = unsafe { list("serializedState", bytes, size) }?;
     let state = component.lifecycle.from_bytes(bytes)?;
     // SAFETY: as above.

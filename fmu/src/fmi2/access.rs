@@ -11,7 +11,7 @@ use std::ffi::{c_char, c_int};
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetReal(c: Instance, vr: *const u32, nvr: usize, value: *mut f64) -> Status {
     call(c, "fmi2GetReal", |component| {
-        // SAFETY: NULL or valid, by the promise of the border.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         let (references, values) = unsafe { (list("vr", vr, nvr)?, Places::new("value", value, nvr)?) };
         component.lifecycle.get(references, Type::Real, &mut |place, value| values.put(place, value))
     })
@@ -21,7 +21,7 @@ pub unsafe extern "C" fn fmi2GetReal(c: Instance, vr: *const u32, nvr: usize, va
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetInteger(c: Instance, vr: *const u32, nvr: usize, value: *mut c_int) -> Status {
     call(c, "fmi2GetInteger", |component| {
-        // SAFETY: NULL or valid, by the promise of the border.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         let (references, values) = unsafe { (list("vr", vr, nvr)?, Places::new("value", value, nvr)?) };
         component.lifecycle.get(references, Type::Enumeration, &mut |place, value| values.put(place, value as c_int))
     })
@@ -31,7 +31,7 @@ pub unsafe extern "C" fn fmi2GetInteger(c: Instance, vr: *const u32, nvr: usize,
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetReal(c: Instance, vr: *const u32, nvr: usize, value: *const f64) -> Status {
     call(c, "fmi2SetReal", |component| {
-        // SAFETY: NULL or valid, by the promise of the border.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         let (references, values) = unsafe { (list("vr", vr, nvr)?, list("value", value, nvr)?) };
         component.lifecycle.set(references, Type::Real, values)
     })
@@ -41,7 +41,7 @@ pub unsafe extern "C" fn fmi2SetReal(c: Instance, vr: *const u32, nvr: usize, va
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetInteger(c: Instance, vr: *const u32, nvr: usize, value: *const c_int) -> Status {
     call(c, "fmi2SetInteger", |component| {
-        // SAFETY: NULL or valid, by the promise of the border.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         let (references, values) = unsafe { (list("vr", vr, nvr)?, list("value", value, nvr)?) };
         let values: Vec<f64> = values.iter().map(|value| f64::from(*value)).collect();
         component.lifecycle.set(references, Type::Enumeration, &values)
@@ -55,7 +55,7 @@ macro_rules! other_types {
         #[unsafe(no_mangle)]
         pub unsafe extern "C" fn $function(c: Instance, vr: *const u32, nvr: usize, _value: $value) -> Status {
             call(c, stringify!($function), |component| {
-                // SAFETY: NULL or valid, by the promise of the border.
+                // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
                 let references = unsafe { list("vr", vr, nvr) }?;
                 component.lifecycle.expect(references, Type::Other($word))
             })

@@ -39,11 +39,11 @@ pub unsafe extern "C" fn fmi2Instantiate(
     loggingOn: Boolean,
 ) -> Instance {
     const NAME: &str = "fmi2Instantiate";
-    // SAFETY: NULL or texts, by the promise of the border.
+    // SAFETY: NULL or texts, by the importer's obligations in `fmi3`.
     let [name, guid, resources] = unsafe { [text(instanceName), text(fmuGUID), text(fmuResourceLocation)] };
-    // Without callbacks nobody can be told anything; the FMU needs none of them to run.
+    // Without callbacks no message is logged; the FMU runs without them.
     let valid = !functions.is_null() && functions.is_aligned();
-    // SAFETY: neither NULL nor unaligned; valid by the promise of the border.
+    // SAFETY: neither NULL nor unaligned; valid by the importer's obligations in `fmi3`.
     let callbacks = valid.then(|| unsafe { *functions });
     let messages = Messages {
         log: callbacks.and_then(|callbacks| callbacks.logger),
@@ -84,7 +84,7 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
     categories: *const *const c_char,
 ) -> Status {
     call(c, "fmi2SetDebugLogging", |component| {
-        // SAFETY: NULL or valid, by the promise of the border.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         unsafe { instance::configure_logging(component, loggingOn != 0, categories, nCategories) }
     })
 }

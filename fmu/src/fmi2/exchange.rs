@@ -15,7 +15,7 @@ pub extern "C" fn fmi2EnterEventMode(c: Instance) -> Status {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2NewDiscreteStates(c: Instance, eventInfo: *mut EventInfo) -> Status {
     call(c, "fmi2NewDiscreteStates", |component| {
-        // SAFETY: NULL or valid, by the promise of the border.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         let place = unsafe { Places::new("fmi2eventInfo", eventInfo, 1) }?;
         let outcome = component.lifecycle.update_discrete_states()?;
         place.put(
@@ -50,7 +50,7 @@ pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
     terminateSimulation: *mut Boolean,
 ) -> Status {
     call(c, "fmi2CompletedIntegratorStep", |component| {
-        // SAFETY: NULL or valid, by the promise of the border.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         let (event, end) = unsafe {
             (
                 Places::new("enterEventMode", enterEventMode, 1)?,
@@ -77,7 +77,7 @@ pub extern "C" fn fmi2SetTime(c: Instance, time: f64) -> Status {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetContinuousStates(c: Instance, x: *const f64, nx: usize) -> Status {
     call(c, "fmi2SetContinuousStates", |component| {
-        // SAFETY: NULL or valid, by the promise of the border.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         let states = unsafe { list("x", x, nx) }?;
         component.lifecycle.set_states(states)
     })
@@ -89,7 +89,7 @@ macro_rules! vectors {
         #[unsafe(no_mangle)]
         pub unsafe extern "C" fn $function(c: Instance, $argument: *mut f64, $count: usize) -> Status {
             call(c, stringify!($function), |component| {
-                // SAFETY: NULL or valid, by the promise of the border.
+                // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
                 let places = unsafe { list_mut(stringify!($argument), $argument, $count) }?;
                 component.lifecycle.$method(places)
             })

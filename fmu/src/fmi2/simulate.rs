@@ -48,7 +48,7 @@ pub unsafe extern "C" fn fmi2SetRealInputDerivatives(
     value: *const f64,
 ) -> Status {
     call(c, "fmi2SetRealInputDerivatives", |component| {
-        // SAFETY: NULL or valid, by the promise of the border.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         let (references, orders, values) =
             unsafe { (list("vr", vr, nvr)?, list("order", order, nvr)?, list("value", value, nvr)?) };
         component.lifecycle.set_input_derivatives(references, orders, values)
@@ -65,7 +65,7 @@ pub unsafe extern "C" fn fmi2GetRealOutputDerivatives(
     value: *mut f64,
 ) -> Status {
     call(c, "fmi2GetRealOutputDerivatives", |component| {
-        // SAFETY: NULL or valid, by the promise of the border.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         let (references, orders, values) =
             unsafe { (list("vr", vr, nvr)?, list("order", order, nvr)?, Places::new("value", value, nvr)?) };
         component.lifecycle.output_derivatives(references, orders, &mut |place, value| values.put(place, value))

@@ -10,7 +10,7 @@ use crate::lifecycle::Direction;
 /// `fmi2GetFMUstate`: a new state where `*FMUstate` is NULL, else the state there is overwritten.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetFMUstate(c: Instance, FMUstate: *mut SavedState) -> Status {
-    // SAFETY: NULL or valid, by the promise of the border.
+    // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
     call(c, "fmi2GetFMUstate", |component| unsafe { state::save(component, FMUstate) })
 }
 
@@ -23,14 +23,14 @@ pub extern "C" fn fmi2SetFMUstate(c: Instance, FMUstate: SavedState) -> Status {
 /// `fmi2FreeFMUstate`: sets `*FMUstate` to NULL; a NULL state is ignored.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeFMUstate(c: Instance, FMUstate: *mut SavedState) -> Status {
-    // SAFETY: NULL or valid, by the promise of the border.
+    // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
     call(c, "fmi2FreeFMUstate", |component| unsafe { state::free(component, FMUstate) })
 }
 
 /// `fmi2SerializedFMUstateSize`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SerializedFMUstateSize(c: Instance, FMUstate: SavedState, size: *mut usize) -> Status {
-    // SAFETY: NULL or valid, by the promise of the border.
+    // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
     call(c, "fmi2SerializedFMUstateSize", |component| unsafe { state::serialised_size(component, FMUstate, size) })
 }
 
@@ -42,7 +42,7 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
     serializedState: *mut u8,
     size: usize,
 ) -> Status {
-    // SAFETY: NULL or valid, by the promise of the border.
+    // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
     call(c, "fmi2SerializeFMUstate", |component| unsafe {
         state::serialise(component, FMUstate, serializedState, size)
     })
@@ -56,7 +56,7 @@ pub unsafe extern "C" fn fmi2DeSerializeFMUstate(
     size: usize,
     FMUstate: *mut SavedState,
 ) -> Status {
-    // SAFETY: NULL or valid, by the promise of the border.
+    // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
     call(c, "fmi2DeSerializeFMUstate", |component| unsafe {
         state::deserialise(component, serializedState, size, FMUstate)
     })
@@ -74,7 +74,7 @@ pub unsafe extern "C" fn fmi2GetDirectionalDerivative(
     dvUnknown: *mut f64,
 ) -> Status {
     call(c, "fmi2GetDirectionalDerivative", |component| {
-        // SAFETY: NULL or valid, by the promise of the border.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         let (unknowns, knowns, seed, places) = unsafe {
             (
                 list("vUnknown_ref", vUnknown_ref, nUnknown)?,

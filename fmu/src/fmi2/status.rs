@@ -27,7 +27,7 @@ fn answer<T: Copy>(
         if kind != known {
             return Err(Refusal::Unsupported(format!("the status kind {kind} is not one of this function's")));
         }
-        // SAFETY: NULL or valid, by the promise of the border.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         let place = unsafe { Places::new("value", value, 1) }?;
         place.put(0, read(component));
         Ok(())

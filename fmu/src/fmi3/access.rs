@@ -19,7 +19,7 @@ pub unsafe extern "C" fn fmi3GetFloat64(
     nValues: usize,
 ) -> Status {
     call(instance, "fmi3GetFloat64", |component| {
-        // SAFETY: NULL or valid, by the promise of the border.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         let (references, values) =
             unsafe { read(&component.lifecycle, valueReferences, nValueReferences, values, nValues) }?;
         component.lifecycle.get(&references, Type::Real, &mut |place, value| values.put(place, value))
@@ -36,7 +36,7 @@ pub unsafe extern "C" fn fmi3GetInt64(
     nValues: usize,
 ) -> Status {
     call(instance, "fmi3GetInt64", |component| {
-        // SAFETY: NULL or valid, by the promise of the border.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         let (references, values) =
             unsafe { read(&component.lifecycle, valueReferences, nValueReferences, values, nValues) }?;
         component.lifecycle.get(&references, Type::Enumeration, &mut |place, value| values.put(place, value as i64))
@@ -53,7 +53,7 @@ pub unsafe extern "C" fn fmi3SetFloat64(
     nValues: usize,
 ) -> Status {
     call(instance, "fmi3SetFloat64", |component| {
-        // SAFETY: NULL or valid, by the promise of the border.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         let references = unsafe { list("valueReferences", valueReferences, nValueReferences) }?;
         // SAFETY: as above.
         let values = unsafe { list("values", values, nValues) }?;
@@ -72,7 +72,7 @@ pub unsafe extern "C" fn fmi3SetInt64(
     nValues: usize,
 ) -> Status {
     call(instance, "fmi3SetInt64", |component| {
-        // SAFETY: NULL or valid, by the promise of the border.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         let references = unsafe { list("valueReferences", valueReferences, nValueReferences) }?;
         // SAFETY: as above.
         let values = unsafe { list("values", values, nValues) }?;
@@ -90,7 +90,7 @@ unsafe fn read<'a, T: Copy>(
     values: *mut T,
     places_given: usize,
 ) -> Result<(Cow<'a, [u32]>, Places<T>), Refusal> {
-    // SAFETY: NULL or valid, by the promise of the border.
+    // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
     let references = lifecycle.elements(unsafe { list("valueReferences", references, count) }?)?;
     if references.len() != places_given {
         return Err(Refusal::Length { references: references.len(), values: places_given });
@@ -113,7 +113,7 @@ macro_rules! other_types {
         ) -> Status {
             let _ = ($($argument,)*);
             call(instance, stringify!($function), |component| {
-                // SAFETY: NULL or valid, by the promise of the border.
+                // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
                 let references = unsafe { list("valueReferences", valueReferences, nValueReferences) }?;
                 component.lifecycle.expect(references, Type::Other($word))
             })

@@ -41,7 +41,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
         environment: instanceEnvironment,
         early_return: earlyReturnAllowed != 0,
     };
-    // SAFETY: NULL or texts, by the promise of the border.
+    // SAFETY: NULL or texts, by the importer's obligations in `fmi3`.
     let [name, token, resources] = unsafe { [text(instanceName), text(instantiationToken), text(resourcePath)] };
     instance::create(
         &INSTANCES,
@@ -67,7 +67,7 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange(
 ) -> Instance {
     let logger = Logger::new(Messages(logMessage, instanceEnvironment), loggingOn != 0);
     let own = Updates { callback: None, environment: instanceEnvironment, early_return: false };
-    // SAFETY: NULL or texts, by the promise of the border.
+    // SAFETY: NULL or texts, by the importer's obligations in `fmi3`.
     let [name, token, resources] = unsafe { [text(instanceName), text(instantiationToken), text(resourcePath)] };
     instance::create(
         &INSTANCES,
@@ -114,7 +114,7 @@ pub unsafe extern "C" fn fmi3SetDebugLogging(
     categories: *const *const c_char,
 ) -> Status {
     call(instance, "fmi3SetDebugLogging", |component| {
-        // SAFETY: NULL or valid, by the promise of the border.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         unsafe { instance::configure_logging(component, loggingOn != 0, categories, nCategories) }
     })
 }

@@ -23,7 +23,7 @@ macro_rules! products {
             nSensitivity: usize,
         ) -> Status {
             call(instance, stringify!($function), |component| {
-                // SAFETY: NULL or valid, by the promise of the border.
+                // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
                 let (unknowns, knowns, seed) = unsafe {
                     (list("unknowns", unknowns, nUnknowns)?, list("knowns", knowns, nKnowns)?, list("seed", seed, nSeed)?)
                 };
@@ -57,7 +57,7 @@ pub unsafe extern "C" fn fmi3GetOutputDerivatives(
     nValues: usize,
 ) -> Status {
     call(instance, "fmi3GetOutputDerivatives", |component| {
-        // SAFETY: NULL or valid, by the promise of the border.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         let (references, orders) = unsafe {
             (list("valueReferences", valueReferences, nValueReferences)?, list("orders", orders, nValueReferences)?)
         };
@@ -99,7 +99,7 @@ pub unsafe extern "C" fn fmi3GetNumberOfVariableDependencies(
     nDependencies: *mut usize,
 ) -> Status {
     call(instance, "fmi3GetNumberOfVariableDependencies", |component| {
-        // SAFETY: NULL or valid, by the promise of the border.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         let place = unsafe { Places::new("nDependencies", nDependencies, 1) }?;
         place.put(0, dependencies(&component.lifecycle, valueReference)?.len());
         Ok(())
@@ -126,7 +126,7 @@ pub unsafe extern "C" fn fmi3GetVariableDependencies(
         if found.len() != nDependencies {
             return Err(Refusal::Count { what: "dependencies", given: nDependencies, expected: found.len() });
         }
-        // SAFETY: NULL or valid, by the promise of the border; each array is the importer's own.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`; each array is the importer's own.
         let (elements, references, places) = unsafe {
             list_mut("dependencyKinds", dependencyKinds, nDependencies)?.fill(DEPENDENT);
             (

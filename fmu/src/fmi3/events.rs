@@ -40,7 +40,7 @@ pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
     nextEventTime: *mut f64,
 ) -> Status {
     call(instance, "fmi3UpdateDiscreteStates", |component| {
-        // SAFETY: NULL or valid, by the promise of the border.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         let (again, end, nominals, values, defined, time) = unsafe {
             (
                 Places::new("discreteStatesNeedUpdate", discreteStatesNeedUpdate, 1)?,

@@ -21,7 +21,7 @@ pub unsafe extern "C" fn fmi3CompletedIntegratorStep(
     terminateSimulation: *mut bool,
 ) -> Status {
     call(instance, "fmi3CompletedIntegratorStep", |component| {
-        // SAFETY: NULL or valid, by the promise of the border.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         let (event, end) = unsafe {
             (
                 Places::new("enterEventMode", enterEventMode, 1)?,
@@ -52,7 +52,7 @@ pub unsafe extern "C" fn fmi3SetContinuousStates(
     nContinuousStates: usize,
 ) -> Status {
     call(instance, "fmi3SetContinuousStates", |component| {
-        // SAFETY: NULL or valid, by the promise of the border.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         let states = unsafe { list("continuousStates", continuousStates, nContinuousStates) }?;
         component.lifecycle.set_states(states)
     })
@@ -64,7 +64,7 @@ macro_rules! vectors {
         #[unsafe(no_mangle)]
         pub unsafe extern "C" fn $function(instance: Instance, $argument: *mut f64, $count: usize) -> Status {
             call(instance, stringify!($function), |component| {
-                // SAFETY: NULL or valid, by the promise of the border.
+                // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
                 let places = unsafe { list_mut(stringify!($argument), $argument, $count) }?;
                 component.lifecycle.$method(places)
             })
@@ -87,7 +87,7 @@ vectors! {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetNumberOfEventIndicators(instance: Instance, nEventIndicators: *mut usize) -> Status {
     call(instance, "fmi3GetNumberOfEventIndicators", |component| {
-        // SAFETY: NULL or valid, by the promise of the border.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         let place = unsafe { Places::new("nEventIndicators", nEventIndicators, 1) }?;
         place.put(0, component.lifecycle.sizes()?.1);
         Ok(())
@@ -98,7 +98,7 @@ pub unsafe extern "C" fn fmi3GetNumberOfEventIndicators(instance: Instance, nEve
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetNumberOfContinuousStates(instance: Instance, nContinuousStates: *mut usize) -> Status {
     call(instance, "fmi3GetNumberOfContinuousStates", |component| {
-        // SAFETY: NULL or valid, by the promise of the border.
+        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         let place = unsafe { Places::new("nContinuousStates", nContinuousStates, 1) }?;
         place.put(0, component.lifecycle.sizes()?.0);
         Ok(())

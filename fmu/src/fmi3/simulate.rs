@@ -46,7 +46,7 @@ pub unsafe extern "C" fn fmi3DoStep(
     loop {
         let (mut finished, mut reached) = (true, f64::NAN);
         let status = call(instance, NAME, |component| {
-            // SAFETY: NULL or valid until the function returns, by the promise of the border.
+            // SAFETY: NULL or valid until the function returns, by the importer's obligations in `fmi3`.
             let (event, terminate, early, time) = unsafe {
                 (
                     Places::new("eventHandlingNeeded", eventHandlingNeeded, 1)?,
@@ -85,7 +85,7 @@ const NAME: &str = "fmi3DoStep";
 /// A communication step on its way. The instance is free between its parts, so that the importer can read and set
 /// variables in its callback.
 struct Step {
-    /// Where the importer wants to go, seconds since the start.
+    /// The importer's communication point, seconds since the start.
     target: f64,
     /// Where the step will end: earlier where the importer asks for it.
     end: f64,

@@ -8,7 +8,7 @@ use crate::border::state::{self, SavedState};
 /// `fmi3GetFMUState`: a new state where `*FMUState` is NULL, else the state there is overwritten.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3GetFMUState(instance: Instance, FMUState: *mut SavedState) -> Status {
-    // SAFETY: NULL or valid, by the promise of the border.
+    // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
     call(instance, "fmi3GetFMUState", |component| unsafe { state::save(component, FMUState) })
 }
 
@@ -21,7 +21,7 @@ pub extern "C" fn fmi3SetFMUState(instance: Instance, FMUState: SavedState) -> S
 /// `fmi3FreeFMUState`: sets `*FMUState` to NULL; a NULL state is ignored.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3FreeFMUState(instance: Instance, FMUState: *mut SavedState) -> Status {
-    // SAFETY: NULL or valid, by the promise of the border.
+    // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
     call(instance, "fmi3FreeFMUState", |component| unsafe { state::free(component, FMUState) })
 }
 
@@ -32,7 +32,7 @@ pub unsafe extern "C" fn fmi3SerializedFMUStateSize(
     FMUState: SavedState,
     size: *mut usize,
 ) -> Status {
-    // SAFETY: NULL or valid, by the promise of the border.
+    // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
     call(instance, "fmi3SerializedFMUStateSize", |component| unsafe {
         state::serialised_size(component, FMUState, size)
     })
@@ -46,7 +46,7 @@ pub unsafe extern "C" fn fmi3SerializeFMUState(
     serializedState: *mut u8,
     size: usize,
 ) -> Status {
-    // SAFETY: NULL or valid, by the promise of the border.
+    // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
     call(instance, "fmi3SerializeFMUState", |component| unsafe {
         state::serialise(component, FMUState, serializedState, size)
     })
@@ -60,7 +60,7 @@ pub unsafe extern "C" fn fmi3DeserializeFMUState(
     size: usize,
     FMUState: *mut SavedState,
 ) -> Status {
-    // SAFETY: NULL or valid, by the promise of the border.
+    // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
     call(instance, "fmi3DeserializeFMUState", |component| unsafe {
         state::deserialise(component, serializedState, size, FMUState)
     })

@@ -46,7 +46,7 @@ impl Sink for Messages {
     }
 }
 
-/// What the importer wants to hear inside of a step.
+/// The intermediate updates that the importer requests during a step.
 #[derive(Clone, Copy)]
 pub(super) struct Updates {
     pub callback: IntermediateUpdate,

@@ -94,7 +94,7 @@ fn put_block(bytes: &mut Vec<u8>, block: &[u8]) {
     bytes.extend(block);
 }
 
-/// Fowler, Noll and Vo's hash (FNV-1a, 64 bits): enough to notice damage, which nobody does on purpose here.
+/// Fowler, Noll and Vo's hash (FNV-1a, 64 bits): enough to detect accidental damage.
 fn checksum(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
 }

@@ -20,7 +20,7 @@ pub use derivatives::Direction;
 pub use refusal::Refusal;
 pub use stepping::Progress;
 
-use crate::model::Model;
+use crate::model::FmuModel;
 use std::fmt;
 use stepping::Slope;
 
@@ -75,7 +75,7 @@ impl fmt::Display for Phase {
 /// A model, guarded by the rules of the standard. A clone is a saved state.
 #[derive(Clone)]
 pub struct Lifecycle {
-    model: Box<dyn Model>,
+    model: Box<dyn FmuModel>,
     interface: Interface,
     phase: Phase,
     start: f64,
@@ -98,13 +98,13 @@ pub struct Lifecycle {
 impl Lifecycle {
     /// A new instance of `model`, for co-simulation without events.
     #[must_use]
-    pub fn new(model: Box<dyn Model>) -> Self {
+    pub fn new(model: Box<dyn FmuModel>) -> Self {
         Self::cosimulation(model, false)
     }
 
     /// A new instance for co-simulation; `events` as in [`Interface::CoSimulation`].
     #[must_use]
-    pub fn cosimulation(mut model: Box<dyn Model>, events: bool) -> Self {
+    pub fn cosimulation(mut model: Box<dyn FmuModel>, events: bool) -> Self {
         let indicators = model.continuous().map_or(0, |equations| equations.indicators());
         Self {
             model,
@@ -126,7 +126,7 @@ impl Lifecycle {
     ///
     /// # Errors
     /// [`Refusal::Unsupported`] where the model is no system of differential equations.
-    pub fn exchange(mut model: Box<dyn Model>) -> Result<Self, Refusal> {
+    pub fn exchange(mut model: Box<dyn FmuModel>) -> Result<Self, Refusal> {
         let states = match model.continuous() {
             Some(equations) => equations.states().len(),
             None => return Err(Refusal::Unsupported("the FMU offers co-simulation only".into())),

@@ -2,7 +2,7 @@
 
 use bekker_modeldescription::xml::Description;
 
-/// The answers of a [`Model`](crate::model::Model) that has the fields `description`, `values` (by reference; that of time is not
+/// The answers of a [`FmuModel`](crate::model::Model) that has the fields `description`, `values` (by reference; that of time is not
 /// used) and `time`, and is a [`Clone`] of its whole state.
 macro_rules! by_reference {
     () => {
@@ -22,7 +22,7 @@ macro_rules! by_reference {
             self.time
         }
 
-        fn duplicate(&self) -> Box<dyn Model> {
+        fn duplicate(&self) -> Box<dyn FmuModel> {
             Box::new(self.clone())
         }
     };

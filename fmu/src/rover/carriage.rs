@@ -1,13 +1,13 @@
-//! A wheel on a carriage as a [`Model`]: load, slip and wheel speed in, drawbar pull, torque and sinkage out.
+//! A wheel on a carriage as a [`FmuModel`]: load, slip and wheel speed in, drawbar pull, torque and sinkage out.
 //!
 //! A steady map without states: outputs are those of the inputs and parameters that hold at the end of a step, whatever its
 //! length. All parameters may change between two steps.
 
 use super::by_reference::{by_reference, from_values, into_places, starts};
-use super::place::Place;
 use super::state::{read_list, write_list};
+use super::step_position::StepPosition;
 use super::{Packed, description};
-use crate::model::{Failure, Model, Outcome};
+use crate::model::{Failure, FmuModel, Outcome};
 use bekker::carriage::{SetPoint, SteadyPoint};
 use bekker::model::{Model as RoverModel, ModelKind};
 use bekker::snapshot::{Fingerprint, Reader, SnapshotError, Writer, close, open};
@@ -79,7 +79,7 @@ impl Carriage {
     }
 }
 
-impl Model for Carriage {
+impl FmuModel for Carriage {
     by_reference!();
 
     fn start(&mut self) -> Result<(), Failure> {
@@ -92,12 +92,12 @@ impl Model for Carriage {
     }
 
     fn advance(&mut self, steps: u64) -> Result<Outcome, Failure> {
-        let place = Place::of(self.time, STEP)?;
+        let place = StepPosition::of(self.time, STEP)?;
         self.advance_to((place.end() + steps) as f64 * STEP)
     }
 
     fn advance_to(&mut self, time: f64) -> Result<Outcome, Failure> {
-        Place::of(time, STEP)?;
+        StepPosition::of(time, STEP)?;
         self.evaluate()?;
         self.time = time;
         Ok(Outcome::Running)

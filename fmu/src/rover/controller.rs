@@ -1,13 +1,13 @@
-//! A rover's controller by itself, as a [`Model`]: measurements in, torques out.
+//! A rover's controller by itself, as a [`FmuModel`]: measurements in, torques out.
 
 use super::by_reference::{by_reference, from_values, starts};
 use super::modes::{MODES, in_mode, kind_of, list, mode_entry, usual_mode};
 use super::outputs::measurements;
-use super::place::Place;
 use super::state::{read_list, write_list};
+use super::step_position::StepPosition;
 use super::tuning::wanted;
 use super::{Packed, description};
-use crate::model::{Failure, Model, Outcome};
+use crate::model::{Failure, FmuModel, Outcome};
 use bekker::model::{ControlKind, ControllerRun, Model as RoverModel};
 use bekker::snapshot::{Fingerprint, Reader, SnapshotError, Writer, close, open};
 use bekker_modeldescription::xml::Variability::{Fixed, Tunable};
@@ -137,7 +137,7 @@ impl Controller {
     }
 }
 
-impl Model for Controller {
+impl FmuModel for Controller {
     by_reference!();
 
     fn start(&mut self) -> Result<(), Failure> {
@@ -153,14 +153,14 @@ impl Model for Controller {
     }
 
     fn advance(&mut self, steps: u64) -> Result<Outcome, Failure> {
-        let place = Place::of(self.time, self.run.period())?;
+        let place = StepPosition::of(self.time, self.run.period())?;
         self.advance_to((place.end() + steps) as f64 * self.run.period())
     }
 
     /// Every decision that is due before `time` is made on the present inputs; its torques are the outputs from then on.
     fn advance_to(&mut self, time: f64) -> Result<Outcome, Failure> {
-        let place = Place::of(time, self.run.period())?;
-        if time < self.time && Place::of(self.time, self.run.period())? != place {
+        let place = StepPosition::of(time, self.run.period())?;
+        if time < self.time && StepPosition::of(self.time, self.run.period())? != place {
             return Err(Failure(format!(
                 "the communication point {time} s lies before the present time, {} s",
                 self.time

@@ -4,7 +4,7 @@
 //! once. A controller between inputs and plant decides at its own instants, so that nothing answers at once; it is
 //! refused.
 
-use super::plant::{Motion, References, Rover};
+use super::plant::{AdvancedBy, References, RoverFmu};
 use crate::model::Failure;
 use bekker::equations::{Equations, Tangent};
 
@@ -21,7 +21,7 @@ enum Known {
     Time,
 }
 
-impl Rover {
+impl RoverFmu {
     pub(super) fn push_forward(
         &self,
         unknowns: &[usize],
@@ -93,7 +93,7 @@ impl Rover {
         if signals.contains(&reference) {
             return Ok(Unknown::Signal(reference - signals.start));
         }
-        if measured.contains(&reference) && self.motion == Motion::Integrator {
+        if measured.contains(&reference) && self.motion == AdvancedBy::Integrator {
             return Ok(Unknown::Signal(measured_signals[reference - measured.start] - signals.start));
         }
         Err(self.refused(reference, "unknown"))

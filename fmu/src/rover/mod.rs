@@ -1,8 +1,8 @@
-//! Rovers and their controllers as [`Model`]s: the kinds of FMU that a model file makes.
+//! Rovers and their controllers as [`FmuModel`]s: the kinds of FMU that a model file makes.
 //!
 //! | kind | inputs | outputs |
 //! |---|---|---|
-//! | [`Kind::Rover`] | torques or speeds of the wheels | signals; `measured.*`, what sensors make of them |
+//! | [`Kind::RoverFmu`] | torques or speeds of the wheels | signals; `measured.*`, what sensors make of them |
 //! | [`Kind::Controller`] | measurements, by the names of the signals, and `velocity_command` | `wheel[k].torque_command` |
 //! | [`Kind::RoverWithController`] | those of the model | signals |
 //! | [`Kind::Carriage`] | `load`, `slip`, `wheel_speed` | `drawbar_pull`, `torque`, `sinkage` |
@@ -29,27 +29,27 @@
 mod by_reference;
 #[cfg(feature = "carriage")]
 mod carriage;
-mod continuous;
 mod controller;
 mod derivatives;
 mod kind;
+mod model_exchange;
 mod modes;
 mod outputs;
-mod place;
 mod plant;
 mod state;
+mod step_position;
 mod tuning;
 
 pub use kind::{Kind, Offer};
 
-use crate::model::Model;
+use crate::model::FmuModel;
 use bekker::model::{Model as RoverModel, ModelKind};
 use bekker_modeldescription::Lookup;
 use bekker_modeldescription::xml::{Arrays, Description, Entry, Experiment, identifier};
 #[cfg(feature = "carriage")]
 use carriage::Carriage;
 use controller::Controller;
-use plant::Rover;
+use plant::RoverFmu;
 use std::path::Path;
 
 /// Name of the model file in the resources.
@@ -62,7 +62,7 @@ const USUAL_STEP: f64 = 0.01;
 ///
 /// # Errors
 /// A sentence where the file cannot be read, or is no valid model.
-pub fn load(folder: &Path) -> Result<Box<dyn Model>, String> {
+pub fn load(folder: &Path) -> Result<Box<dyn FmuModel>, String> {
     let file = folder.join(MODEL_FILE);
     let text = std::fs::read_to_string(&file).map_err(|error| format!("cannot read `{}`: {error}", file.display()))?;
     parse(&text).map_err(|error| format!("`{}`: {error}", file.display()))
@@ -72,7 +72,7 @@ pub fn load(folder: &Path) -> Result<Box<dyn Model>, String> {
 ///
 /// # Errors
 /// A sentence where the text is no valid model, or has not what its kind needs.
-pub fn parse(text: &str) -> Result<Box<dyn Model>, String> {
+pub fn parse(text: &str) -> Result<Box<dyn FmuModel>, String> {
     let model = RoverModel::from_toml(text, None).map_err(|error| error.to_string())?;
     let offer = Offer::of(text)?;
     let packed = Packed { text, kind: offer.kind.unwrap_or_else(|| Kind::usual(&model)), arrays: offer.arrays };
@@ -88,7 +88,7 @@ pub fn parse(text: &str) -> Result<Box<dyn Model>, String> {
             return Err(format!("`{}` is a wheel on a carriage, which this library was built without", model.name));
         }
         Kind::Controller => Box::new(Controller::new(model, packed)?),
-        _ => Box::new(Rover::new(model, packed)?),
+        _ => Box::new(RoverFmu::new(model, packed)?),
     })
 }
 

@@ -1,11 +1,11 @@
-//! A rover, with its controller or without, as a [`Model`].
+//! A rover, with its controller or without, as a [`FmuModel`].
 
 use super::by_reference::{by_reference, from_values, into_places, starts};
-use super::continuous::Ordinary;
+use super::model_exchange::ModelExchange;
 use super::outputs::{event, measurements};
-use super::place::Place;
+use super::step_position::StepPosition;
 use super::{Kind, Packed, USUAL_STEP, description};
-use crate::model::{Continuous, Failure, Model, Outcome};
+use crate::model::{Continuous, Failure, FmuModel, Outcome};
 use bekker::model::{ControlKind, Model as RoverModel, Plant, Run};
 use bekker::signals::Measurement;
 use bekker::simulation::Status;
@@ -30,9 +30,9 @@ pub(super) struct References {
     pub derivatives: Range<usize>,
 }
 
-/// What has brought a rover to the present point.
+/// What has advanced a rover to the present communication point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Motion {
+pub(super) enum AdvancedBy {
     /// The run, which is at the inner step of this point.
     Steps,
     /// The run, which is at the inner step behind this point.
@@ -43,7 +43,7 @@ pub(super) enum Motion {
 
 /// A rover, at its start or on its way.
 #[derive(Clone)]
-pub(super) struct Rover {
+pub(super) struct RoverFmu {
     pub(super) description: Arc<Description>,
     /// With the parameters that the run was started with, and with those that it has now.
     pub(super) model: RoverModel,
@@ -56,15 +56,15 @@ pub(super) struct Rover {
     /// Values by reference; that of time is not used.
     pub(super) values: Vec<f64>,
     pub(super) references: References,
-    pub(super) motion: Motion,
+    pub(super) motion: AdvancedBy,
     /// Time of the present point, s.
     pub(super) time: f64,
     /// Signals at the inner step before the run's, where the point is between both.
     pub(super) before: Vec<f64>,
-    pub(super) ordinary: Option<Ordinary>,
+    pub(super) model_exchange: Option<ModelExchange>,
 }
 
-impl Rover {
+impl RoverFmu {
     /// The rover of a model file, at its start.
     ///
     /// # Errors
@@ -79,7 +79,7 @@ impl Rover {
             }
         }
         let run = start(&model, sensing)?;
-        let ordinary = (kind == Kind::Rover).then(|| Ordinary::of(&model, &run)).flatten();
+        let model_exchange = (kind == Kind::Rover).then(|| ModelExchange::of(&model, &run)).flatten();
         let mut entries = vec![Entry::time()];
         let mut group = |some: Vec<Entry>| {
             let first = entries.len();
@@ -103,7 +103,8 @@ impl Rover {
         let measured = group(sensed.into_iter().map(Entry::output).collect());
         let event = group(vec![event()]).start;
         let first = event + 1;
-        let (states, derivatives) = ordinary.as_ref().map(|ordinary| ordinary.entries(first)).unwrap_or_default();
+        let (states, derivatives) =
+            model_exchange.as_ref().map(|model_exchange| model_exchange.entries(first)).unwrap_or_default();
         let (states, derivatives) = (group(states), group(derivatives));
         let of_signal = |signal| signals.start + signal;
         let measured_signals = Measurement::measured_signals(run.signals()).into_iter().map(of_signal).collect();
@@ -121,12 +122,12 @@ impl Rover {
             sensing,
             values,
             references,
-            motion: Motion::Steps,
+            motion: AdvancedBy::Steps,
             time: 0.0,
-            ordinary,
+            model_exchange,
         };
-        if let Some(ordinary) = &mut rover.ordinary {
-            ordinary.refer(rover.references.states.clone(), rover.references.derivatives.clone());
+        if let Some(model_exchange) = &mut rover.model_exchange {
+            model_exchange.refer(rover.references.states.clone(), rover.references.derivatives.clone());
         }
         Ok(rover)
     }
@@ -137,7 +138,7 @@ impl Rover {
         self.run.signals().values(&mut into_places(&mut self.values[signals.clone()]));
         self.run.measurement().values(&mut into_places(&mut self.values[measured.clone()]));
         self.values[*event] = self.run.status().place() as f64;
-        (self.motion, self.time) = (Motion::Steps, self.run.time());
+        (self.motion, self.time) = (AdvancedBy::Steps, self.run.time());
     }
 
     pub(super) fn write_inputs(&mut self) -> Result<(), Failure> {
@@ -226,7 +227,7 @@ fn reading_period(model: &RoverModel) -> Result<f64, String> {
     })
 }
 
-impl Model for Rover {
+impl FmuModel for RoverFmu {
     by_reference!();
 
     fn start(&mut self) -> Result<(), Failure> {
@@ -251,9 +252,9 @@ impl Model for Rover {
     }
 
     fn advance_to(&mut self, time: f64) -> Result<Outcome, Failure> {
-        let place = Place::of(time, self.inner_step())?;
+        let place = StepPosition::of(time, self.inner_step())?;
         let now = self.time;
-        if place.end() < self.ticks() || (self.motion == Motion::BetweenSteps && time < now) {
+        if place.end() < self.ticks() || (self.motion == AdvancedBy::BetweenSteps && time < now) {
             return Err(Failure(format!("the communication point {time} s lies before the present time, {now} s")));
         }
         self.tune()?;
@@ -269,13 +270,13 @@ impl Model for Rover {
             return Ok(self.outcome());
         }
         self.interpolate(place.share);
-        (self.motion, self.time) = (Motion::BetweenSteps, time);
+        (self.motion, self.time) = (AdvancedBy::BetweenSteps, time);
         Ok(Outcome::Running)
     }
 
     fn reset(&mut self) {
         self.values = starts(&self.description);
-        (self.motion, self.time) = (Motion::Steps, 0.0);
+        (self.motion, self.time) = (AdvancedBy::Steps, 0.0);
     }
 
     fn serialise(&self) -> Result<Vec<u8>, Failure> {
@@ -301,6 +302,6 @@ impl Model for Rover {
     }
 
     fn continuous(&mut self) -> Option<&mut dyn Continuous> {
-        if self.ordinary.is_some() { Some(self) } else { None }
+        if self.model_exchange.is_some() { Some(self) } else { None }
     }
 }

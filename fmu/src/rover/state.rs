@@ -1,6 +1,6 @@
 //! A rover's whole state as bytes.
 
-use super::plant::{Motion, Rover};
+use super::plant::{AdvancedBy, RoverFmu};
 use crate::model::Failure;
 use bekker::snapshot::{Fingerprint, Reader, SnapshotError, Writer, close, open};
 
@@ -34,7 +34,7 @@ pub(super) fn read_flag(from: &mut Reader) -> Result<bool, SnapshotError> {
     }
 }
 
-impl Rover {
+impl RoverFmu {
     pub(super) fn save(&self) -> Result<Vec<u8>, Failure> {
         let mut body = Writer::default();
         write_list(&self.values, &mut body);
@@ -42,14 +42,14 @@ impl Rover {
         write_list(&self.applied, &mut body);
         body.bytes(&self.run.snapshot()?);
         write_list(&self.before, &mut body);
-        body.number(u64::from(self.motion == Motion::BetweenSteps));
+        body.number(u64::from(self.motion == AdvancedBy::BetweenSteps));
         body.real(self.time);
-        if let Some(ordinary) = &self.ordinary {
-            ordinary.equations.write(&mut body);
-            body.real(ordinary.time);
-            body.real(ordinary.accepted);
-            body.number(u64::from(ordinary.stuck));
-            body.number(u64::from(self.motion == Motion::Integrator));
+        if let Some(model_exchange) = &self.model_exchange {
+            model_exchange.equations.write(&mut body);
+            body.real(model_exchange.time);
+            body.real(model_exchange.accepted);
+            body.number(u64::from(model_exchange.stuck));
+            body.number(u64::from(self.motion == AdvancedBy::Integrator));
         }
         Ok(close(KIND, VERSION, Fingerprint::of(&self.description.content), &body.finish()))
     }
@@ -73,16 +73,16 @@ impl Rover {
         let values = there.values.clone();
         there.begin()?;
         (there.values, there.time) = (values, time);
-        there.motion = if between { Motion::BetweenSteps } else { Motion::Steps };
-        if let Some(ordinary) = &mut there.ordinary {
-            ordinary.equations.read(&mut from)?;
-            ordinary.time = from.real()?;
-            ordinary.accepted = from.real()?;
-            ordinary.stuck = read_flag(&mut from)?;
+        there.motion = if between { AdvancedBy::BetweenSteps } else { AdvancedBy::Steps };
+        if let Some(model_exchange) = &mut there.model_exchange {
+            model_exchange.equations.read(&mut from)?;
+            model_exchange.time = from.real()?;
+            model_exchange.accepted = from.real()?;
+            model_exchange.stuck = read_flag(&mut from)?;
             if read_flag(&mut from)? {
-                there.motion = Motion::Integrator;
+                there.motion = AdvancedBy::Integrator;
             }
-            ordinary.stale();
+            model_exchange.stale();
         }
         from.end()?;
         *self = there;

@@ -1,6 +1,6 @@
 //! Parameters that change between two steps.
 
-use super::plant::{Rover, write};
+use super::plant::{RoverFmu, write};
 use crate::model::Failure;
 use bekker_modeldescription::xml::Entry;
 use bekker_modeldescription::xml::Variability::Tunable;
@@ -11,7 +11,7 @@ pub(super) fn wanted(entries: &[Entry], values: &[f64], applied: &[f64]) -> Vec<
     all.map(|((entry, value), applied)| if entry.variability == Tunable { *value } else { *applied }).collect()
 }
 
-impl Rover {
+impl RoverFmu {
     /// Lets tunable parameters that have been set act from now on; others wait for the next start.
     pub(super) fn tune(&mut self) -> Result<(), Failure> {
         let values = &self.values[self.references.parameters.clone()];
@@ -29,9 +29,9 @@ impl Rover {
         let mut model = self.tuned.clone();
         write(&mut model, self.sensing, &wanted);
         self.run.retune(&model).map_err(|error| Failure(error.to_string()))?;
-        if let Some(ordinary) = &mut self.ordinary {
-            ordinary.equations.retune(model.rover.clone());
-            ordinary.stale();
+        if let Some(model_exchange) = &mut self.model_exchange {
+            model_exchange.equations.retune(model.rover.clone());
+            model_exchange.stale();
         }
         (self.tuned, self.applied) = (model, wanted);
         Ok(())

@@ -25,7 +25,7 @@ use uuid::Uuid;
 /// Namespace of the instantiation tokens (a UUID drawn once for this project).
 const TOKENS: Uuid = Uuid::from_u128(0x6f1d_52c4_8a0e_4b7b_9c35_2e7a_d1c0_94b6);
 
-/// The experiment that a tool offers when its user asks for nothing else.
+/// The default experiment that a tool offers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Experiment {
     /// Start time, s.

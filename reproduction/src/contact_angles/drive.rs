@@ -16,7 +16,7 @@ const SPEED: f64 = 0.05;
 /// Time over way/speed after which a drive counts as stuck.
 const PATIENCE: f64 = 4.0;
 
-/// Changes what an estimator believes.
+/// Changes the settings of an estimator.
 pub(super) type Belief = fn(&mut ContactAngleEstimation);
 
 /// A drive over some ground.
@@ -29,7 +29,7 @@ pub(super) struct Drive {
     pub way: f64,
     /// Whether the estimator reads a gyroscope.
     pub gyroscope: bool,
-    /// Changes what the estimator believes.
+    /// Changes the settings of the estimator.
     pub believe: Belief,
     pub seed: u32,
 }

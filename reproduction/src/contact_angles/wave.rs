@@ -147,7 +147,7 @@ impl Wave {
         Truth { motion: PairMotion { inclination, rate, speeds: [v1, v2] }, angles }
     }
 
-    /// What the filter believes: contact angles with the deviation of the wave's slope, correlated over 1/k; speeds that
+    /// The filter's settings: contact angles with the deviation of the wave's slope, correlated over 1/k; speeds that
     /// may wander by their noise within that way; a rate that only the contact angles change.
     fn model(&self) -> PairModel {
         let k = TAU / self.wavelength;

@@ -8,7 +8,7 @@ use super::calibrate::variances;
 use super::free::Free;
 use super::least_squares::{LeastSquares, Minimum, Pace};
 use bekker_modeldescription::{Role, Unit, Variable};
-use models::{MODELS, Model};
+use models::{MODELS, ModelFunction};
 use nalgebra::DMatrix;
 use num_dual::Dual64;
 use serde::Deserialize;
@@ -83,7 +83,7 @@ impl Problem {
     }
 
     /// Residuals, the first column, and their Jacobian in the parameters.
-    fn linear(&self, model: Model, parameters: &[f64]) -> DMatrix<f64> {
+    fn linear(&self, model: ModelFunction, parameters: &[f64]) -> DMatrix<f64> {
         let rows: Vec<Vec<f64>> = (0..self.y.len()).map(|i| self.predictors.values().map(|x| x[i]).collect()).collect();
         let mut linear = DMatrix::zeros(self.y.len(), parameters.len() + 1);
         for k in 0..parameters.len() {
@@ -99,7 +99,7 @@ impl Problem {
     }
 
     /// Where the search from `start` ends, in the parameters, and the Jacobian there.
-    fn search(&self, model: Model, start: &[f64], coordinates: Coordinates) -> (Minimum, DMatrix<f64>) {
+    fn search(&self, model: ModelFunction, start: &[f64], coordinates: Coordinates) -> (Minimum, DMatrix<f64>) {
         let free = self.free(coordinates);
         let values = |u: &[f64]| -> Vec<f64> { free.iter().zip(u).map(|(free, u)| free.value(*u)).collect() };
         let residual = |u: &[f64]| -> Vec<f64> {

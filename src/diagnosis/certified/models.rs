@@ -1,13 +1,13 @@
-//! The models of NIST's 27 problems, as their pages write them: b1 is `b[0]`.
+//! The models of NIST's 27 problems, as stated in their files: b1 is `b[0]`.
 
 use num_dual::{Dual64, DualNum};
 use std::f64::consts::{PI, TAU};
 
 /// Prediction at the predictors `x` with the parameters `b`.
-pub(super) type Model = fn(&[Dual64], &[f64]) -> Dual64;
+pub(super) type ModelFunction = fn(&[Dual64], &[f64]) -> Dual64;
 
 /// By the name of the problem's file.
-pub(super) const MODELS: [(&str, Model); 27] = [
+pub(super) const MODELS: [(&str, ModelFunction); 27] = [
     ("bennett5", |b, x| b[0] * (b[1] + x[0]).powd(-b[2].recip())),
     ("boxbod", saturating),
     ("chwirut1", ultrasonic),

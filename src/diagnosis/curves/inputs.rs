@@ -8,7 +8,7 @@ use crate::measurement::{Experiment, Sample};
 /// differences are accidental and the mean stands for it.
 const FOLLOWS: f64 = 0.8;
 
-/// Share of the rows that each local line of that smooth sees: half of them follow one bend.
+/// Share of the rows to which each local line of that smooth is fitted: half of them follow one bend.
 const SPAN: f64 = 0.5;
 
 /// Least difference of two set-points: of loads and speeds this share of the largest, of slips this much.

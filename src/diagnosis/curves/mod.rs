@@ -75,7 +75,7 @@ pub struct Curves {
 /// Rows that belong together, and the model at their typical inputs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CurveGroup {
-    /// What tells the group from the others, SI units; empty where it is the only one.
+    /// The set-points that identify the group, SI units; empty where it is the only one.
     pub name: String,
     /// Run and row of each point, counted from 0.
     pub rows: Vec<(usize, usize)>,

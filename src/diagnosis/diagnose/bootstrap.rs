@@ -1,8 +1,8 @@
 //! How large a gain noise alone gives the best of all candidates: a parametric bootstrap under the noise model.
 //!
 //! Each draw makes noise for every row, re-estimates the noise model from the repeats of that very draw, whitens by it,
-//! and fits base and candidates around the given fit by their sensitivities. So the p-value knows how many candidates
-//! compete, how uncertain the noise model is, and on which side of neutral an effect may lie.
+//! and fits base and candidates around the given fit by their sensitivities. So the p-value accounts for the number
+//! of candidates, the uncertainty of the noise model, and the side of the neutral value on which an effect may lie.
 
 use super::signature::{Column, Signature};
 use crate::diagnosis::layout::Layout;

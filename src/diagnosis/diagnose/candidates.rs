@@ -23,9 +23,9 @@ impl Search<'_> {
         Ok(stage)
     }
 
-    /// Refits single effects on top of a stage: all or, where fits are dear, the most promising by their sensitivities.
-    /// These say little where the stage is far from the measurements: there all effects are fitted for a few steps, and the
-    /// promise is what that gained.
+    /// Refits single effects on top of a stage: all or, where fits are dear, those with the largest gain predicted
+    /// by their sensitivities. Where the stage is far from the measurements sensitivities predict poorly: there all effects are
+    /// fitted for a few steps, and the predicted gain is what that gained.
     pub fn singles(&mut self, stage: &Stage) {
         let all = 0..stage.gains.singles.len();
         let Some(most) = self.problem.strategy().budget().singles else {
@@ -37,7 +37,8 @@ impl Search<'_> {
         let mut promises: Vec<(f64, Start)> = all.filter_map(|k| self.promise(stage, k)).collect();
         promises.sort_by(|a, b| b.0.total_cmp(&a.0));
         promises.truncate(most);
-        // A promise may not be kept: the bar for the others is what was gained then, and more than noise mostly promises.
+        // A fit may gain less than predicted: the others are then compared with what was gained, and must predict more than
+        // noise alone does with the probability `COMMON`.
         let mut gained = 0.0_f64;
         let common = |promise: f64| p_value(&stage.draws, |draw| draw.single, promise) > COMMON;
         for round in 0.. {

@@ -48,7 +48,7 @@ impl Progress {
     }
 }
 
-/// Makes fits: on this machine's threads, or wherever the caller likes.
+/// Makes fits: on this machine's threads, or where the caller's executor runs them.
 pub trait Spread: Sync {
     /// The outcome of each task under `noise`, in the order of the tasks; `local` makes one fit here. `None` where a fit
     /// has no answer. Each task is self-contained (see [`fit_task`](super::fit_task)) and gives the same bits anywhere.

@@ -1,4 +1,4 @@
-//! What speaks against naming a fitted set of effects although it fits: effects that the set could do without, a soil that
+//! Reasons against naming a fitted set of effects although it fits: effects that the set could do without, a soil that
 //! no class of soil allows, a bound that carries the fit.
 
 use super::bootstrap::p_value;
@@ -65,7 +65,7 @@ impl Doubt {
     }
 }
 
-/// All that speaks against naming `effects`, which are fitted. Sets with one effect less are fitted where they are missing.
+/// All reasons against naming `effects`, which are fitted. Sets with one effect less are fitted where they are missing.
 ///
 /// # Errors
 /// [`PredictionError`] where the model has no answer at the fit.
@@ -117,7 +117,7 @@ fn spare(search: &Search, stage: &Stage, effects: &[String], own: &str, loss: f6
     (effects.len() > 1 && little).then(|| Doubt::Spare { effect: own.to_owned(), loss, gain })
 }
 
-/// Whether the strength of an effect is told from none: by its standard error where it has one parameter, and by the rise of
+/// Whether the strength of an effect differs significantly from none: by its standard error where it has one parameter, and by the rise of
 /// chi-square without it, both against the misfit that stays.
 fn neutral(search: &Search, effects: &[String], own: &str, fit: &Calibration, loss: f64) -> Option<Doubt> {
     let values = fit.values();

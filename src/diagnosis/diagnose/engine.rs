@@ -135,7 +135,7 @@ fn share_unanswered(experiment: &Experiment, prepared: &Prepared) -> f64 {
 }
 
 /// What was not tried limits the verdict: nothing is named while an effect that could stand in its place is untried, and
-/// without all effects nobody knows that none is missing or that none explains the misfit.
+/// unless all effects were tried, neither `explained` nor `unexplained` can be concluded.
 fn incomplete(judgement: &mut Judgement, untried: &[Untried], draws: usize, asked: usize) {
     if draws < asked {
         judgement.open(format!("interrupted: p-values rest on {draws} of {asked} bootstrap draws"));

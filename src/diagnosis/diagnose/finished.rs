@@ -159,7 +159,7 @@ fn steps(finished: &Finished, chosen: &[String]) -> Result<Vec<Step>, CompareErr
         let effects = &chosen[..count];
         let Some(fit) = search.fits.get(effects) else { continue };
         let values = fit.values();
-        // After a stop the baseline is not simulated again: the stage knows what it gives.
+        // After a stop the baseline is not simulated again: the stage holds its modelled values.
         let known = effects.is_empty() && search.watch.stopped() && fit.chi_square == stage.fit.chi_square;
         let modelled = if known { Some(stage.modelled.clone()) } else { search.modelled(effects)? };
         let Some(modelled) = modelled else { continue };

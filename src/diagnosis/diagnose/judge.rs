@@ -142,7 +142,7 @@ fn add_probable(probabilities: &Probabilities, stage: &Stage, chosen: &[String],
     }
 }
 
-/// What speaks against naming a set of which an effect keeps less than the probability [`BETTER`] although no single rival
+/// Reasons against naming a set of which an effect keeps less than the probability [`BETTER`] although no single rival
 /// is probable, or beside which the baseline alone or "something else" is.
 fn improbable(probabilities: &Probabilities, chosen: &[String], has_rivals: bool) -> Option<String> {
     let least = chosen.iter().min_by(|a, b| probabilities.of(a).total_cmp(&probabilities.of(b)))?;

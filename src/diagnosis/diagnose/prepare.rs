@@ -224,8 +224,9 @@ fn fitted(
     }
 }
 
-/// On a traverse far from the measurements, the baseline once more from where it ends with the rover led along at the measured
-/// velocity, which keeps it from getting stuck on the way; the better of the two.
+/// On a traverse far from the measurements, a second calibration of the baseline; the better of the two is returned. The second
+/// starts from a fit in which a guiding force (`guide.rs`) holds the rover near the measured velocity, so that it does not get
+/// stuck.
 fn led_baseline(problem: &Problem, noise: &Noise, baseline: Calibration) -> Calibration {
     if !problem.strategy().can_be_led(&baseline) {
         return baseline;

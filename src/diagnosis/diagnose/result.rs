@@ -43,9 +43,10 @@ impl Verdict {
 }
 
 /// A parameter of a fit; bounds, unit and prior are in `fitted`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ParameterResult {
     /// Value, standard error, bounds, whether on a bound, prior.
+    #[serde(flatten)]
     pub fitted: CalibratedParameter,
     /// Whether it belongs to an added effect rather than to the calibration.
     pub effect: bool,

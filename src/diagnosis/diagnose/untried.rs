@@ -1,4 +1,4 @@
-//! What a diagnosis did not try, for want of time or because it was interrupted.
+//! What a diagnosis did not try, because its time budget was used up or it was interrupted.
 
 /// A piece of work that was not done.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]

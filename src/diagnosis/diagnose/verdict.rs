@@ -172,7 +172,7 @@ fn partial(case: &Case) -> Vec<String> {
     case.effects.iter().filter(|id| !imitates(id)).cloned().collect()
 }
 
-/// What speaks against naming a set that leaves little, or nothing but noise.
+/// Reasons against naming a set that leaves little, or nothing but noise.
 fn against(case: &Case) -> Vec<String> {
     let mut cautions: Vec<String> = case.doubts.iter().map(Doubt::words).collect();
     if case.left.0 > TOO_MUCH {
@@ -260,7 +260,8 @@ pub(crate) fn swapped(effects: &[String], out: &str, into: &str) -> Vec<String> 
 }
 
 /// Whether the fits tell two effects apart although their signatures are alike: in the place of `own`, `other` gains less
-/// than the share that the cosine `ALIKE` stands for. A cosine knows neither of signs and bounds nor of large effects.
+/// than the share that the cosine `ALIKE` stands for. A cosine accounts neither for signs and bounds nor for the nonlinearity of
+/// large effects.
 fn told_apart(search: &Search, set: &[String], own: &str, other: &str) -> bool {
     let in_place = swapped(set, own, other);
     if set.iter().any(|id| id == other) || search.fits.get(&in_place).is_none() {

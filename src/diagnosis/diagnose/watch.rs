@@ -60,7 +60,7 @@ const ROWS: [Row; 9] = [
     Row { words: "done", from: 1.0, until: 1.0 },
 ];
 
-/// Share of the way by which a new estimate of the end moves the one that is told: more where it is sooner.
+/// Share by which a new estimate of the remaining time moves the reported one: more where it is sooner.
 const SOONER: f64 = 0.5;
 const LATER: f64 = 0.2;
 
@@ -68,10 +68,10 @@ const LATER: f64 = 0.2;
 /// costs, three fits of a single effect as measured on a reduced traverse.
 const OF_BASELINE: usize = 3;
 
-/// Fits after which their duration is known well enough to be told.
+/// Fits after which their duration is known well enough to be reported.
 const ENOUGH: usize = 2;
 
-/// Keeps time and tells the caller.
+/// Measures the work done and reports progress to the caller.
 pub(crate) struct Watch<'a> {
     control: &'a Control<'a>,
     strategy: &'static dyn Strategy,
@@ -79,7 +79,7 @@ pub(crate) struct Watch<'a> {
     state: Mutex<State>,
 }
 
-/// What the clock knows.
+/// The work so far, from which progress is computed.
 struct State {
     phase: Phase,
     trying: String,
@@ -340,7 +340,7 @@ impl<'a> Watch<'a> {
         (state.begun, state.done, state.planned) = (0, 0, 0);
     }
 
-    /// Does one piece of a batch and tells of it.
+    /// Does one piece of a batch and reports it.
     fn piece<R>(&self, words: &str, f: impl FnOnce() -> Option<R>) -> Option<R> {
         if self.stopped() {
             return None;

@@ -1,5 +1,5 @@
 //! What a diagnosis does differently for each kind of experiment: one [`Strategy`] a kind, chosen once by [`strategy`] where a
-//! [`Problem`] is posed. Nothing else in the diagnosis asks which kind of experiment it has before it.
+//! [`Problem`] is posed. All other code of the diagnosis is the same for all kinds.
 //!
 //! A further kind (a plate that sinks, a shear ring) is a folder beside these two, a line in [`strategy`], and a format of
 //! its files in [`measurement`](crate::measurement).
@@ -40,7 +40,7 @@ pub(crate) fn strategy(kind: Kind) -> &'static dyn Strategy {
 pub(crate) struct Budget {
     /// Starts of a calibration, and how long these are followed.
     pub calibration: Effort,
-    /// Most single effects that are refitted, those first that promise most by their sensitivities; `None` for all.
+    /// Most single effects that are refitted, in the order of the gain that their sensitivities predict; `None` for all.
     pub singles: Option<usize>,
     /// Most pairs that are refitted; the others are screened by their sensitivities.
     pub pairs: usize,
@@ -85,7 +85,7 @@ pub(crate) trait Strategy: Debug + Sync {
     /// Inner step of the simulation that the rows allow a diagnosis to take, s; `None` where the model's own step stays.
     fn coarse_step(&self, experiment: &Experiment) -> Option<f64>;
 
-    /// What the model says of the measured rows as a function of `free`.
+    /// The model's values of the measured rows as a function of `free`.
     ///
     /// # Errors
     /// [`PredictionError`] where the model cannot be placed on the experiment's runs.

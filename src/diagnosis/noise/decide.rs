@@ -13,7 +13,7 @@ use crate::measurement::Experiment;
 use std::collections::BTreeMap;
 
 /// Smallest share of a signal's scatter over the experiment that stands in for an unknown noise: no instrument resolves a
-/// millionth of its range, and a model that meets the rows to rounding tells nothing of the noise.
+/// millionth of its range, and residuals of the size of rounding errors do not measure the noise.
 const RESOLUTION: f64 = 1e-6;
 
 /// A calibrated model against the measurements, and functions along the conditions.

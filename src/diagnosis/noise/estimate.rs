@@ -93,7 +93,7 @@ pub(crate) fn estimate(repeats: &Repeats, layout: &Layout, signal: &str, residua
     Search::WIDE.run(&repeats.contrasts(layout, signal, residual), &repeats.labels(layout, signal, residual))
 }
 
-/// Noise of one signal from residuals themselves, for want of repeats: all of them count as noise, `lost` degrees of
+/// Noise of one signal from residuals themselves, where there are no repeats: all of them count as noise, `lost` degrees of
 /// freedom being spent on the model. There is no telling a run's own scatter from the model's error there.
 pub(crate) fn estimate_alone(layout: &Layout, signal: &str, residual: &[f64], lost: f64) -> Option<NoiseModel> {
     let strands: Vec<Strand> = layout

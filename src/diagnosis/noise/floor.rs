@@ -2,13 +2,14 @@
 //!
 //! Noise comes from repeats, not from residuals: the residuals of samples that repeat one set-point share the model's
 //! error there, so their scatter about their own mean contains none of it. Where the recorded inputs of repeats differ
-//! a little, the residual has already taken off what the model says of that difference. That helps where the inputs
+//! a little, the residual has already subtracted the modelled effect of that difference. That helps where the inputs
 //! really differed, and adds scatter where only their recording did; either way what remains is an upper bound, so the
 //! smaller of the two scatters, of the residuals and of the plain measurements, is taken.
 
 use crate::diagnosis::layout::Layout;
 use crate::measurement::{Experiment, Sample};
-use serde::Serialize;
+use serde::ser::SerializeStruct;
+use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 
 /// Standard deviation pooled over sets of repeats.
@@ -54,6 +55,16 @@ impl FloorSource {
             Self::Replicates => "replicates",
             Self::Unknown => "unknown",
         }
+    }
+}
+
+/// The value that holds, and where it comes from.
+impl Serialize for NoiseFloor {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut fields = to.serialize_struct("NoiseFloor", 2)?;
+        fields.serialize_field("value", &self.value())?;
+        fields.serialize_field("source", &self.source())?;
+        fields.end()
     }
 }
 

@@ -20,7 +20,7 @@ pub enum NoiseSource {
     Replicates,
     /// `[noise]` in `experiment.toml`.
     Stated,
-    /// The scatter of the measurements about a flexible curve, for want of repeats.
+    /// The scatter of the measurements about a flexible curve, where there are no repeats.
     Scatter,
     /// Usual instruments.
     Default,

@@ -62,7 +62,7 @@ impl Likeness {
     }
 }
 
-/// What an experiment sees of one effect.
+/// How strongly one effect shows in an experiment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EffectSight {
     /// Id of the effect.
@@ -78,7 +78,7 @@ pub struct EffectSight {
     pub visible: bool,
 }
 
-/// What an experiment sees of the difference between two effects.
+/// How strongly the difference between two effects shows in an experiment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PairSight {
     /// Their ids.

@@ -46,7 +46,7 @@ pub type State = SVector<f64, 6>;
 /// Covariance of a [`State`].
 pub type Covariance = SMatrix<f64, 6, 6>;
 
-/// What the filter believes of how a pair moves.
+/// The filter's model of a pair of points: geometry and process noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairModel {
     /// Distance l of the points, m.
@@ -60,7 +60,7 @@ pub struct PairModel {
     pub offset: f64,
     /// Standard deviation of the contact angles about the ground's mean, rad.
     pub angle_deviation: f64,
-    /// Way over which a contact angle forgets itself, m.
+    /// Distance over which the autocorrelation of a contact angle falls to 1/e, m.
     pub correlation_length: f64,
     /// Error of either speed in the kinematic equations, share of the speed: slip, radii, distances. It lasts as long as a
     /// contact angle does, and counts as white noise of the same density.
@@ -199,7 +199,7 @@ impl PairFilter {
         innovation * innovation / total
     }
 
-    /// Takes (2.30) and (2.29) in, in this order: the first is nearly linear and tells how the two directions differ, on
+    /// Takes (2.30) and (2.29) in, in this order: the first is nearly linear and gives the difference of the two directions, on
     /// which the slope of the second depends.
     fn constrain(&mut self, dt: f64) -> f64 {
         self.absorb_equation(true, dt) + self.absorb_equation(false, dt)
@@ -262,7 +262,7 @@ impl PairFilter {
     }
 
     /// Mean and variance of the second-order part of an equation, tr(H P)/2 and tr(H P H P)/2: without them the filter
-    /// believes in directions of points that hardly move.
+    /// is overconfident in the directions of points that hardly move.
     fn beyond_first_order(&self, bends: &[Matrix2<f64>; 2]) -> (f64, f64) {
         let p = &self.covariance;
         let joint = |a: usize, b: usize| {

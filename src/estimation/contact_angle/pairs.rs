@@ -11,7 +11,7 @@ const SHORTEST: f64 = 1e-3;
 pub(super) enum Point {
     /// Centre of a wheel, by its index.
     Wheel(usize),
-    /// A joint whose motion an earlier pair tells; its place from that pair's rear point, in the drawing, m.
+    /// A joint whose motion follows from an earlier pair; its place from that pair's rear point, in the drawing, m.
     Pivot { pair: usize, place: [f64; 2] },
 }
 
@@ -26,9 +26,9 @@ pub(super) struct Pair {
     pub inclination: f64,
 }
 
-/// Pairs that see every wheel, each after those that it builds on: the neighbours on a body and, from three wheels on,
-/// its outer two (a ring: each wheel is seen twice); a wheel that is alone on its body with a joint to a body whose
-/// motion is told already.
+/// Pairs that contain every wheel, each after those that it builds on: the neighbours on a body and, from three wheels on,
+/// its outer two (a ring: each wheel is in two pairs); a wheel that is alone on its body with a joint to a body whose
+/// motion is determined already.
 pub(super) fn pairs(nominal: &Nominal) -> Result<Vec<Pair>, EstimationError> {
     let mut builder = Builder { nominal, pairs: Vec::new(), told: vec![None; 1 + nominal.links.len()] };
     for body in 0..builder.told.len() {
@@ -45,7 +45,7 @@ pub(super) fn pairs(nominal: &Nominal) -> Result<Vec<Pair>, EstimationError> {
 struct Builder<'a> {
     nominal: &'a Nominal,
     pairs: Vec<Pair>,
-    /// For each body the pair that tells its motion.
+    /// For each body the pair that determines its motion.
     told: Vec<Option<usize>>,
 }
 
@@ -84,7 +84,7 @@ impl Builder<'_> {
         Ok(false)
     }
 
-    /// A joint between `body` and one whose motion is told.
+    /// A joint between `body` and one whose motion is determined.
     fn joint_of(&self, body: usize) -> Option<Point> {
         self.nominal.links.iter().enumerate().find_map(|(j, link)| {
             let other = match (link.parent == body, j + 1 == body) {

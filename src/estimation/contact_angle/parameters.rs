@@ -32,7 +32,7 @@ parameters! {
         speed_drift: [Unit::METRE_PER_SECOND] = 0.05, 1e-9..=100.0, Fixed, "assumption: control holds the speed";
         /// Standard deviation of the contact angles about the ground's mean.
         angle_deviation: [Unit::RADIAN] = 15.0_f64.to_radians(), 0.001..=0.5, Fixed, "assumption: rough ground";
-        /// Way over which a contact angle forgets itself.
+        /// Distance over which the autocorrelation of a contact angle falls to 1/e.
         correlation_length: [Unit::METRE] = 0.1, 0.001..=1000.0, Fixed, "assumption: features of the size of a wheel";
     }
 }

@@ -1,6 +1,6 @@
 //! The torque that a load demands of a soil of given strength, whatever its modulus.
 //!
-//! At a given sinkage and slip the shear displacement of (2.2) knows nothing of the soil but K, so the integrals
+//! At a given sinkage and slip the shear displacement of (2.2) depends on no soil parameter but K, so the integrals
 //! (2.7) and (2.9) are the sum of a part proportional to c and a part proportional to the modulus:
 //! N = c N_c + k N_s(phi) and T = c T_c + k T_s(phi). The load fixes k, and
 //!
@@ -12,7 +12,7 @@
 //! theta_m of the peak are taken from the nominal soil.
 
 use super::super::EstimationError;
-use super::reading::{Deviations, Reading, Strength};
+use super::reading::{Deviations, Reading, StrengthParameters};
 use crate::contact::rolling;
 use crate::scalar::{Dual, Scalar};
 use crate::soil::Soil;
@@ -118,7 +118,7 @@ fn torque<S: Scalar>(wheel: &Wheel, soil: &Soil, strength: [S; 3], [load, sinkag
 /// The torque that `reading` should show on a soil of this strength, with exact slopes. Of `soil` the exponent and
 /// c1, c2 are used.
 #[must_use]
-pub fn predict(wheel: &Wheel, soil: &Soil, strength: &Strength, reading: &Reading) -> Prediction {
+pub fn predict(wheel: &Wheel, soil: &Soil, strength: &StrengthParameters, reading: &Reading) -> Prediction {
     predict_at(wheel, soil, strength.coordinates(), reading)
 }
 

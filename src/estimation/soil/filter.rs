@@ -24,7 +24,7 @@ use super::directions::{Direction, directions};
 use super::equation::{Linearised, predict_at};
 use super::held::{Gaussian, Held};
 use super::parameters::SoilIdentification;
-use super::reading::{Deviations, Reading, Strength};
+use super::reading::{Deviations, Reading, StrengthParameters};
 use crate::snapshot::moving;
 use crate::soil::Soil;
 use crate::wheel::Wheel;
@@ -89,7 +89,7 @@ impl StrengthFilter {
         within_bounds("wheel", *wheel)?;
         within_bounds("soil", *soil)?;
         within_bounds("soil_identification", parameters)?;
-        let prior = Vector3::from(Strength::of(soil).coordinates());
+        let prior = Vector3::from(StrengthParameters::of(soil).coordinates());
         let deviations =
             [parameters.cohesion_deviation, parameters.friction_angle_deviation, parameters.shear_modulus_deviation];
         let covariance = Matrix3::from_diagonal(&Vector3::from(deviations.map(|d| d * d)));
@@ -231,7 +231,7 @@ impl StrengthFilter {
 
     /// The most likely strength within the soil's bounds.
     #[must_use]
-    pub fn strength(&self) -> Strength {
+    pub fn strength(&self) -> StrengthParameters {
         let mut at = self.estimate.mean;
         for (k, (low, high)) in [(0, COHESION_BOUNDS), (1, FRICTION_BOUNDS)] {
             let inside = at[k].clamp(low, high);
@@ -241,7 +241,7 @@ impl StrengthFilter {
         }
         at[0] = at[0].clamp(COHESION_BOUNDS.0, COHESION_BOUNDS.1);
         at[1] = at[1].clamp(FRICTION_BOUNDS.0, FRICTION_BOUNDS.1);
-        Strength::from_coordinates(at.into())
+        StrengthParameters::from_coordinates(at.into())
     }
 
     /// The mean (c in Pa, phi in rad, ln K with K in m) without bounds, to which the covariance belongs.
@@ -279,7 +279,7 @@ impl StrengthFilter {
         Vector3::from_fn(|k, _| at[k].clamp(origin[k] + REACH[k].0, origin[k] + REACH[k].1))
     }
 
-    /// Scale of the unknowns, 1 where the prior knows them.
+    /// Scale of the unknowns, 1 where the prior's deviation is 0.
     fn scale(&self) -> Vector3<f64> {
         Vector3::from(self.deviations.map(|d| if d > 0.0 { d } else { 1.0 }))
     }

@@ -5,7 +5,7 @@ use super::super::error::within_bounds;
 use super::directions::{Direction, directions};
 use super::equation::Linearised;
 use super::parameters::SoilIdentification;
-use super::reading::{Deviations, Reading, Strength};
+use super::reading::{Deviations, Reading, StrengthParameters};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 use nalgebra::{Matrix3, Vector3};
@@ -35,8 +35,8 @@ pub struct Fit {
 impl Fit {
     /// The strength.
     #[must_use]
-    pub fn strength(&self) -> Strength {
-        Strength::from_coordinates(self.mean)
+    pub fn strength(&self) -> StrengthParameters {
+        StrengthParameters::from_coordinates(self.mean)
     }
 }
 
@@ -53,7 +53,7 @@ pub fn fit(
 ) -> Result<Fit, EstimationError> {
     within_bounds("soil_identification", *parameters)?;
     readings.iter().try_for_each(|(reading, _)| reading.check(wheel))?;
-    let prior = Vector3::from(Strength::of(soil).coordinates());
+    let prior = Vector3::from(StrengthParameters::of(soil).coordinates());
     let scale = Vector3::new(
         parameters.cohesion_deviation,
         parameters.friction_angle_deviation,

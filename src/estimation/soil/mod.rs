@@ -58,5 +58,5 @@ pub use fit::{Fit, fit};
 pub use identifier::{SoilIdentifier, WheelUse};
 pub use kinematics::{KinematicSinkage, SinkageChange};
 pub use parameters::SoilIdentification;
-pub use reading::{Deviations, Reading, Strength};
+pub use reading::{Deviations, Reading, StrengthParameters};
 pub use sinkage::sinkage_under_load;

@@ -1,4 +1,4 @@
-//! What one wheel tells at one instant, and what is asked of it.
+//! Measured load, torque, sinkage and slip of one wheel at one instant, and the strength that is estimated from them.
 
 use super::super::EstimationError;
 use super::super::error::finite;
@@ -38,7 +38,7 @@ moving!(Deviations { load, torque, sinkage, slip });
 
 /// What is estimated: cohesion, friction angle and the logarithm of the shear modulus.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Strength {
+pub struct StrengthParameters {
     /// Cohesion c, Pa.
     pub cohesion: f64,
     /// Friction angle phi, rad.
@@ -47,7 +47,7 @@ pub struct Strength {
     pub shear_modulus: f64,
 }
 
-impl Strength {
+impl StrengthParameters {
     /// That of a soil.
     #[must_use]
     pub fn of(soil: &Soil) -> Self {

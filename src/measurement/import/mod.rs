@@ -1,4 +1,4 @@
-//! Proposing an experiment folder for files that somebody has: `bekker import`.
+//! Proposes an experiment folder for existing measurement files: `bekker import`.
 //!
 //! Names of columns, the units in them and the ranges of their values say what a column may be. What is proposed is written
 //! with its reason, and read back at once: the folder is an experiment, or it is said what is missing.

@@ -1,5 +1,5 @@
-//! What the files of each kind of experiment hold: one [`Format`] a kind, which [`Kind::format`] gives. Nothing else in the
-//! reading asks which kind of experiment it has before it.
+//! What the files of each kind of experiment hold: one [`Format`] a kind, which [`Kind::format`] gives. All other
+//! code that reads files is the same for all kinds.
 
 mod single_wheel;
 mod traverse;
@@ -14,7 +14,7 @@ use super::suggestion::Rule;
 use bekker_modeldescription::Unit;
 
 impl Kind {
-    /// All kinds, by which the columns of unknown files tell most first.
+    /// All kinds; those that columns of unknown files identify most surely come first.
     const ALL: [Self; 2] = [Self::SingleWheel, Self::Traverse];
 
     /// What its files hold.
@@ -25,8 +25,9 @@ impl Kind {
         }
     }
 
-    /// The kind of files of which somebody knows whether a column means one of some signals of a kind: the first of which
-    /// there is a sure sign, else the first of which there is any.
+    /// The kind of unknown files: the first kind for which `means` finds a column of its [`sure_signs`](Format::sure_signs),
+    /// else the first with a column of its [`signs`](Format::signs). `means` says whether a column is one of the listed
+    /// signals of a kind.
     pub(super) fn told_by(means: impl Fn(Self, &[&str]) -> bool) -> Option<Self> {
         let first = |signs: fn(&dyn Format) -> &'static [&'static str]| {
             Self::ALL.into_iter().find(|kind| means(*kind, signs(kind.format())))
@@ -76,13 +77,13 @@ pub(super) trait Format: Sync {
     /// What words in a column's name mean.
     fn rules(&self) -> &'static [Rule];
 
-    /// Signals whose columns tell this kind of experiment from others; and those that do where no other kind is told.
+    /// Signals that only this kind of experiment has: one such column identifies the kind.
     fn sure_signs(&self) -> &'static [&'static str];
 
-    /// See [`sure_signs`](Self::sure_signs).
+    /// Signals that identify the kind where no column is a sure sign of another kind.
     fn signs(&self) -> &'static [&'static str];
 
-    /// The unit of a field that its largest size tells; `None` where it fits SI.
+    /// The likely unit of a field by its largest absolute value; `None` where that value is plausible in SI.
     fn likely_unit(&self, field: &str, largest: f64) -> Option<&'static str>;
 
     /// Why a column that is known otherwise is left out of a proposal.

@@ -1,4 +1,4 @@
-//! The page of a diagnosis, in the order in which a person asks: the verdict; what was measured; measured beside
+//! The page of a diagnosis, in this order: the verdict; what was measured; measured beside
 //! modelled; where it fails; is that more than noise; what calibration can absorb; which effect; how the error falls;
 //! the improved model; its parameters; what remains; what to measure next.
 

@@ -1,5 +1,5 @@
-//! How each kind of experiment is shown: one [`Presentation`] a kind, which [`of`] gives. Nothing else in a report asks which
-//! kind of experiment it shows.
+//! How each kind of experiment is shown: one [`Presentation`] a kind, which [`of`] gives. All other
+//! code of a report is the same for all kinds.
 
 mod single_wheel;
 mod traverse;
@@ -15,7 +15,7 @@ pub(super) fn of(experiment: &Experiment) -> &'static dyn Presentation {
     }
 }
 
-/// What a reader is told of the overlays.
+/// Sentences that explain the overlays.
 pub(super) struct HowDrawn {
     /// What error bars or bands are, `{noise}` where the noise of each signal stands.
     pub bars: &'static str,

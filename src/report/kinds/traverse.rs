@@ -20,7 +20,7 @@ impl Presentation for Traverse {
         &["time", "x", "pitch"]
     }
 
-    /// Where slip or velocity were not recorded, what stands for them is told from the commands.
+    /// Where slip or velocity were not recorded, they are computed from the commands.
     fn conditions(&self, experiment: &Experiment, wheel: usize, radius: f64) -> Vec<Condition> {
         let recorded = format!("wheel[{wheel}].slip");
         let knows = |name: &str| experiment.runs.iter().any(|run| run.data.column(name).is_some());

@@ -175,7 +175,7 @@ fn points(experiment: &Experiment, rigs: &[Rig], names: &[String]) -> Vec<Point>
     points
 }
 
-/// The signals that `measurement` knows for a single wheel.
+/// The signals that a single wheel can measure, see `measurement`.
 pub(crate) fn signal<S: Copy>(point: &SteadyPoint<S>, name: &str) -> S {
     match name {
         "drawbar_pull" => point.drawbar_pull,

@@ -37,7 +37,7 @@ const BREAKING_LOOSE_SHARE: f64 = 0.1;
 const COARSE: f64 = 0.005;
 const ON_GRID: f64 = 1e-3;
 
-/// The start of a fit, as a share of a parameter's range, where the sensitivities promise none.
+/// The start of a fit, as a share of a parameter's range, where the sensitivities predict no gain.
 const STARTS: [f64; 1] = [0.1];
 
 /// Share of its range by which a parameter on a bound is moved inwards before a refit.
@@ -140,8 +140,8 @@ impl Strategy for Traverse {
         if promised { &[] } else { &STARTS }
     }
 
-    /// Values on a bound are moved inwards: with an effect added a parameter may be wanted back inside, and a search that
-    /// starts on its bound sees little of that.
+    /// Values on a bound are moved inwards: with an effect added, the optimum of a parameter may lie inside
+    /// again, and a search that starts on the bound hardly moves it.
     fn origin(&self, fit: &Calibration) -> Vec<f64> {
         let inside = |parameter: &CalibratedParameter| {
             let (low, high) = (parameter.variable.min, parameter.variable.max);

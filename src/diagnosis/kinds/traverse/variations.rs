@@ -19,7 +19,7 @@ const HEAVIER: f64 = 1.3;
 /// Rim speed where only torques were commanded, m/s.
 const SPEED: f64 = 0.1;
 
-/// Variations that the model can be asked about, unless `halt` asks to end.
+/// Variations of the experiment that the model can compute, unless `halt` asks to end.
 pub(super) fn variations(model: &Model, experiment: &Experiment, halt: Halt) -> Vec<Variation> {
     let radius = experiment.parameters.get("wheel.radius").copied().unwrap_or(model.rover.wheel.radius);
     let commands = |run: &Run| {

@@ -15,7 +15,7 @@ use super::filter::StrengthFilter;
 use super::kinematics::{KinematicSinkage, Posture, check_measurement, check_rover};
 use super::loads::QuasiStatic;
 use super::parameters::SoilIdentification;
-use super::reading::{Deviations, Reading, Strength};
+use super::reading::{Deviations, Reading, StrengthParameters};
 use super::sinkage::sinkage_under_load;
 use crate::control::Nominal;
 use crate::signals::Measurement;
@@ -126,8 +126,8 @@ moving!(Sums { count, since, first_velocity, load, torque, velocity, rim_speed }
 /// The soil's strength from a rover's sensors.
 ///
 /// Wheels that are read at the same time share the noise of the body's velocity, which would otherwise count once a wheel,
-/// and a reading taken while the body accelerates tells of inertia: both made intervals 1.4 times too narrow once. Over 40
-/// drives of 20 s with varied speeds the squared error over its covariance is now as it should be
+/// and a reading taken while the body accelerates contains forces of inertia: if ignored, either makes intervals 1.4 times too
+/// narrow. Over 40 drives of 20 s with varied speeds the squared error agrees with its covariance
 /// (`tests/soil_in_the_loop.rs`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct SoilIdentifier {
@@ -217,7 +217,7 @@ impl SoilIdentifier {
         self.start = None;
     }
 
-    /// Takes one measurement; [`SoilIdentifier::uses`] tells what became of each wheel.
+    /// Takes one measurement; [`SoilIdentifier::uses`] says how each wheel's reading was used.
     ///
     /// # Errors
     /// [`EstimationError`] where a reading is missing or not finite; the estimate has not changed then.
@@ -279,7 +279,7 @@ impl SoilIdentifier {
 
     /// The estimated strength within the soil's bounds.
     #[must_use]
-    pub fn strength(&self) -> Strength {
+    pub fn strength(&self) -> StrengthParameters {
         self.filter.strength()
     }
 

@@ -1,4 +1,4 @@
-//! What one wheel says: its motion, its averaged reading, and whether that tells anything.
+//! One wheel as a source of readings: its motion, its averaged reading, and whether that carries information on the soil.
 
 use super::super::super::EstimationError;
 use super::super::filter::Update;
@@ -37,7 +37,7 @@ impl Ready {
 }
 
 impl SoilIdentifier {
-    /// Takes wheel `k`'s reading in; its mean where that is due and tells something, and otherwise why not.
+    /// Takes wheel `k`'s reading in; its mean where that is due and carries information, and otherwise the reason.
     pub(super) fn observe(&mut self, scene: &Scene, k: usize) -> Result<Ready, WheelUse> {
         if let Some(silent) = self.silent(scene, k) {
             self.sums[k] = Sums::default();
@@ -59,8 +59,8 @@ impl SoilIdentifier {
         Ok(Ready { mean, slip, by_velocity, by_encoder })
     }
 
-    /// What became of wheel `k`'s means, of which `sharing` wheels have the same noise of the body's velocity: each takes its
-    /// part of what that tells, so that it does not count twice.
+    /// What became of wheel `k`'s means, of which `sharing` wheels have the same noise of the body's velocity: each uses
+    /// its share of that information, so that it does not count twice.
     pub(super) fn take(
         &mut self,
         scene: &Scene,
@@ -87,7 +87,7 @@ impl SoilIdentifier {
     }
 
     /// Whether the body's acceleration over the averaging time is beyond its noise, and of the weight more than the loads'
-    /// error: the balance of the loads knows no inertia.
+    /// error: the balance that gives the loads has no inertia.
     fn accelerates(&self, scene: &Scene, mean: &Sums) -> bool {
         let time = scene.measured.time - mean.since;
         if time <= 0.0 {

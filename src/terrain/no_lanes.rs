@@ -1,4 +1,4 @@
-//! Without batches no grounds are side by side, and nothing of them is in the library.
+//! Stands in for `lanes.rs` without the feature `batch`: a type without values, so that no code is compiled for it.
 
 use super::TerrainError;
 use super::curve::{Curve, Sample};
@@ -6,11 +6,11 @@ use super::foot::Foot;
 use crate::scalar::{Plain, Scalar};
 use crate::soil::Soil;
 
-/// There are none.
+/// No value of this type exists.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Several {}
+pub(super) enum LaneTerrains {}
 
-impl Several {
+impl LaneTerrains {
     pub fn shapes(&self) -> bool {
         match *self {}
     }
@@ -24,7 +24,7 @@ impl Several {
     }
 }
 
-impl<R: Plain> Curve<R> for Several {
+impl<R: Plain> Curve<R> for LaneTerrains {
     fn at(&self, _: R) -> Sample<R> {
         match *self {}
     }

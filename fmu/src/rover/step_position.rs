@@ -1,26 +1,26 @@
-//! Where a time lies among the whole multiples of a step.
+//! Position of a time among the whole multiples of a step.
 
 use crate::model::Failure;
 
 /// Distance from a whole number of steps, in steps, that counts as rounding; and the part of it that grows with the time,
-/// as a host has it that adds up its steps.
+/// as an importer has it that adds up its steps.
 const NEAR: f64 = 1e-6;
 const ADDED_UP: f64 = 1e-9;
-/// More than this is no rounding, however long a host has added up.
+/// More than this is no rounding, however many steps an importer has added up.
 const FAR: f64 = 1e-2;
-/// Most steps since the start: at 1 ms eleven days of driving. More is rather a slip of the host, which would wait for
-/// hours.
+/// Most steps since the start: at 1 ms eleven days of driving. More is more likely a mistake of the importer, which would wait
+/// for hours.
 const MOST: f64 = 1e9;
 
 /// A time as `whole` steps and a `share` of the next one, 0 or well over it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Place {
+pub(super) struct StepPosition {
     pub whole: u64,
     pub share: f64,
 }
 
-impl Place {
-    /// The place of `time` among multiples of `step`, s.
+impl StepPosition {
+    /// The position of `time` among multiples of `step`, s.
     ///
     /// # Errors
     /// A [`Failure`] for a time that is not finite, negative or too far away.
@@ -54,8 +54,8 @@ mod tests {
     #[test]
     fn analytic_times_fall_on_steps_as_far_as_a_host_adds_up() {
         let step = 0.002;
-        let place = |time| Place::of(time, step).ok();
-        let on = |whole| Some(Place { whole, share: 0.0 });
+        let place = |time| StepPosition::of(time, step).ok();
+        let on = |whole| Some(StepPosition { whole, share: 0.0 });
         assert_eq!(place(0.0), on(0));
         assert_eq!(place(0.3), on(150));
         // A million steps of 0.01 s, added up: 1.7e-7 s off.
@@ -64,9 +64,9 @@ mod tests {
         assert_eq!(place(added), on(5_000_000));
         let between = place(0.0033).map(|place| (place.whole, (place.share * 1e9).round()));
         assert_eq!(between, Some((1, 0.65e9)));
-        assert_eq!(place(0.0033).map(Place::end), Some(2));
+        assert_eq!(place(0.0033).map(StepPosition::end), Some(2));
         for time in [f64::NAN, f64::INFINITY, -0.01, 1e9] {
-            assert!(Place::of(time, step).is_err(), "{time}");
+            assert!(StepPosition::of(time, step).is_err(), "{time}");
         }
     }
 }

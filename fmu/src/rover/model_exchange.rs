@@ -1,7 +1,7 @@
 //! The plant as differential equations (Model Exchange).
 
 use super::by_reference::{from_values, into_places};
-use super::plant::{Motion, Rover};
+use super::plant::{AdvancedBy, RoverFmu};
 use crate::model::{Continuous, EventOutcome, Failure};
 use bekker::equations::{Equations, NoEquations, derivative_of};
 use bekker::model::{AnyPlant, Model as RoverModel, Run};
@@ -14,9 +14,9 @@ use std::ops::Range;
 /// Prefix of the states' names: many have those of signals, which sensors among the effects may distort.
 const PREFIX: &str = "state";
 
-/// The equations, where somebody else integrates.
+/// The equations of a rover whose states the importer integrates.
 #[derive(Clone)]
-pub(super) struct Ordinary {
+pub(super) struct ModelExchange {
     pub equations: Equations,
     states: Vec<usize>,
     derivatives: Vec<usize>,
@@ -28,7 +28,7 @@ pub(super) struct Ordinary {
     fresh: bool,
 }
 
-impl Ordinary {
+impl ModelExchange {
     /// The equations of a plant that may have them: effects with a memory may be switched off.
     pub fn of(model: &RoverModel, run: &Run) -> Option<Self> {
         let refused = model.check_equations();
@@ -77,25 +77,25 @@ fn equations(run: &Run) -> Option<Equations> {
     }
 }
 
-impl Rover {
+impl RoverFmu {
     /// Puts the equations at the run's state.
     pub(super) fn begin(&mut self) -> Result<(), Failure> {
-        let Some(ordinary) = &mut self.ordinary else { return Ok(()) };
+        let Some(model_exchange) = &mut self.model_exchange else { return Ok(()) };
         if let Some(equations) = equations(&self.run) {
-            ordinary.equations = equations;
+            model_exchange.equations = equations;
         }
-        (ordinary.time, ordinary.accepted, ordinary.stuck) = (0.0, 0.0, false);
-        (ordinary.fresh, self.motion) = (false, Motion::Steps);
+        (model_exchange.time, model_exchange.accepted, model_exchange.stuck) = (0.0, 0.0, false);
+        (model_exchange.fresh, self.motion) = (false, AdvancedBy::Steps);
         self.bring_up()
     }
 
     /// The equations at the present point: those that an integrator moves, or where the run is.
     pub(super) fn present(&self) -> Result<Equations, Failure> {
         let none = || Failure::unsupported("derivatives: only a rover whose wheels' torques are its inputs has them");
-        let ordinary = self.ordinary.as_ref().ok_or_else(none)?;
+        let model_exchange = self.model_exchange.as_ref().ok_or_else(none)?;
         let mut there = match self.motion {
-            Motion::Integrator => ordinary.equations.clone(),
-            Motion::Steps | Motion::BetweenSteps => equations(&self.run).ok_or_else(none)?,
+            AdvancedBy::Integrator => model_exchange.equations.clone(),
+            AdvancedBy::Steps | AdvancedBy::BetweenSteps => equations(&self.run).ok_or_else(none)?,
         };
         there.torques_mut().copy_from_slice(&self.values[self.references.inputs.clone()]);
         Ok(there)
@@ -103,48 +103,47 @@ impl Rover {
 
     /// Brings rates and outputs up to the present states and inputs.
     fn bring_up(&mut self) -> Result<(), Failure> {
-        if self.motion == Motion::Integrator {
+        if self.motion == AdvancedBy::Integrator {
             self.tune()?;
         }
-        let Some(ordinary) = &mut self.ordinary else { return Ok(()) };
+        let Some(model_exchange) = &mut self.model_exchange else { return Ok(()) };
         let torques = &self.values[self.references.inputs.clone()];
-        if ordinary.fresh && ordinary.equations.torques_mut() == torques {
+        if model_exchange.fresh && model_exchange.equations.torques_mut() == torques {
             return Ok(());
         }
-        ordinary.equations.torques_mut().copy_from_slice(torques);
-        let time = ordinary.time;
-        ordinary.equations.evaluate().map_err(|error| Failure(format!("at t = {time} s: {error}")))?;
-        ordinary.fresh = true;
-        let equations = &mut ordinary.equations;
+        model_exchange.equations.torques_mut().copy_from_slice(torques);
+        let time = model_exchange.time;
+        model_exchange.equations.evaluate().map_err(|error| Failure(format!("at t = {time} s: {error}")))?;
+        model_exchange.fresh = true;
+        let equations = &mut model_exchange.equations;
         {
             let mut put = into_places(&mut self.values[self.references.states.clone()]);
             equations.visit_states(|state| put(*state));
         }
         equations.rates(&mut into_places(&mut self.values[self.references.derivatives.clone()]));
-        if self.motion == Motion::Integrator {
+        if self.motion == AdvancedBy::Integrator {
             equations.signals().values(&mut into_places(&mut self.values[self.references.signals.clone()]));
             // Sensors without errors, which `check` demands.
             for (place, signal) in self.references.measured.clone().zip(&self.references.measured_signals) {
                 self.values[place] = self.values[*signal];
             }
-            let ended = if ordinary.stuck { Some(Event::Stuck) } else { equations.ended() };
+            let ended = if model_exchange.stuck { Some(Event::Stuck) } else { equations.ended() };
             self.values[self.references.event] = ended.map_or(Status::Running, Status::Ended).place() as f64;
         }
         Ok(())
     }
 
     fn ended(&self) -> EventOutcome {
-        let ended = self
-            .ordinary
-            .as_ref()
-            .and_then(|ordinary| if ordinary.stuck { Some(Event::Stuck) } else { ordinary.equations.ended() });
+        let ended = self.model_exchange.as_ref().and_then(|model_exchange| {
+            if model_exchange.stuck { Some(Event::Stuck) } else { model_exchange.equations.ended() }
+        });
         EventOutcome { terminate: ended.map(|event| event.to_string()), ..EventOutcome::default() }
     }
 }
 
-/// Beyond the errors of the states' own integration: whoever integrates may step anywhere, also where a wheel is beyond
-/// the known ground; that is a [`Failure`] of [`rates`](Continuous::rates) which a shorter step avoids.
-impl Continuous for Rover {
+/// The importer's integrator may try states at which a wheel is beyond the known terrain; that is a [`Failure`] of
+/// [`rates`](Continuous::rates), which a shorter step avoids.
+impl Continuous for RoverFmu {
     fn check(&self) -> Result<(), Failure> {
         self.tuned.check_equations().map_err(|error| Failure(error.to_string()))?;
         let mut sensors = self.tuned.sensors;
@@ -162,48 +161,48 @@ impl Continuous for Rover {
     fn follow(&mut self) -> Result<(), Failure> {
         let present = self.present()?;
         let time = self.time;
-        if let Some(ordinary) = &mut self.ordinary {
-            (ordinary.equations, ordinary.fresh) = (present, false);
-            if self.motion != Motion::Integrator {
-                ordinary.time = time;
+        if let Some(model_exchange) = &mut self.model_exchange {
+            (model_exchange.equations, model_exchange.fresh) = (present, false);
+            if self.motion != AdvancedBy::Integrator {
+                model_exchange.time = time;
             }
         }
         self.bring_up()
     }
 
     fn states(&self) -> &[usize] {
-        self.ordinary.as_ref().map_or(&[], |ordinary| &ordinary.states)
+        self.model_exchange.as_ref().map_or(&[], |model_exchange| &model_exchange.states)
     }
 
     fn derivatives(&self) -> &[usize] {
-        self.ordinary.as_ref().map_or(&[], |ordinary| &ordinary.derivatives)
+        self.model_exchange.as_ref().map_or(&[], |model_exchange| &model_exchange.derivatives)
     }
 
     fn set_time(&mut self, time: f64) {
-        if let Some(ordinary) = &mut self.ordinary {
-            (ordinary.time, self.motion) = (time, Motion::Integrator);
+        if let Some(model_exchange) = &mut self.model_exchange {
+            (model_exchange.time, self.motion) = (time, AdvancedBy::Integrator);
         }
         self.time = time;
     }
 
     fn set_states(&mut self, x: &[f64]) -> Result<(), Failure> {
-        let Some(ordinary) = &mut self.ordinary else { return Ok(()) };
-        let expected = ordinary.states.len();
+        let Some(model_exchange) = &mut self.model_exchange else { return Ok(()) };
+        let expected = model_exchange.states.len();
         if x.len() != expected {
             return Err(Failure(format!("{} continuous states were given, expected {expected}", x.len())));
         }
         if let Some(k) = x.iter().position(|value| !value.is_finite()) {
-            let name = &self.description.entries[ordinary.states[k]].variable.name;
+            let name = &self.description.entries[model_exchange.states[k]].variable.name;
             return Err(Failure(format!("`{name}` = {}, expected a finite number", x[k])));
         }
-        ordinary.equations.visit_states(from_values(x));
-        (ordinary.fresh, self.motion) = (false, Motion::Integrator);
+        model_exchange.equations.visit_states(from_values(x));
+        (model_exchange.fresh, self.motion) = (false, AdvancedBy::Integrator);
         Ok(())
     }
 
     fn get_states(&self, x: &mut [f64]) {
-        if let Some(ordinary) = &self.ordinary {
-            ordinary.equations.states().values(&mut into_places(x));
+        if let Some(model_exchange) = &self.model_exchange {
+            model_exchange.equations.states().values(&mut into_places(x));
         }
     }
 
@@ -214,26 +213,26 @@ impl Continuous for Rover {
     }
 
     fn rates(&mut self, dx: &mut [f64]) -> Result<(), Failure> {
-        if let Some(ordinary) = &mut self.ordinary
-            && self.motion != Motion::Integrator
+        if let Some(model_exchange) = &mut self.model_exchange
+            && self.motion != AdvancedBy::Integrator
         {
-            (ordinary.fresh, self.motion) = (false, Motion::Integrator);
+            (model_exchange.fresh, self.motion) = (false, AdvancedBy::Integrator);
         }
         self.bring_up()?;
-        if let Some(ordinary) = &self.ordinary {
-            ordinary.equations.rates(&mut into_places(dx));
+        if let Some(model_exchange) = &self.model_exchange {
+            model_exchange.equations.rates(&mut into_places(dx));
         }
         Ok(())
     }
 
     fn indicators(&self) -> usize {
-        self.ordinary.as_ref().map_or(0, |ordinary| ordinary.equations.indicators())
+        self.model_exchange.as_ref().map_or(0, |model_exchange| model_exchange.equations.indicators())
     }
 
     fn event_indicators(&mut self, z: &mut [f64]) -> Result<(), Failure> {
         self.bring_up()?;
-        if let Some(ordinary) = &self.ordinary {
-            ordinary.equations.event_indicators(into_places(z));
+        if let Some(model_exchange) = &self.model_exchange {
+            model_exchange.equations.event_indicators(into_places(z));
         }
         Ok(())
     }
@@ -245,10 +244,10 @@ impl Continuous for Rover {
 
     fn completed_step(&mut self) -> Result<EventOutcome, Failure> {
         self.bring_up()?;
-        if let Some(ordinary) = &mut self.ordinary {
-            let step = ordinary.time - ordinary.accepted;
-            ordinary.accepted = ordinary.time;
-            ordinary.stuck |= step > 0.0 && ordinary.equations.accept(step);
+        if let Some(model_exchange) = &mut self.model_exchange {
+            let step = model_exchange.time - model_exchange.accepted;
+            model_exchange.accepted = model_exchange.time;
+            model_exchange.stuck |= step > 0.0 && model_exchange.equations.accept(step);
         }
         Ok(self.ended())
     }

@@ -1,4 +1,4 @@
-//! Several grounds side by side, one under each of several rovers.
+//! Terrains of several rovers that are stepped together, one in each SIMD lane.
 
 use super::curve::{Curve, Sample};
 use super::foot::{self, Foot};
@@ -9,18 +9,18 @@ use crate::scalar::{MOST_LANES, Plain, Scalar};
 use crate::soil::Soil;
 use bekker_modeldescription::Parameters;
 
-/// What formulas with a few numbers do not describe: profiles by samples, random ground, tables of soil.
+/// Terrains that a formula with a few numbers does not describe: sampled profiles, random ground, tables of soil.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Several {
+pub(super) struct LaneTerrains {
     grounds: Vec<Terrain>,
     shape: Shape,
     tables: bool,
 }
 
-/// How the profiles are reckoned side by side.
+/// How the heights of all lanes are computed.
 #[derive(Clone, Debug, PartialEq)]
 enum Shape {
-    /// By formulas, elsewhere.
+    /// By the formula of [`Profile`](super::Profile).
     Elsewhere,
     /// Pieces of samples, with the largest |d2z/dx2| of each ground.
     Pieces([f64; MOST_LANES]),
@@ -53,7 +53,7 @@ impl Shape {
     }
 }
 
-impl Several {
+impl LaneTerrains {
     /// Grounds whose profiles are of one kind.
     pub fn new(grounds: Vec<Terrain>) -> Self {
         let tables = grounds.iter().any(|ground| ground.soil.is_some());
@@ -104,7 +104,7 @@ impl Several {
     }
 }
 
-impl<R: Plain> Curve<R> for Several {
+impl<R: Plain> Curve<R> for LaneTerrains {
     #[cfg_attr(feature = "batch", inline(always))]
     fn at(&self, x: R) -> Sample<R> {
         if let Shape::Random(sums) = &self.shape {

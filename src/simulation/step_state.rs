@@ -42,9 +42,9 @@ impl<M: Mask> Outcome<M> {
     }
 }
 
-/// What an inner step moves, of one rover or of several side by side.
+/// What an inner step changes, of one rover or of several in SIMD lanes.
 #[derive(Clone, Debug)]
-pub(crate) struct Motion<S: Scalar = f64> {
+pub(crate) struct StepState<S: Scalar = f64> {
     pub state: State<S>,
     pub integrator: Integrator<S>,
     pub energies: Energies<S>,
@@ -52,9 +52,9 @@ pub(crate) struct Motion<S: Scalar = f64> {
 }
 
 // Of the integrator's memory only the evaluation at the present state outlives a step.
-moving_beside!(Motion<f64> { state, integrator, energies, window });
+moving_beside!(StepState<f64> { state, integrator, energies, window });
 
-impl<S: Scalar> Motion<S> {
+impl<S: Scalar> StepState<S> {
     /// A rover in `state` under `command`.
     pub fn new<C: Copy + Into<S>>(
         rover: &Rover<S>,
