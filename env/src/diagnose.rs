@@ -1,10 +1,10 @@
-//! The diagnosis. It works in a thread of its own, which knows nothing of Python; the calling thread hands out fits,
-//! tells of progress and looks for Ctrl-C.
+//! The diagnosis. It works in a thread of its own, without Python; the calling thread passes fits to the executor, calls
+//! `progress` and checks for Ctrl-C.
 
 use crate::compare::{Asked, failed, given};
 use crate::error::{self, InputError, Panic, SimulationError};
 use crate::experiment::{Material, Source};
-use crate::finding::Finding;
+use crate::finding::NativeDiagnosis;
 use bekker::diagnosis::{
     CompareError, Control, DiagnoseOptions, Diagnosis, Given, Noise, Outcome, Progress, Spread, Task, Threads,
     diagnose as core_diagnose, fit_task as core_fit_task,
@@ -21,7 +21,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::Duration;
 
-/// Time between two looks at Python's signals (Ctrl-C).
+/// Time between two checks of Python's signals (Ctrl-C).
 const LOOK: Duration = Duration::from_millis(50);
 
 /// A fit for another machine: all that it needs, as JSON, in which numbers keep their bits.
@@ -61,7 +61,7 @@ impl Spread for Elsewhere {
         _local: &(dyn Fn(&Task) -> Option<Outcome> + Sync),
     ) -> Vec<Option<Outcome>> {
         let (sender, outcomes) = channel();
-        // Where the calling thread has gone there is nobody to miss the outcomes.
+        // If the calling thread has stopped listening, the fits count as not made.
         let sent = self.events.send(Event::Fits(tasks.to_vec(), noise.clone(), sender));
         sent.ok().and_then(|()| outcomes.recv().ok()).unwrap_or_else(|| vec![None; tasks.len()])
     }
@@ -85,7 +85,7 @@ impl Spread for Here {
 }
 
 /// The diagnosis (None where it was abandoned), and what was raised meanwhile.
-type Ended<'py> = (Option<Finding>, Option<Bound<'py, PyBaseException>>);
+type Ended<'py> = (Option<NativeDiagnosis>, Option<Bound<'py, PyBaseException>>);
 
 /// Diagnoses. `spread` makes fits, a list of payloads to the list of their outcomes; `progress` takes stage, what is being
 /// tried, the share of the work that is done, time since the start and time left (s, or None); `time_budget` is in s. What they raise, and Ctrl-C, comes back beside what was found by then.
@@ -118,7 +118,7 @@ pub fn diagnose<'py>(
     let found = match done {
         None => None,
         Some(done) => match (done?, &raised) {
-            (Ok(diagnosis), _) => Some(Finding::new(*diagnosis)),
+            (Ok(diagnosis), _) => Some(NativeDiagnosis::new(*diagnosis)),
             (Err(refused), None) => return Err(failed(&refused)),
             (Err(_), Some(_)) => None,
         },

@@ -1,34 +1,35 @@
-//! A diagnosis on its way to Python: plain dictionaries and arrays, from which Python builds its classes.
+//! A diagnosis on its way to Python: the JSON of the core, and beside it what only the Python objects hold.
 
-use crate::compare::{failures_of, fit_of, noise_floors, parameter, unanswered_of};
-use crate::error;
+use crate::error::{self, ModelError};
 use crate::model::Model;
-use bekker::diagnosis::{
-    CandidateResult, Diagnosis, FinalParameter, LackOfFit, NoiseModel, PairResult, ParameterResult, Step,
-};
-use bekker::measurement::Run;
-use numpy::PyArray1;
+use bekker::diagnosis::{CandidateResult, Diagnosis, Failure, FinalParameter, Fit, NoiseFloor, ParameterResult, Step};
+use bekker::measurement::{Kind, Run};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 
-/// What a diagnosis found.
+/// The result of a diagnosis, from which Python reads its own objects.
 #[pyclass(module = "bekker._bekker", frozen)]
-pub struct Finding {
+pub struct NativeDiagnosis {
     core: Diagnosis,
 }
 
-impl Finding {
+impl NativeDiagnosis {
     pub fn new(core: Diagnosis) -> Self {
         Self { core }
     }
 }
 
 #[pymethods]
-impl Finding {
+impl NativeDiagnosis {
     /// The stable JSON of a diagnosis.
     fn json(&self) -> String {
         self.core.to_json().to_string()
+    }
+
+    /// What the Python objects hold beside that, as JSON to be merged with it; see [`Details`].
+    fn details(&self) -> PyResult<String> {
+        text(&Details::of(&self.core))
     }
 
     /// The report, one self-contained HTML page.
@@ -40,144 +41,95 @@ impl Finding {
     fn improved(&self) -> Model {
         Model { core: self.core.improved.clone() }
     }
+}
 
-    /// All numbers.
-    fn described<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let (core, all) = (&self.core, PyDict::new(py));
-        all.set_item("experiment", &core.experiment.name)?;
-        all.set_item("kind", core.experiment.kind.name())?;
-        all.set_item("runs", listed(&core.experiment.runs, |run| run_of(py, run))?)?;
-        all.set_item("verdict", core.verdict.name())?;
-        all.set_item("effects", &core.effects)?;
-        all.set_item("noise_floor", noise_floors(py, &core.noise_floor)?)?;
-        all.set_item("noise_floor_source", core.noise_floor_source.name())?;
-        all.set_item("noise", noise_of(py, &core.noise)?)?;
-        all.set_item("given", core.given.as_ref().map(|fit| fit_of(py, fit)).transpose()?)?;
-        all.set_item("steps", listed(&core.steps, |step| step_of(py, step))?)?;
-        all.set_item("candidates", listed(&core.candidates, |candidate| candidate_of(py, candidate))?)?;
-        all.set_item("pairs", listed(&core.pairs, |pair| pair_of(py, pair))?)?;
-        all.set_item("invisible", &core.invisible)?;
-        let share = PyDict::new(py);
-        share.set_item("enough", core.share.enough)?;
-        share.set_item("other", core.share.other)?;
-        all.set_item("share", share)?;
-        all.set_item("lack_of_fit", lack_of_fit(py, &core.lack_of_fit)?)?;
-        all.set_item("smallest_p", core.smallest_p)?;
-        all.set_item("explained_share", core.explained_share)?;
-        let confused: Vec<(&str, &str)> = core.confused_with.iter().map(|[a, b]| (a.as_str(), b.as_str())).collect();
-        all.set_item("confused_with", confused)?;
-        all.set_item("profiles", listed(&core.profiles, |profile| profile_of(py, profile))?)?;
-        all.set_item("failures", failures_of(py, &core.failures)?)?;
-        all.set_item("failures_left", failures_of(py, &core.failures_left)?)?;
-        let suggestions = listed(&core.suggestions, |suggestion| {
-            let described = PyDict::new(py);
-            described.set_item("text", &suggestion.text)?;
-            described.set_item("effects", &suggestion.effects)?;
-            Ok(described)
-        })?;
-        all.set_item("sources", &core.sources)?;
-        all.set_item("suggestions", suggestions)?;
-        all.set_item("next_experiment", core.next_experiment())?;
-        all.set_item("improved_is", core.improved_is())?;
-        all.set_item("unanswered", unanswered_of(py, &core.unanswered)?)?;
-        all.set_item("cautions", &core.cautions)?;
-        all.set_item("interrupted", core.interrupted)?;
-        all.set_item("not_tried", &core.not_tried)?;
-        Ok(all)
+/// JSON for the Python side; numbers that are not finite are null.
+pub fn text(found: &impl Serialize) -> PyResult<String> {
+    serde_json::to_string(found).map_err(|refused| ModelError::new_err(refused.to_string()))
+}
+
+/// What the stable JSON leaves out, or has in a shorter form, under the names of the Python attributes: Python merges the two
+/// documents key by key and lists entry by entry, and this one goes first.
+#[derive(Serialize)]
+struct Details<'a> {
+    kind: Kind,
+    runs: Vec<RunData<'a>>,
+    noise_floor: &'a BTreeMap<String, NoiseFloor>,
+    given: Option<&'a Fit>,
+    steps: Vec<StepDetails<'a>>,
+    candidates: Vec<CandidateDetails<'a>>,
+    profiles: Vec<Profile<'a>>,
+    failures: &'a [Failure],
+    failures_left: &'a [Failure],
+    sources: &'a [String],
+}
+
+impl<'a> Details<'a> {
+    fn of(core: &'a Diagnosis) -> Self {
+        Self {
+            kind: core.experiment.kind,
+            runs: core.experiment.runs.iter().map(RunData::of).collect(),
+            noise_floor: &core.noise_floor,
+            given: core.given.as_ref(),
+            steps: core.steps.iter().map(|Step { parameters, fit, .. }| StepDetails { parameters, fit }).collect(),
+            candidates: core
+                .candidates
+                .iter()
+                .map(|CandidateResult { parameters, .. }| CandidateDetails { parameters })
+                .collect(),
+            profiles: core.profiles.iter().map(Profile::of).collect(),
+            failures: &core.failures,
+            failures_left: &core.failures_left,
+            sources: &core.sources,
+        }
     }
 }
 
-fn listed<'py, T>(items: &[T], f: impl Fn(&T) -> PyResult<Bound<'py, PyDict>>) -> PyResult<Vec<Bound<'py, PyDict>>> {
-    items.iter().map(f).collect()
+/// A run as it was measured.
+#[derive(Serialize)]
+struct RunData<'a> {
+    name: &'a str,
+    group: Option<&'a str>,
+    inputs: &'a [String],
+    measured: &'a [String],
+    #[serde(serialize_with = "columns")]
+    columns: &'a Run,
 }
 
-fn run_of<'py>(py: Python<'py>, run: &Run) -> PyResult<Bound<'py, PyDict>> {
-    let (described, columns) = (PyDict::new(py), PyDict::new(py));
-    for name in run.data.names() {
-        columns.set_item(name, PyArray1::from_slice(py, run.data.column(name).unwrap_or_default()))?;
+impl<'a> RunData<'a> {
+    fn of(run: &'a Run) -> Self {
+        let Run { name, inputs, measured, .. } = run;
+        Self { name, group: run.group.as_deref(), inputs, measured, columns: run }
     }
-    described.set_item("name", &run.name)?;
-    described.set_item("group", run.group.as_deref())?;
-    described.set_item("inputs", &run.inputs)?;
-    described.set_item("measured", &run.measured)?;
-    described.set_item("columns", columns)?;
-    Ok(described)
 }
 
-fn noise_of<'py>(py: Python<'py>, models: &BTreeMap<String, NoiseModel>) -> PyResult<Bound<'py, PyDict>> {
-    let all = PyDict::new(py);
-    for (signal, noise) in models {
-        let described = PyDict::new(py);
-        described.set_item("deviation", noise.deviation)?;
-        described.set_item("run_share", noise.run_share)?;
-        described.set_item("correlation", noise.correlation)?;
-        all.set_item(signal, described)?;
+/// The columns of a run by name, in their order.
+fn columns<S: Serializer>(run: &Run, to: S) -> Result<S::Ok, S::Error> {
+    to.collect_map(run.data.names().iter().map(|name| (name, run.data.column(name).unwrap_or_default())))
+}
+
+#[derive(Serialize)]
+struct StepDetails<'a> {
+    parameters: &'a [ParameterResult],
+    fit: &'a Fit,
+}
+
+#[derive(Serialize)]
+struct CandidateDetails<'a> {
+    parameters: &'a [ParameterResult],
+}
+
+/// A profile likelihood as two columns.
+#[derive(Serialize)]
+struct Profile<'a> {
+    name: &'a str,
+    values: Vec<f64>,
+    rise: Vec<f64>,
+}
+
+impl<'a> Profile<'a> {
+    fn of(core: &'a FinalParameter) -> Self {
+        let (values, rise) = core.profile.iter().copied().unzip();
+        Self { name: &core.name, values, rise }
     }
-    Ok(all)
-}
-
-fn parameters<'py>(py: Python<'py>, all: &[ParameterResult]) -> PyResult<Vec<Bound<'py, PyDict>>> {
-    listed(all, |result| {
-        let described = parameter(py, &result.fitted)?;
-        described.set_item("effect", result.effect)?;
-        Ok(described)
-    })
-}
-
-fn step_of<'py>(py: Python<'py>, step: &Step) -> PyResult<Bound<'py, PyDict>> {
-    let described = PyDict::new(py);
-    described.set_item("added", step.added.as_deref())?;
-    described.set_item("rmse", step.rmse.clone())?;
-    described.set_item("heldout_rmse", step.heldout_rmse.clone())?;
-    described.set_item("parameters", parameters(py, &step.parameters)?)?;
-    described.set_item("chi_square", step.chi_square)?;
-    described.set_item("degrees_of_freedom", step.degrees_of_freedom)?;
-    described.set_item("left", step.left)?;
-    described.set_item("fit", fit_of(py, &step.fit)?)?;
-    Ok(described)
-}
-
-fn candidate_of<'py>(py: Python<'py>, candidate: &CandidateResult) -> PyResult<Bound<'py, PyDict>> {
-    let described = PyDict::new(py);
-    described.set_item("effect", &candidate.effect)?;
-    described.set_item("probability", candidate.probability)?;
-    described.set_item("tied", candidate.tied)?;
-    described.set_item("heldout_gain", candidate.heldout_gain)?;
-    described.set_item("better", candidate.better)?;
-    described.set_item("p_value", candidate.p_value)?;
-    described.set_item("gain", candidate.gain)?;
-    described.set_item("left", candidate.left)?;
-    described.set_item("refitted", candidate.refitted)?;
-    described.set_item("visible_share", candidate.visible_share)?;
-    described.set_item("parameters", parameters(py, &candidate.parameters)?)?;
-    Ok(described)
-}
-
-fn pair_of<'py>(py: Python<'py>, pair: &PairResult) -> PyResult<Bound<'py, PyDict>> {
-    let described = PyDict::new(py);
-    described.set_item("effects", (&pair.effects[0], &pair.effects[1]))?;
-    described.set_item("gain", pair.gain)?;
-    described.set_item("refitted", pair.refitted)?;
-    Ok(described)
-}
-
-fn lack_of_fit<'py>(py: Python<'py>, lack: &LackOfFit) -> PyResult<Bound<'py, PyDict>> {
-    let described = PyDict::new(py);
-    described.set_item("chi_square", lack.chi_square)?;
-    described.set_item("degrees_of_freedom", lack.degrees_of_freedom)?;
-    described.set_item("p_value", lack.p_value)?;
-    described.set_item("p_common", lack.p_common)?;
-    described.set_item("explainable", lack.explainable)?;
-    described.set_item("p_structure", lack.p_structure)?;
-    Ok(described)
-}
-
-fn profile_of<'py>(py: Python<'py>, profile: &FinalParameter) -> PyResult<Bound<'py, PyDict>> {
-    let described = PyDict::new(py);
-    let (values, rise): (Vec<f64>, Vec<f64>) = profile.profile.iter().copied().unzip();
-    described.set_item("name", &profile.name)?;
-    described.set_item("interval", profile.interval)?;
-    described.set_item("values", PyArray1::from_vec(py, values))?;
-    described.set_item("rise", PyArray1::from_vec(py, rise))?;
-    Ok(described)
 }

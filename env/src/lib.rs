@@ -42,7 +42,7 @@ mod _bekker {
     #[pymodule_export]
     use super::export::export_fmu;
     #[pymodule_export]
-    use super::finding::Finding;
+    use super::finding::NativeDiagnosis;
     #[pymodule_export]
     use super::model::Model;
     #[pymodule_export]

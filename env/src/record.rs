@@ -8,7 +8,7 @@ use bekker::simulation::Status;
 use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike2, PyArrayMethods};
 use pyo3::prelude::*;
 
-/// Inner steps between two looks at Python's signals (Ctrl-C): some ten milliseconds of work.
+/// Inner steps between two checks of Python's signals (Ctrl-C): some ten milliseconds of work.
 const STEPS_BETWEEN_LOOKS: u64 = 2000;
 
 /// Time, signals (one row an instant), status, event in words.

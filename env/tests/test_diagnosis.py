@@ -1,6 +1,7 @@
 """`diagnose` gives the core's numbers to the last digit, wherever the data come from and the fits are made."""
 
 import csv
+import dataclasses
 import json
 import pickle
 import signal
@@ -93,6 +94,28 @@ def test_property_objects_hold_the_numbers_of_the_json(diagnosis: bekker.Diagnos
     assert "effect missing: slip_sinkage" in str(diagnosis)
     with pytest.raises(bekker.UnknownNameError, match="slip_sinkage"):
         diagnosis.candidate("slip_sinkage_")
+
+
+def test_property_objects_have_the_keys_of_the_schema() -> None:
+    schema = json.loads((ROOT / "src" / "diagnosis" / "diagnose" / "result.schema.json").read_text())
+    places: list[tuple[str, tuple[type, ...]]] = [
+        ("properties", (bekker.Diagnosis, bekker.diagnosis.Share)),
+        ("properties/noise_models/additionalProperties/properties", (bekker.diagnosis.NoiseModel,)),
+        ("properties/pairs/items/properties", (bekker.diagnosis.Pair,)),
+        ("properties/lack_of_fit/properties", (bekker.diagnosis.LackOfFit,)),
+        ("properties/suggestions/items/properties", (bekker.diagnosis.Suggestion,)),
+        ("properties/unanswered/items/properties", (bekker.comparison.UnansweredRows,)),
+        ("$defs/step/properties", (bekker.diagnosis.Step,)),
+        ("$defs/candidate/properties", (bekker.diagnosis.Candidate,)),
+        ("$defs/curves/properties", (bekker.curves.Curves,)),
+        ("$defs/curves/properties/groups/items/properties", (bekker.curves.CurveGroup,)),
+    ]
+    for place, kinds in places:
+        part = schema
+        for key in place.split("/"):
+            part = part[key]
+        fields = [field for kind in kinds for field in dataclasses.fields(kind)]
+        assert set(part) <= {field.metadata.get("json_key", field.name) for field in fields}, place
 
 
 @pytest.mark.parametrize(

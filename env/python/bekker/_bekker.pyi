@@ -16,8 +16,8 @@ __all__ = [
     "Batch",
     "CheckReport",
     "Controller",
-    "Finding",
     "Model",
+    "NativeDiagnosis",
     "Renderer",
     "Run",
     "Script",
@@ -51,7 +51,7 @@ def compare(
     values: dict[str, float],
     calibrate: bool,
     added: list[str],
-) -> dict[str, Any]: ...
+) -> tuple[str, Model]: ...
 def diagnose(
     experiment: _Experiment,
     model: tuple[Model, str] | None,
@@ -63,7 +63,7 @@ def diagnose(
     spread: Callable[[Sequence[bytes]], list[bytes]] | None,
     progress: Callable[[str, str, float, float, float | None], object] | None,
     time_budget: float | None,
-) -> tuple[Finding | None, BaseException | None]: ...
+) -> tuple[NativeDiagnosis | None, BaseException | None]: ...
 def fit_task(payload: bytes) -> bytes: ...
 def export_fmu(
     model: Model,
@@ -97,11 +97,11 @@ class Batch:
     def __len__(self) -> int: ...
 
 @final
-class Finding:
+class NativeDiagnosis:
     def html(self) -> str: ...
     def json(self) -> str: ...
     def improved(self) -> Model: ...
-    def described(self) -> dict[str, Any]: ...
+    def details(self) -> str: ...
 
 @final
 class Model:

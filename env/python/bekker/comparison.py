@@ -4,16 +4,17 @@ import json
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _bekker
 from ._bekker import Model
-from .curves import Curves, curves_from
+from .curves import Curves
 from .errors import InputError
 from .experiment import ExperimentLike, source
+from .from_json import built
 from .models import ModelLike, given, names_of, save_model
 from .vocabulary import unknown
 
@@ -237,22 +238,8 @@ def compare(
     effects = names_of("added", added or ())
     if effects and not calibrate:
         raise InputError(f"added = {effects}: expected calibrate=True; an effect is neutral until it is calibrated")
-    found = _bekker.compare(source(experiment), *given(model, parameters), calibrate, effects)
-    return Comparison(
-        experiment=found["experiment"],
-        given=fit_from(found["given"]),
-        given_error=found["given_error"],
-        calibration=_calibration(found["calibration"]),
-        calibrated=fit_from(found["calibrated"]),
-        noise_floor=floors_from(found["noise_floor"]),
-        failures=failures_from(found["failures"]),
-        curves=curves_from(json.loads(found["curves"])),
-        unanswered=unanswered_from(found["unanswered"]),
-        given_unanswered=unanswered_from(found["given_unanswered"]),
-        cautions=found["cautions"],
-        sources=found["sources"],
-        model=found["model"],
-    )
+    found, fitted = _bekker.compare(source(experiment), *given(model, parameters), calibrate, effects)
+    return built(Comparison, json.loads(found), model=fitted)
 
 
 def calibrate(
@@ -269,32 +256,3 @@ def calibrate(
     Arguments and errors are those of :func:`compare`.
     """
     return compare(experiment, model, calibrate=True, added=added, parameters=parameters)
-
-
-def floors_from(found: Mapping[str, Any]) -> dict[str, NoiseFloor]:
-    """Noise floors by signal, as the native side describes them."""
-    return {signal: NoiseFloor(**floor) for signal, floor in found.items()}
-
-
-def failures_from(found: Iterable[Mapping[str, Any]]) -> list[Failure]:
-    """Failures as the native side describes them."""
-    return [Failure(**failure) for failure in found]
-
-
-def unanswered_from(found: Iterable[Mapping[str, Any]]) -> list[UnansweredRows]:
-    """Rows without an answer as the native side describes them."""
-    return [UnansweredRows(**rows) for rows in found]
-
-
-def fit_from(found: dict[str, Any] | None) -> Fit | None:
-    """A fit as the native side describes it."""
-    if found is None:
-        return None
-    runs = [(run["name"], {name: SignalFit(**s) for name, s in run["signals"].items()}) for run in found["runs"]]
-    return Fit(runs, found["rmse"])
-
-
-def _calibration(found: dict[str, Any] | None) -> Calibration | None:
-    if found is None:
-        return None
-    return Calibration(**found | {"parameters": [CalibratedParameter(**p) for p in found["parameters"]]})

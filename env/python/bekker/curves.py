@@ -1,13 +1,12 @@
 """The model as curves beside the points of a wheel on a carriage, as :attr:`bekker.Diagnosis.curves` has them."""
 
-from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Curve", "CurveGroup", "Curves", "ModelCurves", "curves_from"]
+__all__ = ["Curve", "CurveGroup", "Curves", "ModelCurves"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +55,10 @@ class CurveGroup:
     """The typical inputs there, one row a value of the axis: load (N), slip, wheel speed (rad/s)."""
     models: list[ModelCurves]
 
+    def __post_init__(self) -> None:
+        # Three columns also where there is no row.
+        object.__setattr__(self, "inputs", self.inputs.reshape(-1, 3))
+
     def curve(self, step: int | None, signal: str) -> Curve | None:
         """The curve of a signal at a step; None where the group has none."""
         for model in self.models:
@@ -70,39 +73,3 @@ class Curves:
 
     axis: Literal["slip", "load", "wheel_speed"]
     groups: list[CurveGroup]
-
-
-def curves_from(found: Iterable[Mapping[str, Any]]) -> list[Curves]:
-    """Curves as the native side's JSON describes them."""
-    return [Curves(curves["axis"], [_group(group) for group in curves["groups"]]) for curves in found]
-
-
-def _group(found: Mapping[str, Any]) -> CurveGroup:
-    models = [
-        ModelCurves(model["step"], {signal: _curve(curve) for signal, curve in model["signals"].items()})
-        for model in found["models"]
-    ]
-    return CurveGroup(
-        name=found["name"],
-        rows=[(run, row) for run, row in found["rows"]],
-        loads=_pair(found["loads"]),
-        slips=_pair(found["slips"]),
-        wheel_speeds=_pair(found["wheel_speeds"]),
-        at=_numbers(found["at"]),
-        inputs=_numbers(found["inputs"]).reshape(-1, 3),
-        models=models,
-    )
-
-
-def _curve(found: Mapping[str, Any]) -> Curve:
-    return Curve(_numbers(found["value"]), _numbers(found["low"]), _numbers(found["high"]))
-
-
-def _numbers(found: Any) -> NDArray[np.float64]:
-    # null, which stands for NaN, becomes NaN.
-    return np.array(found, dtype=np.float64)
-
-
-def _pair(found: Any) -> tuple[float, float]:
-    low, high = found
-    return low, high

@@ -12,17 +12,8 @@ import numpy as np
 
 from . import _bekker
 from ._bekker import Model
-from .comparison import (
-    Failure,
-    Fit,
-    NoiseFloor,
-    UnansweredRows,
-    failures_from,
-    fit_from,
-    floors_from,
-    unanswered_from,
-)
-from .curves import Curves, curves_from
+from .comparison import Failure, Fit, NoiseFloor, UnansweredRows
+from .curves import Curves
 from .errors import BekkerError, DiagnosisInterrupted, InputError
 from .experiment import ExperimentLike, source
 from .findings import (
@@ -37,6 +28,7 @@ from .findings import (
     Step,
     Suggestion,
 )
+from .from_json import built, json_key, merged
 from .models import ModelLike, given, names_of, save_model
 from .spread import through
 from .vocabulary import unknown
@@ -100,7 +92,7 @@ class Diagnosis:
     noise_floor: dict[str, NoiseFloor]
     """Standard deviation of one sample by signal."""
     noise_floor_source: Literal["stated", "replicates", "unknown"]
-    noise: dict[str, NoiseModel]
+    noise: dict[str, NoiseModel] = field(metadata=json_key("noise_models"))
     """The noise models used for whitening, by signal."""
     given: Fit | None
     """The model before calibration; None where it cannot compute the experiment."""
@@ -114,7 +106,7 @@ class Diagnosis:
     """Pairs of effects, the best first."""
     invisible: list[str]
     """Candidates without any signature in this experiment."""
-    share: Share
+    share: Share = field(metadata=json_key(None))
     lack_of_fit: LackOfFit
     smallest_p: float
     """Smallest p-value that the bootstrap can give."""
@@ -150,7 +142,7 @@ class Diagnosis:
     sources: list[str]
     """What was taken from where, where two places disagree; priors of a class of soil."""
     _json: str = field(repr=False)
-    _finding: "_bekker.Finding | None" = field(repr=False)
+    _native: "_bekker.NativeDiagnosis | None" = field(repr=False)
 
     def to_json(self, indent: int | None = None) -> str:
         """The JSON that ``bekker diagnose --json`` writes: a stable interface."""
@@ -163,9 +155,9 @@ class Diagnosis:
             BekkerError: this diagnosis was pickled, which leaves out what only the report needs.
             OSError: the file cannot be written.
         """
-        if self._finding is None:
+        if self._native is None:
             raise BekkerError("a diagnosis that was pickled has no report; call save_html where diagnose was called")
-        Path(path).write_text(self._finding.html(), encoding="utf-8")
+        Path(path).write_text(self._native.html(), encoding="utf-8")
 
     def save_model(self, path: str | os.PathLike[str]) -> None:
         """Writes the improved model as TOML, which ``simulate``, the FMU builder and the environment take.
@@ -255,7 +247,7 @@ class Diagnosis:
 
     def __getstate__(self) -> dict[str, Any]:
         # The native part stays where it is: all numbers are here, only the report needs it.
-        return {name: value for name, value in self.__dict__.items() if name != "_finding"} | {"_finding": None}
+        return {name: value for name, value in self.__dict__.items() if name != "_native"} | {"_native": None}
 
     @property
     def tied(self) -> list[str]:
@@ -339,7 +331,7 @@ def diagnose(
     _whole("max_effects", max_effects, 0)
     # Fewer cannot give a p-value under 0.01, so that nothing would ever be named.
     _whole("draws", draws, 100)
-    finding, raised = _bekker.diagnose(
+    native, raised = _bekker.diagnose(
         source(experiment),
         *given(model, parameters),
         None if candidates is None else names_of("candidates", candidates),
@@ -351,11 +343,11 @@ def diagnose(
         _seconds(time_budget),
     )
     if isinstance(raised, KeyboardInterrupt):
-        raise DiagnosisInterrupted(None if finding is None else _diagnosis(finding)) from raised
+        raise DiagnosisInterrupted(None if native is None else _diagnosis(native)) from raised
     if raised is not None:
         raise raised
-    assert finding is not None, "the core raises or finds"
-    return _diagnosis(finding)
+    assert native is not None, "the core raises or finds"
+    return _diagnosis(native)
 
 
 def _telling(progress: Callable[[Progress], object]) -> Callable[[str, str, float, float, float | None], None]:
@@ -382,33 +374,7 @@ def _list(start: str, names: list[str]) -> str:
     return start + ", ".join(names) if names else ""
 
 
-def _parameters(found: list[dict[str, Any]]) -> list[Parameter]:
-    return [Parameter(**parameter) for parameter in found]
-
-
-def _step(found: dict[str, Any]) -> Step:
-    fit = fit_from(found["fit"])
-    assert fit is not None, "a step has a fit"
-    return Step(**found | {"parameters": _parameters(found["parameters"]), "fit": fit})
-
-
-def _diagnosis(finding: "_bekker.Finding") -> Diagnosis:
-    found, text = finding.described(), finding.json()
-    made = {
-        "runs": [RunData(**run) for run in found["runs"]],
-        "noise_floor": floors_from(found["noise_floor"]),
-        "noise": {signal: NoiseModel(**noise) for signal, noise in found["noise"].items()},
-        "given": fit_from(found["given"]),
-        "steps": [_step(step) for step in found["steps"]],
-        "curves": curves_from(json.loads(text)["curves"]),
-        "candidates": [Candidate(**c | {"parameters": _parameters(c["parameters"])}) for c in found["candidates"]],
-        "pairs": [Pair(**pair) for pair in found["pairs"]],
-        "share": Share(**found["share"]),
-        "lack_of_fit": LackOfFit(**found["lack_of_fit"]),
-        "profiles": [Profile(**profile) for profile in found["profiles"]],
-        "failures": failures_from(found["failures"]),
-        "failures_left": failures_from(found["failures_left"]),
-        "unanswered": unanswered_from(found["unanswered"]),
-        "suggestions": [Suggestion(**suggestion) for suggestion in found["suggestions"]],
-    }
-    return Diagnosis(**found | made, improved=finding.improved(), _json=text, _finding=finding)
+def _diagnosis(native: "_bekker.NativeDiagnosis") -> Diagnosis:
+    text = native.json()
+    found = merged(json.loads(text), json.loads(native.details()))
+    return built(Diagnosis, found, improved=native.improved(), _json=text, _native=native)

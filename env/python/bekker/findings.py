@@ -1,11 +1,12 @@
 """The parts of a :class:`bekker.Diagnosis`."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .comparison import CalibratedParameter, Fit
+from .from_json import json_key
 
 __all__ = [
     "Candidate",
@@ -116,9 +117,9 @@ class Pair:
 class Share:
     """Probabilities of the two answers that are no effect; nan where some effects were not tried."""
 
-    enough: float
+    enough: float = field(metadata=json_key("probability_enough"))
     """The baseline is enough."""
-    other: float
+    other: float = field(metadata=json_key("probability_other"))
     """Something else than any candidate."""
 
 
