@@ -10,7 +10,7 @@ GOOD = ("right", "right_tie", "cautious")
 BAD = ("wrong", "extra", "false_alarm")
 Z = 1.96
 
-# Counted apart: the library has its sharp limit only.
+# Counted apart: the library had its sharp limit only when the report set was made.
 APART = "rim_adhesion"
 
 NAMES = ("name", "kind", "size", "case", "form", "noise", "seed", "group", "outcome", "verdict", "said", "tied")
