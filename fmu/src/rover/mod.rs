@@ -2,7 +2,7 @@
 //!
 //! | kind | inputs | outputs |
 //! |---|---|---|
-//! | [`Kind::RoverFmu`] | torques or speeds of the wheels | signals; `measured.*`, what sensors make of them |
+//! | [`Kind::Rover`] | torques or speeds of the wheels | signals; `measured.*`, what sensors make of them |
 //! | [`Kind::Controller`] | measurements, by the names of the signals, and `velocity_command` | `wheel[k].torque_command` |
 //! | [`Kind::RoverWithController`] | those of the model | signals |
 //! | [`Kind::Carriage`] | `load`, `slip`, `wheel_speed` | `drawbar_pull`, `torque`, `sinkage` |
