@@ -8,7 +8,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "generators"))
 
 import cases  # noqa: E402
 
-FIRST_SEED = {"development": 1000, "report": 30000}
+FIRST_SEED = {"development": 1000, "report": 40000}
 
 PAIRS = {
     cases.WHEEL: (

@@ -157,7 +157,8 @@ fn improbable(probabilities: &Probabilities, chosen: &[String], has_rivals: bool
     let elsewhere = share.enough.max(share.other) > UNLIKELY;
     ((kept < BETTER && !has_rivals) || elsewhere).then(|| {
         format!(
-            "{least} keeps {:.0} % of the probability, and a name needs {:.0} %; \"something else\" keeps {:.0} %, the baseline alone {:.0} %",
+            "{least} keeps {:.0} % of the probability, and a name needs {:.0} %; \"something else\", which may be another form of it, \
+             keeps {:.0} %, the baseline alone {:.0} %",
             100.0 * kept, 100.0 * BETTER, 100.0 * share.other, 100.0 * share.enough,
         )
     })
