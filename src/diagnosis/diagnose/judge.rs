@@ -112,8 +112,8 @@ fn candidates(stage: &Stage) -> Vec<String> {
     stage.sensitivities.signatures.iter().map(|signature| signature.id.clone()).collect()
 }
 
-/// Effects that could stand in the place of one of the set: those that fit about as well (`as_good`) where left-out data do
-/// not speak against them, and those that keep more than the probability [`UNLIKELY`] without it.
+/// Effects that could stand in the place of one of the set: of those that fit about as well (`as_good`) the ones that left-out
+/// data do not speak against.
 fn rivals(
     search: &Search,
     evidence: &mut Evidence,
