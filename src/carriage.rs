@@ -4,7 +4,7 @@ use crate::contact::{self, Forces, rolling_on};
 use crate::effects::{BodyMotion, Effects, ExpressionFailure, Place};
 use crate::motor::{self, Drivetrain};
 use crate::rover::Rover;
-use crate::scalar::{Dual, Scalar};
+use crate::scalar::{Dual, MapScalar, Scalar};
 use crate::soil::Soil;
 use crate::vehicle::Environment;
 use crate::wheel::Wheel;
@@ -17,7 +17,7 @@ const LOAD_TOLERANCE: f64 = 1e-12;
 const MAX_STEPS: usize = 100;
 
 /// A wheel, the soil under it and the effects between them: the part of a rover that a carriage tests.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, MapScalar)]
 pub struct Rig<S = f64> {
     /// Gravity, by which unmodelled mass adds to the load.
     pub environment: Environment<S>,
@@ -113,16 +113,6 @@ impl Rig {
 }
 
 impl<S: Scalar> Rig<S> {
-    /// The same rig over another scalar.
-    pub fn map<T>(&self, f: &dyn Fn(S) -> T) -> Rig<T> {
-        Rig {
-            environment: self.environment.map(f),
-            wheel: self.wheel.map(f),
-            soil: self.soil.map(f),
-            effects: self.effects.map(f),
-        }
-    }
-
     /// Forces at a sinkage, through the same hooks as in the rover's equations of motion; the torque is the drive's as recorded and
     /// the drawbar pull what is left after resistances at the carriage. Also the sinkage of the soil, which a flexible wheel's
     /// outline exceeds.

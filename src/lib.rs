@@ -11,7 +11,7 @@
 //!
 //! | module | what it holds | may use |
 //! |---|---|---|
-//! | [`scalar`], [`snapshot`], `toml_text` | numbers, plain, dual or side by side; moving state as bytes; reading of TOML | for all |
+//! | [`snapshot`], `toml_text` | moving state as bytes; reading of TOML | for all |
 //! | [`soil`], [`terrain`], [`wheel`] | what the wheel rolls on, and the wheel | |
 //! | `vehicle`, `linear` | a vehicle's data sheet; matrices over its coordinates | |
 //! | [`contact`] | the forces between wheel and soil | soil, wheel |
@@ -37,7 +37,8 @@
 //! A module uses what stands in its row, what stands before it in its row, and the first row; `tests/rooms.rs` holds the
 //! imports to that, so no circle runs through modules.
 //!
-//! Two crates beside this one use it as any other would: `bekker-reproduction` (the thesis's results beside ours) and
+//! The numbers that the physics computes with, plain, with derivatives or in SIMD lanes, are a crate below this one, known
+//! here as [`scalar`]. Two crates use this one as any other would: `bekker-reproduction` (the thesis's results beside ours) and
 //! `bekker-script` (drives written down with what they must give, for every door).
 //!
 //! ```
@@ -81,7 +82,6 @@ pub mod report;
 #[cfg(feature = "rigid")]
 pub mod rigid;
 pub mod rover;
-pub mod scalar;
 pub mod sensors;
 pub mod signals;
 pub mod simulation;
@@ -95,3 +95,4 @@ mod vehicle;
 pub mod wheel;
 
 pub use bekker_modeldescription as modeldescription;
+pub use bekker_scalar as scalar;

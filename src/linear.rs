@@ -1,7 +1,7 @@
 //! Small dense linear systems in place, over any scalar (nalgebra's decompositions need a field with an
 //! order and a full set of functions that dual numbers share names with; this needs + - * / only).
 
-use crate::scalar::{Mask, Plain, Scalar};
+use crate::scalar::{Mask, Plain, Scalar, lanes};
 use crate::vehicle::MAX_COORDINATES;
 use num_traits::Signed;
 use std::ops::{DivAssign, Mul};
@@ -12,12 +12,12 @@ pub(crate) type Vector<S> = [S; MAX_COORDINATES];
 /// A square matrix over the generalised coordinates.
 pub(crate) type Matrix<S> = [Vector<S>; MAX_COORDINATES];
 
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 pub(crate) fn zeros<S: Scalar>() -> Vector<S> {
     [S::from(0.0); MAX_COORDINATES]
 }
 
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 pub(crate) fn dot<S: Scalar>(a: &Vector<S>, b: &Vector<S>, n: usize) -> S {
     let mut sum = S::from(0.0);
     for i in 0..n {
@@ -27,7 +27,7 @@ pub(crate) fn dot<S: Scalar>(a: &Vector<S>, b: &Vector<S>, n: usize) -> S {
 }
 
 /// `matrix += factor a b^T`.
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 pub(crate) fn add_outer<S: Scalar>(matrix: &mut Matrix<S>, factor: S, a: &Vector<S>, b: &Vector<S>, n: usize) {
     for i in 0..n {
         let scaled = factor * a[i];
@@ -38,7 +38,7 @@ pub(crate) fn add_outer<S: Scalar>(matrix: &mut Matrix<S>, factor: S, a: &Vector
 }
 
 /// `vector += factor a`.
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 pub(crate) fn add_scaled<S: Scalar>(vector: &mut Vector<S>, factor: S, a: &Vector<S>, n: usize) {
     for i in 0..n {
         vector[i] += factor * a[i];
@@ -59,10 +59,10 @@ enum Pivot<R> {
     Each(R),
 }
 
+#[lanes]
 impl<S: Scalar> Factors<S> {
     /// Factors `matrix`; `None` where it is singular or not finite (side by side: where any is).
     #[allow(clippy::needless_range_loop, reason = "two rows at a time")]
-    #[cfg_attr(feature = "batch", inline(always))]
     pub fn new(matrix: &Matrix<S>, n: usize) -> Option<Self> {
         let mut lu = *matrix;
         let mut pivots = [Pivot::Same(0); MAX_COORDINATES];
@@ -96,7 +96,6 @@ impl<S: Scalar> Factors<S> {
     }
 
     /// Solves for one right-hand side, which may carry derivatives that the matrix does not have.
-    #[cfg_attr(feature = "batch", inline(always))]
     pub fn solve<T: Scalar + Mul<S, Output = T> + DivAssign<S>>(&self, right: &Vector<T>) -> Vector<T> {
         let mut x = *right;
         for k in 0..self.n {
@@ -130,7 +129,7 @@ impl<S: Scalar> Factors<S> {
 }
 
 /// The last of the rows from k on with the largest entry in column k; `None` where that is zero, or one is not finite.
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 fn pivot<S: Scalar>(lu: &Matrix<S>, k: usize, n: usize) -> Option<Pivot<S::Plain>> {
     let mut best = lu[k][k].plain().abs();
     let (mut sum, mut rows) = (best, S::Plain::from(k as f64));

@@ -1,11 +1,12 @@
 //! A DC motor with gear at each wheel (4.6-4.10).
 
-use crate::scalar::Scalar;
-use crate::snapshot::moving_beside;
+use crate::scalar::{LaneAccess, Scalar, lanes};
+use crate::snapshot::Moving;
 use bekker_modeldescription::{Unit, parameters};
 
 parameters! {
     /// Drive of one wheel; all wheels have the same.
+    #[derive(Moving, LaneAccess)]
     pub struct Motor {
         /// Gear ratio, motor turns a wheel turn; the N_i of (4.9).
         gear_ratio: [Unit::ONE] = 100.0, 1.0..=5000.0, Fixed, "assumption, not in the thesis: usual for small rovers";
@@ -19,8 +20,6 @@ parameters! {
         inverse_current_limit: [Unit::PER_AMPERE] = 0.0, 0.0..=100.0, Fixed, "amplifier data";
     }
 }
-
-moving_beside!(Motor { gear_ratio, torque_constant, resistance, inverse_torque_limit, inverse_current_limit });
 
 /// Share of the reachable torque above which a limit is near.
 const NEAR: f64 = 0.5;
@@ -38,9 +37,9 @@ pub struct TorqueRange<S = f64> {
     pub most_slope: S,
 }
 
+#[lanes]
 impl<S: Scalar> TorqueRange<S> {
     /// What both allow.
-    #[cfg_attr(feature = "batch", inline(always))]
     pub(crate) fn and(self, other: Self) -> Self {
         let (above, below) = (self.least.below(other.least), other.most.below(self.most));
         Self {
@@ -55,7 +54,6 @@ impl<S: Scalar> TorqueRange<S> {
     ///
     /// The integrator is told of the slope before an end binds: a step may run into it, and the slope that it is told
     /// changes nothing in the order of its error.
-    #[cfg_attr(feature = "batch", inline(always))]
     fn nearest(&self, torque: S) -> (S, S) {
         let (most, least) = (self.most, self.least);
         let torque = torque.smaller(most).larger(least);
@@ -121,7 +119,7 @@ pub struct Driven<S = f64> {
 ///
 /// # Errors
 /// Where the friction is not finite.
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 pub fn drive<S: Scalar, T: Drivetrain<S>>(
     motor: &Motor<S>,
     actual: &Motor<S>,
@@ -140,7 +138,7 @@ pub fn drive<S: Scalar, T: Drivetrain<S>>(
 ///
 /// # Errors
 /// Where the friction is not finite.
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 pub fn torque_behind<S: Scalar, T: Drivetrain<S>>(train: &T, speed: S, rim_torque: S) -> Result<S, T::Failure> {
     let behind_gear = rim_torque + train.drive_friction(speed)?.0;
     Ok(train.gear_input(speed, behind_gear))
@@ -149,7 +147,7 @@ pub fn torque_behind<S: Scalar, T: Drivetrain<S>>(train: &T, speed: S, rim_torqu
 /// Torque that the motor gives when `torque` is asked of it at this wheel speed, wheel side, N m: within
 /// the torque limit (4.14), the current limit and what the drivetrain allows (supply voltage). Also its slope in
 /// the speed, N m s/rad, which is steep where the back-EMF limits it.
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 fn limited_torque<S: Scalar>(
     motor: &Motor<S>,
     actual: &Motor<S>,
@@ -195,7 +193,7 @@ pub(crate) fn reserve<S: Scalar>(
 }
 
 /// Motor current for a torque on the wheel's side of the gear: I = T / (N K_t) (4.7, 4.9), A.
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 pub fn current<S: Scalar>(motor: &Motor<S>, torque: S) -> S {
     torque / (motor.gear_ratio * motor.torque_constant)
 }

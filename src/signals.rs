@@ -4,14 +4,15 @@ mod measurement;
 
 pub use measurement::{LinkMeasurement, Measurement, WheelMeasurement};
 
-use crate::scalar::beside;
-use crate::snapshot::{Moving, Reader, SnapshotError, Writer, load_all, moving, moving_code, save_all};
+use crate::scalar::LaneAccess;
+use crate::snapshot::{Moving, Reader, SnapshotError, Writer, load_all, moving_code, save_all};
 use bekker_modeldescription::{Parameters, Unit, Variable, parameters};
 
 const ANY: std::ops::RangeInclusive<f64> = f64::NEG_INFINITY..=f64::INFINITY;
 
 parameters! {
     /// Signals of the whole rover.
+    #[derive(LaneAccess)]
     pub struct BodySignals {
         /// Position of the chassis reference point along the ground.
         x: [Unit::METRE] = 0.0, ANY, Signal, "physics";
@@ -44,6 +45,7 @@ parameters! {
 
 parameters! {
     /// Signals of one wheel.
+    #[derive(LaneAccess)]
     pub struct WheelSignals {
         /// Wheel speed relative to the body that carries it, as an encoder sees it.
         speed: [Unit::RADIAN_PER_SECOND] = 0.0, ANY, Signal, "physics";
@@ -66,6 +68,7 @@ parameters! {
 
 parameters! {
     /// Signals of one link.
+    #[derive(LaneAccess)]
     pub struct LinkSignals {
         /// Angle of the joint that carries the link, nose up positive, relative to the body that carries the joint;
         /// zero in the vehicle's drawing.
@@ -76,7 +79,7 @@ parameters! {
 }
 
 /// All true signals of the rover at one instant.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, LaneAccess)]
 pub struct Signals<S = f64> {
     /// Signals of the whole rover.
     pub body: BodySignals<S>,
@@ -85,25 +88,6 @@ pub struct Signals<S = f64> {
     /// Signals of link 1..m; none for a rigid vehicle.
     pub links: Vec<LinkSignals<S>>,
 }
-
-beside!(BodySignals {
-    x,
-    z,
-    velocity,
-    pitch,
-    pitch_rate,
-    power,
-    electrical_power,
-    dissipated_energy,
-    electrical_energy,
-    drive_work,
-    soil_loss,
-    other_loss,
-    mechanical_energy,
-});
-beside!(WheelSignals { speed, slip, sinkage, normal_force, drawbar_pull, torque, current, contact_angle });
-beside!(LinkSignals { angle, rate });
-beside!(Signals { body, wheels, links });
 
 impl Moving for Signals {
     fn save(&self, to: &mut Writer) {
@@ -165,15 +149,13 @@ pub enum Drive {
 moving_code!(Drive, "what is commanded" { Drive::Torque => 0 => Drive::Torque, Drive::Speed => 1 => Drive::Speed });
 
 /// Command to the drives: one value a wheel, held until the next command.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Moving)]
 pub struct Command<S = f64> {
     /// Meaning of the values.
     pub drive: Drive,
     /// One value a wheel, rear to front: N m or rad/s.
     pub values: Vec<S>,
 }
-
-moving!(Command { drive, values });
 
 impl Command {
     /// Torque commands, N m, wheel side of the gear.

@@ -1,6 +1,6 @@
 //! The soil: Bekker's pressure-sinkage curve, Mohr-Coulomb strength, Janosi-Hanamoto shear.
 
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 
 parameters! {
@@ -31,7 +31,7 @@ parameters! {
 
 impl<S: Scalar> Soil<S> {
     /// Bekker's modulus k_c/b + k_phi for a contact of width `width`, N/m^(n+2).
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub fn modulus(&self, width: S) -> S {
         self.k_c / width + self.k_phi
     }
@@ -42,7 +42,7 @@ impl<S: Scalar> Soil<S> {
     }
 
     /// Multiplies Bekker's moduli k_c and k_phi by `factor`.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub(crate) fn scale_moduli(&mut self, factor: S) {
         self.k_c *= factor;
         self.k_phi *= factor;

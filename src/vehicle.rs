@@ -1,5 +1,6 @@
 //! What the data sheet of a vehicle says: its bodies, its joints and where its wheels sit.
 
+use crate::scalar::MapScalar;
 use bekker_modeldescription::{Unit, parameters};
 
 /// Most generalised coordinates of a rover: three of the chassis and five passive joints.
@@ -63,7 +64,7 @@ parameters! {
 }
 
 /// A link and the body that carries its joint.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, MapScalar)]
 pub struct Link<S = f64> {
     /// Body that carries the joint: 0 the chassis, k link k (of a lower number).
     pub parent: usize,
@@ -72,7 +73,7 @@ pub struct Link<S = f64> {
 }
 
 /// A wheel's place and the body it sits on.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, MapScalar)]
 pub struct WheelMount<S = f64> {
     /// 0 the chassis, k link k.
     pub body: usize,

@@ -108,9 +108,17 @@ fn climbs_to_root(text: &str, depth: usize) -> bool {
     text.contains(&"super::".repeat(depth))
 }
 
+/// Crates that `src/lib.rs` gives on under a name of its own; they use nothing of this one, so all may use them.
+fn crates() -> BTreeSet<String> {
+    let text = fs::read_to_string(source().join("lib.rs")).unwrap();
+    let names =
+        text.lines().filter_map(|line| line.strip_prefix("pub use bekker_")?.strip_suffix(';')?.split_once(" as "));
+    names.map(|(_, name)| name.to_owned()).collect()
+}
+
 /// What each module of the crate's root uses of the others.
 fn used() -> BTreeMap<String, BTreeSet<String>> {
-    let mut used: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    let (mut used, crates): (BTreeMap<String, BTreeSet<String>>, _) = (BTreeMap::new(), crates());
     for path in files(&source()) {
         let inside = path.strip_prefix(source()).unwrap();
         let parts: Vec<String> =
@@ -121,7 +129,7 @@ fn used() -> BTreeMap<String, BTreeSet<String>> {
         let text = code(&fs::read_to_string(&path).unwrap());
         let depth = parts.len() - usize::from(parts.last().is_some_and(|part| part == "mod"));
         assert!(!climbs_to_root(&text, depth), "{}: `super` up to the root; expected `crate::`", inside.display());
-        let of_others = taken_from_root(&text).into_iter().filter(|name| *name != parts[0]);
+        let of_others = taken_from_root(&text).into_iter().filter(|name| *name != parts[0] && !crates.contains(name));
         used.entry(parts[0].clone()).or_default().extend(of_others);
     }
     used

@@ -154,7 +154,8 @@ pub fn join(prefix: &str, field: &str) -> String {
     if prefix.is_empty() { field.to_owned() } else { format!("{prefix}.{field}") }
 }
 
-/// Declares a group of parameters or signals, generic over the scalar, from one table.
+/// Declares a group of parameters or signals, generic over the scalar, from one table. Traits of `#[derive(..)]` are derived
+/// beside `Clone`, `Copy`, `Debug` and `PartialEq`.
 ///
 /// ```
 /// use bekker_modeldescription::{parameters, Lookup, Unit};
@@ -174,6 +175,7 @@ pub fn join(prefix: &str, field: &str) -> String {
 macro_rules! parameters {
     (
         $(#[doc = $about:literal])+
+        $(#[derive($($derived:ident),+ $(,)?)])?
         $vis:vis struct $group:ident {
             $(
                 $(#[doc = $doc:literal])+
@@ -182,7 +184,7 @@ macro_rules! parameters {
         }
     ) => {
         $(#[doc = $about])+
-        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[derive(Clone, Copy, Debug, PartialEq $($(, $derived)+)?)]
         $vis struct $group<S = f64> {
             $($(#[doc = $doc])+ pub $field: S,)*
         }

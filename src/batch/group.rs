@@ -5,7 +5,7 @@
 use super::shard::Slot;
 use crate::model::Run;
 use crate::rover::Rover;
-use crate::scalar::{Arch, Beside, Lanes, Mask, Plain, WIDTH};
+use crate::scalar::{Arch, LaneAccess, Lanes, Mask, Plain, WIDTH};
 use crate::signals::{Command, Drive, Signals};
 use crate::simulation::{Simulation, Status, StepState};
 use crate::terrain::Terrain;

@@ -7,7 +7,7 @@
 
 use super::quadrature::{NODES_8, NODES_12, NODES_16};
 use super::rim::{Rim, Shear, Sums};
-use crate::scalar::{MOST_LANES, Mask, Plain, Scalar, always};
+use crate::scalar::{MOST_LANES, Mask, Plain, Scalar, lanes};
 use num_dual::DualNum;
 use num_traits::Signed;
 
@@ -48,47 +48,43 @@ impl Cuts {
 
 /// Sums over the whole contact.
 #[inline(never)]
+#[lanes(entry)]
 pub(super) fn sums<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
-    S::wide(
-        #[cfg_attr(feature = "batch", inline(always))]
-        || {
-            // A rim that slides fully may carry little load beside its pressure, of which the error is a part: 12 nodes.
-            let (Shear::Ratio(ratio) | Shear::OnSurface(ratio)) = rim.shear else { return whole(rim, &NODES_12) };
-            let displacement = Displacement::new(rim, ratio.plain());
-            let change = displacement.largest_change();
-            let grips = !rim.grip.under(1.0);
-            let signs = displacement.changes_sign();
-            let [up_to_few, up_to_few_cut, up_to_more] = [FEW_NODES, FEW_NODES_BOTH_SIGNS, MORE_NODES].map(
-                #[cfg_attr(feature = "batch", inline(always))]
-                |limit| change.at_most(limit.into()),
-            );
-            let (little, some) = (grips & !signs & up_to_few, grips & !signs & up_to_more);
-            let (cut, cut_more) = (grips & signs & up_to_few_cut, grips & signs & up_to_more);
-            let mut sums = Sums::zero();
-            if little.any() {
-                sums.take(little, &whole(rim, &NODES_8));
+    S::wide(|| {
+        // A rim that slides fully may carry little load beside its pressure, of which the error is a part: 12 nodes.
+        let (Shear::Ratio(ratio) | Shear::OnSurface(ratio)) = rim.shear else { return whole(rim, &NODES_12) };
+        let displacement = Displacement::new(rim, ratio.plain());
+        let change = displacement.largest_change();
+        let grips = !rim.grip.under(1.0);
+        let signs = displacement.changes_sign();
+        let [up_to_few, up_to_few_cut, up_to_more] =
+            [FEW_NODES, FEW_NODES_BOTH_SIGNS, MORE_NODES].map(|limit| change.at_most(limit.into()));
+        let (little, some) = (grips & !signs & up_to_few, grips & !signs & up_to_more);
+        let (cut, cut_more) = (grips & signs & up_to_few_cut, grips & signs & up_to_more);
+        let mut sums = Sums::zero();
+        if little.any() {
+            sums.take(little, &whole(rim, &NODES_8));
+        }
+        let more = some & !little;
+        if more.any() {
+            sums.take(more, &whole(rim, &NODES_12));
+        }
+        if (cut | cut_more).any() {
+            let angles = displacement.sign_changes(cut | cut_more);
+            if cut.any() {
+                sums.take(cut, &between(rim, angles, &NODES_8));
             }
-            let more = some & !little;
+            let more = cut_more & !cut;
             if more.any() {
-                sums.take(more, &whole(rim, &NODES_12));
+                sums.take(more, &between(rim, angles, &NODES_12));
             }
-            if (cut | cut_more).any() {
-                let angles = displacement.sign_changes(cut | cut_more);
-                if cut.any() {
-                    sums.take(cut, &between(rim, angles, &NODES_8));
-                }
-                let more = cut_more & !cut;
-                if more.any() {
-                    sums.take(more, &between(rim, angles, &NODES_12));
-                }
-            }
-            let rest = !(some | cut_more);
-            if rest.any() {
-                each(rim, rest, &mut sums);
-            }
-            sums
-        },
-    )
+        }
+        let rest = !(some | cut_more);
+        if rest.any() {
+            each(rim, rest, &mut sums);
+        }
+        sums
+    })
 }
 
 /// The contacts that neither rule suits, one by one.
@@ -140,7 +136,7 @@ fn level_of(b: f64) -> f64 {
 }
 
 /// Both zones at once: they share their normal stress.
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 fn whole<S: Scalar>(rim: &Rim<S>, nodes: &[(f64, f64)]) -> Sums<S> {
     let mut sums = Sums::zero();
     for &(s, weight) in nodes {
@@ -159,7 +155,7 @@ fn pieces<S: Scalar>(rim: &Rim<S>, cuts: &Cuts, nodes: &[(f64, f64)]) -> Sums<S>
 }
 
 /// Between each of `angles` and the next, which may be the same.
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 fn between<S: Scalar>(rim: &Rim<S>, angles: [S::Plain; 6], nodes: &[(f64, f64)]) -> Sums<S> {
     let mut sums = Sums::zero();
     for piece in angles.windows(2) {
@@ -171,19 +167,13 @@ fn between<S: Scalar>(rim: &Rim<S>, angles: [S::Plain; 6], nodes: &[(f64, f64)])
     sums
 }
 
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 fn add_piece<S: Scalar>(rim: &Rim<S>, sums: &mut Sums<S>, above: S::Plain, below: S::Plain, nodes: &[(f64, f64)]) {
     let [theta_1, theta_m, theta_2] = [rim.theta_1, rim.theta_m, rim.theta_2].map(S::plain);
     let front = theta_m.at_most(below);
-    let choose = always(
-        #[cfg_attr(feature = "batch", inline(always))]
-        |yes: S::Plain, no: S::Plain| S::Plain::select(front, yes, no),
-    );
+    let choose = |yes: S::Plain, no: S::Plain| S::Plain::select(front, yes, no);
     let (start, length) = (choose(theta_1, theta_2), choose(theta_1 - theta_m, theta_m - theta_2));
-    let s = always(
-        #[cfg_attr(feature = "batch", inline(always))]
-        |theta: S::Plain| ((theta - start).abs() / length).smaller(S::Plain::from(1.0)).sqrt(),
-    );
+    let s = |theta: S::Plain| ((theta - start).abs() / length).smaller(S::Plain::from(1.0)).sqrt();
     let (from, to) = (s(choose(above, below)), s(choose(below, above)));
     for &(node, weight) in nodes {
         rim.add_in(sums, front, from + (to - from) * node, (to - from) * weight);
@@ -209,8 +199,8 @@ struct Displacement<R> {
     steepest: R,
 }
 
+#[lanes]
 impl<R: Plain> Displacement<R> {
-    #[cfg_attr(feature = "batch", inline(always))]
     fn new<S: Scalar<Plain = R, Mask = R::Mask>>(rim: &Rim<S>, ratio: R) -> Self {
         let [theta_1, theta_m, theta_2, cos_1] = [rim.theta_1, rim.theta_m, rim.theta_2, rim.cos_1].map(S::plain);
         let (rate, shear_radius) = (rim.shear_rate.plain(), rim.shear_radius.plain());
@@ -219,17 +209,11 @@ impl<R: Plain> Displacement<R> {
         let mut turns = [theta_1, theta_1, theta_2, theta_2];
         if turns_back.any() {
             let turn = (shear_radius / ratio).arc_cosine();
-            let inside = always(
-                #[cfg_attr(feature = "batch", inline(always))]
-                |angle: R| turns_back & angle.below(theta_1) & theta_2.below(angle),
-            );
+            let inside = |angle: R| turns_back & angle.below(theta_1) & theta_2.below(angle);
             turns[1] = R::select(inside(turn), turn, theta_1);
             turns[2] = R::select(inside(-turn), -turn, theta_2);
         }
-        let slope = always(
-            #[cfg_attr(feature = "batch", inline(always))]
-            |cos: R| (shear_radius - ratio * cos).abs(),
-        );
+        let slope = |cos: R| (shear_radius - ratio * cos).abs();
         let cos_2 = if theta_2.is_exactly(0.0) { R::from(1.0) } else { theta_2.sine_cosine().1 };
         let steepest = rate * slope(cos_1).larger(slope(R::from(1.0))).larger(slope(cos_2));
         let (theta_s, sin_s) = (rim.theta_s.plain(), rim.sin_s.plain());
@@ -237,26 +221,22 @@ impl<R: Plain> Displacement<R> {
     }
 
     /// j/K at an angle and its sine.
-    #[cfg_attr(feature = "batch", inline(always))]
     fn at(&self, theta: R, sin: R) -> R {
         self.rate * (self.shear_radius * (self.theta_s - theta) - self.ratio * (self.sin_s - sin))
     }
 
     /// j/K at an angle.
-    #[cfg_attr(feature = "batch", inline(always))]
     fn of(&self, theta: R) -> R {
         self.at(theta, theta.sine_cosine().0)
     }
 
     /// A bound on the change of j/K over either zone.
-    #[cfg_attr(feature = "batch", inline(always))]
     fn largest_change(&self) -> R {
         self.steepest * (self.theta_1 - self.theta_m).larger(self.theta_m - self.theta_2)
     }
 
     /// Whether j may change its sign: it does not where it is monotone from zero on. Lugs have begun to shear before
     /// theta_1, so that j is not zero there.
-    #[cfg_attr(feature = "batch", inline(always))]
     fn changes_sign(&self) -> R::Mask {
         let turns = self.turns[1].below(self.theta_1) | self.theta_2.below(self.turns[2]);
         if self.shear_radius.is_exactly(1.0) {
@@ -268,7 +248,6 @@ impl<R: Plain> Displacement<R> {
 
     /// The ends of the zones and the places where j passes zero, from theta_1 down to theta_2, which stands for those
     /// that are not there. Of no meaning outside the mask.
-    #[cfg_attr(feature = "batch", inline(always))]
     fn sign_changes(&self, mask: R::Mask) -> [R; 6] {
         let turns = &self.turns;
         let ends = [self.of(turns[0]), self.of(turns[1]), self.of(turns[2]), self.of(turns[3])];
@@ -291,7 +270,6 @@ impl<R: Plain> Displacement<R> {
 
     /// Where j/K passes `level` between the two angles, above and below, `rising` on the way down: Newton's method
     /// within a shrinking bracket, where the mask says so.
-    #[cfg_attr(feature = "batch", inline(always))]
     fn pass(&self, level: R, [above, below]: [R; 2], rising: R::Mask, mask: R::Mask) -> R {
         let (mut low, mut high) = (below, above);
         let mut theta = (low + high) * 0.5;

@@ -7,7 +7,7 @@
 //! same function of s in both and is computed once.
 
 use super::surface::Surface;
-use crate::scalar::{Mask, Scalar, always};
+use crate::scalar::{MapScalar, Mask, Scalar, lanes};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 
@@ -25,7 +25,19 @@ pub(super) enum Shear<S> {
     Full(f64),
 }
 
+impl<S> Shear<S> {
+    /// The same over another scalar.
+    fn map<T>(self, f: &dyn Fn(S) -> T) -> Shear<T> {
+        match self {
+            Self::Ratio(ratio) => Shear::Ratio(f(ratio)),
+            Self::OnSurface(ratio) => Shear::OnSurface(f(ratio)),
+            Self::Full(sign) => Shear::Full(sign),
+        }
+    }
+}
+
 /// One rim in contact.
+#[derive(MapScalar)]
 pub(super) struct Rim<S> {
     pub(super) shear: Shear<S>,
     pub(super) theta_1: S,
@@ -61,28 +73,25 @@ pub(super) struct Sums<S> {
     pub slope: S,
 }
 
+#[lanes]
 impl<S: Scalar> Sums<S> {
-    #[cfg_attr(feature = "batch", inline(always))]
     pub fn zero() -> Self {
         let o = S::from(0.0);
         Self { sigma_cos: o, sigma_sin: o, tau_cos: o, tau_sin: o, tau: o, slope_cos: o, slope_sin: o, slope: o }
     }
 
     /// Takes the sums of `other` over where the mask says so.
-    #[cfg_attr(feature = "batch", inline(always))]
     pub fn take(&mut self, mask: S::Mask, other: &Self) {
         for (mine, other) in self.all().into_iter().zip(other.values()) {
             *mine = S::select(mask, other, *mine);
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     pub fn values(&self) -> [S; 8] {
         let Self { sigma_cos, sigma_sin, tau_cos, tau_sin, tau, slope_cos, slope_sin, slope } = *self;
         [sigma_cos, sigma_sin, tau_cos, tau_sin, tau, slope_cos, slope_sin, slope]
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     pub fn all(&mut self) -> [&mut S; 8] {
         let Self { sigma_cos, sigma_sin, tau_cos, tau_sin, tau, slope_cos, slope_sin, slope } = self;
         [sigma_cos, sigma_sin, tau_cos, tau_sin, tau, slope_cos, slope_sin, slope]
@@ -90,7 +99,7 @@ impl<S: Scalar> Sums<S> {
 }
 
 impl<S: Scalar> Rim<S> {
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub fn new(
         wheel: &Wheel<S>,
         soil: &Soil<S>,
@@ -152,7 +161,7 @@ impl<S: Scalar> Rim<S> {
     }
 
     /// Adds the points of both zones at `s`, with the quadrature's weight in s.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub fn add(&self, sums: &mut Sums<S>, s: f64, weight: f64) {
         let s2 = s * s;
         let (front, rear) = (self.theta_1 - self.theta_m, self.theta_m - self.theta_2);
@@ -164,7 +173,7 @@ impl<S: Scalar> Rim<S> {
     }
 
     /// Adds the point of one zone at `s`, the front one where `in_front` says so.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub fn add_in(&self, sums: &mut Sums<S>, in_front: S::Mask, s: S::Plain, weight: S::Plain) {
         let s2 = S::from_plain(s * s);
         let (front, rear) = (self.theta_1 - self.theta_m, self.theta_m - self.theta_2);
@@ -172,17 +181,14 @@ impl<S: Scalar> Rim<S> {
         if !in_front.all() {
             let theta = self.theta_2 + rear * s2; // (2.6)
             let (sin, cos) = theta.sine_cosine();
-            let choose = always(
-                #[cfg_attr(feature = "batch", inline(always))]
-                |front: S, rear: S| S::select(in_front, front, rear),
-            );
+            let choose = |front: S, rear: S| S::select(in_front, front, rear);
             at = (choose(at.0, theta), choose(at.1, sin), choose(at.2, cos));
         }
         self.point(sums, at, load, S::select(in_front, front, rear) * S::from_plain(s * weight * 2.0));
     }
 
     /// The point of the front zone at s^2 with its sine and cosine; normal stress and strength there.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn load(&self, s2: S, front: S) -> ((S, S, S), (S, S)) {
         let theta = self.theta_1 - front * s2;
         let (sin, cos) = theta.sine_cosine();
@@ -192,7 +198,7 @@ impl<S: Scalar> Rim<S> {
     }
 
     /// Adds one point of the rim with the weight `d_theta`.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn point(&self, sums: &mut Sums<S>, (theta, sin, cos): (S, S, S), (sigma, strength): (S, S), d_theta: S) {
         let (tau, slope) = match self.shear {
             Shear::Ratio(ratio) => {
@@ -218,7 +224,7 @@ impl<S: Scalar> Rim<S> {
     }
 
     /// Shear stress and its slope with lugs or a limited grip.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn on_surface(&self, ratio: S, theta: S, sin: S, strength: S) -> (S, S) {
         // j/r = (r_s/r)(theta_s - theta) - V/(r omega) (sin theta_s - sin theta)
         let lift = self.sin_s - sin;
@@ -239,7 +245,7 @@ impl<S: Scalar> Rim<S> {
     /// Share of the strength that a rim transmits where the soil has built `b` of it up, and its slope in b: a blend of b
     /// and the grip g as of two asymptotes (Churchill and Usagi 1972), with the term that makes it g at b = 1. Powers are
     /// taken of ratios of at most 1, so that none overflows.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn rounded(&self, b: S) -> (S, S) {
         let (one, g) = (S::from(1.0), self.grip);
         let w = self.rounding.larger(S::from(LEAST_ROUNDING));
@@ -252,31 +258,5 @@ impl<S: Scalar> Rim<S> {
         // d/db b D^-w = D^(-w - 1); beyond the corner D is `sum` over `ratio`.
         let slope = sum.power(-w - 1.0) * S::select(sticks, one, ratio * (g / b));
         (share, slope)
-    }
-
-    /// The same over another scalar.
-    pub fn map<T: Scalar>(&self, f: &dyn Fn(S) -> T) -> Rim<T> {
-        Rim {
-            shear: match self.shear {
-                Shear::Ratio(ratio) => Shear::Ratio(f(ratio)),
-                Shear::OnSurface(ratio) => Shear::OnSurface(f(ratio)),
-                Shear::Full(sign) => Shear::Full(sign),
-            },
-            theta_1: f(self.theta_1),
-            theta_m: f(self.theta_m),
-            theta_2: f(self.theta_2),
-            cos_1: f(self.cos_1),
-            theta_s: f(self.theta_s),
-            sin_s: f(self.sin_s),
-            shear_radius: f(self.shear_radius),
-            grip: f(self.grip),
-            rounding: f(self.rounding),
-            radius: f(self.radius),
-            modulus: f(self.modulus),
-            exponent: f(self.exponent),
-            cohesion: f(self.cohesion),
-            tan_phi: f(self.tan_phi),
-            shear_rate: f(self.shear_rate),
-        }
     }
 }

@@ -5,8 +5,8 @@
 use super::pieces::sums;
 use super::rim::{Rim, Shear};
 use super::surface::Surface;
-use crate::scalar::{Mask, Plain, Scalar, always, smooth_step, smooth_step_slope};
-use crate::snapshot::moving_beside;
+use crate::scalar::{LaneAccess, Mask, Plain, Scalar, lanes, smooth_step, smooth_step_slope};
+use crate::snapshot::Moving;
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 
@@ -21,7 +21,7 @@ const LOCKED_RATIO: f64 = 1e6;
 const STANDSTILL: f64 = 1e-6;
 
 /// Forces of the soil on a wheel, at its centre.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Moving, LaneAccess)]
 pub struct Forces<S = f64> {
     /// Along the ground's normal, N (2.7).
     pub normal: S,
@@ -30,8 +30,6 @@ pub struct Forces<S = f64> {
     /// Moment that the drive must balance, N m (2.9).
     pub torque: S,
 }
-
-moving_beside!(Forces { normal, drawbar, torque });
 
 impl<S> AsMut<Self> for Forces<S> {
     fn as_mut(&mut self) -> &mut Self {
@@ -42,12 +40,12 @@ impl<S> AsMut<Self> for Forces<S> {
 impl<S: Scalar> Forces<S> {
     /// No force.
     #[must_use]
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub fn zero() -> Self {
         Self::filled(S::from(0.0))
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn filled(value: S) -> Self {
         Self { normal: value, drawbar: value, torque: value }
     }
@@ -56,7 +54,7 @@ impl<S: Scalar> Forces<S> {
         Self { normal: self.normal, drawbar: -self.drawbar, torque: -self.torque }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub(super) fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
         Self {
             normal: S::select(mask, yes.normal, no.normal),
@@ -65,12 +63,12 @@ impl<S: Scalar> Forces<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub(crate) fn scaled(self, factor: S) -> Self {
         Self { normal: self.normal * factor, drawbar: self.drawbar * factor, torque: self.torque * factor }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub(crate) fn plus(self, other: Self) -> Self {
         Self {
             normal: self.normal + other.normal,
@@ -102,19 +100,16 @@ pub(super) struct Rolling<S> {
 }
 
 impl<S: Scalar> Rolling<S> {
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn sliding(forces: Forces<S>) -> Self {
         Self { forces, by_velocity: Forces::zero(), by_spin: Forces::zero() }
     }
 
     /// The same contact seen from the other side where the mask says so: (V, omega) -> (-V, -omega), (DP, T) ->
     /// (-DP, -T).
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn mirrored_where(self, mask: S::Mask) -> Self {
-        let slope = always(
-            #[cfg_attr(feature = "batch", inline(always))]
-            |s: Forces<S>| Forces { normal: s.normal.negative_where(mask), ..s },
-        );
+        let slope = |s: Forces<S>| Forces { normal: s.normal.negative_where(mask), ..s };
         let Forces { normal, drawbar, torque } = self.forces;
         Self {
             forces: Forces { normal, drawbar: drawbar.negative_where(mask), torque: torque.negative_where(mask) },
@@ -123,7 +118,7 @@ impl<S: Scalar> Rolling<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
         Self {
             forces: Forces::select(mask, yes.forces, no.forces),
@@ -158,7 +153,7 @@ fn put<S: Scalar>(place: &mut S, k: usize, x: f64) {
 /// Slip of a wheel: 1 - V/(r omega) where |r omega| >= |V| (driving), r omega/V - 1 otherwise (skid);
 /// 0 at standstill (both speeds under 1e-6 m/s, where the ratio is noise).
 #[must_use]
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 pub fn slip<S: Scalar>(velocity: S, rim_speed: S) -> S {
     let (size, rim) = (velocity.abs(), rim_speed.abs());
     let stands = size.under(STANDSTILL) & rim.under(STANDSTILL);
@@ -216,7 +211,7 @@ pub fn rolling_on<S: Scalar>(
 }
 
 /// Length of a vector, and 0 with zero slope at the origin.
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 pub(super) fn norm<S: Scalar>(x: S, y: S) -> S {
     let squared = x * x + y * y;
     let is_there = squared.over(0.0);
@@ -225,7 +220,7 @@ pub(super) fn norm<S: Scalar>(x: S, y: S) -> S {
 
 /// [`rolling()`] with the slopes of the forces, in a contact of which only the `share` (0..1) of the slip
 /// is established: it sets theta_m. Also the normal force of the pressure alone, N.
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 pub(super) fn rolling_share<S: Scalar>(
     wheel: &Wheel<S>,
     soil: &Soil<S>,
@@ -260,7 +255,7 @@ struct Contact<'a, S> {
 }
 
 impl<S: Scalar> Contact<'_, S> {
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn at(&self, shear: Shear<S>) -> Integrals<S> {
         let rim = Rim::new(self.wheel, self.soil, self.surface, self.sinkage, shear, self.share);
         integrate(&rim, self.wheel, self.surface)
@@ -268,7 +263,7 @@ impl<S: Scalar> Contact<'_, S> {
 
     /// Forces for `velocity >= 0` where the wheel touches. In SIMD lanes, wheels that roll forward are computed
     /// together and the others one by one.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn forward(&self, velocity: S, spin: S, touches: S::Mask) -> (Rolling<S>, S) {
         let rim_speed = self.wheel.radius * spin;
         // The quotient counts where the rim turns forward only, else it may be anything.
@@ -277,10 +272,7 @@ impl<S: Scalar> Contact<'_, S> {
             return if rolls.all() { self.roll(velocity, spin) } else { self.slide(velocity, rim_speed) };
         }
         let (safe, odd) = (rolls & touches, touches & !rolls);
-        let choose = always(
-            #[cfg_attr(feature = "batch", inline(always))]
-            |x: S, other: f64| S::select(safe, x, S::from(other)),
-        );
+        let choose = |x: S, other: f64| S::select(safe, x, S::from(other));
         let (sinkage, depth) = (self.sinkage, self.wheel.radius * 1e-3);
         let ordinary = Contact { sinkage: S::select(safe, sinkage, depth), share: choose(self.share, 1.0), ..*self };
         let (mut rolling, mut pressure) = if safe.any() {
@@ -311,7 +303,7 @@ impl<S: Scalar> Contact<'_, S> {
     }
 
     /// Forces of a rim that turns the way it moves.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn roll(&self, velocity: S, spin: S) -> (Rolling<S>, S) {
         let rim_speed = self.wheel.radius * spin;
         let ratio = velocity / rim_speed;
@@ -361,19 +353,16 @@ struct Integrals<S> {
 }
 
 /// The integrals (2.7)-(2.9) over one rim, and their slopes in V/(r omega).
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 fn integrate<S: Scalar>(rim: &Rim<S>, wheel: &Wheel<S>, surface: &Surface<S>) -> Integrals<S> {
     let sums = sums(rim);
     let area = wheel.radius * surface.arc * wheel.width;
     let (lugs, arm) = (surface.shear_radius, wheel.radius * surface.arm);
-    let forces = always(
-        #[cfg_attr(feature = "batch", inline(always))]
-        |sigma_cos: S, sigma_sin: S, tau_cos: S, tau_sin: S, tau: S| Forces {
-            normal: area * (sigma_cos + tau_sin * lugs),  // (2.7)
-            drawbar: area * (tau_cos * lugs - sigma_sin), // (2.8)
-            torque: area * arm * tau * (lugs * lugs),     // (2.9)
-        },
-    );
+    let forces = |sigma_cos: S, sigma_sin: S, tau_cos: S, tau_sin: S, tau: S| Forces {
+        normal: area * (sigma_cos + tau_sin * lugs),  // (2.7)
+        drawbar: area * (tau_cos * lugs - sigma_sin), // (2.8)
+        torque: area * arm * tau * (lugs * lugs),     // (2.9)
+    };
     let zero = S::from(0.0);
     Integrals {
         forces: forces(sums.sigma_cos, sums.sigma_sin, sums.tau_cos, sums.tau_sin, sums.tau),

@@ -1,6 +1,6 @@
 //! What distinguishes a real rim from a smooth, rigid and perfectly rough one.
 
-use crate::scalar::Scalar;
+use crate::scalar::{MapScalar, Scalar, lanes};
 
 /// Share of the motion that is travel over which the resistance of the soil ahead turns with the travel's direction. A
 /// wheel that spins on the spot pushes nothing; at a slip of 0.9 it still meets 0.7 of the resistance.
@@ -12,7 +12,7 @@ const TURNING_RIM: f64 = 0.03;
 
 /// How a rim meets the soil, beyond radius and width. The default is the smooth rigid rim of Wong and Reece, on
 /// which soil shears on soil.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, MapScalar)]
 pub struct Surface<S = f64> {
     /// lambda of the exit angle theta_2 = -acos(1 - lambda z/r); 0 ends the contact at the bottom of the wheel.
     pub exit_ratio: S,
@@ -40,15 +40,10 @@ pub struct Surface<S = f64> {
     pub lead: S,
 }
 
+#[lanes]
 impl<S: From<f64>> Default for Surface<S> {
-    #[cfg_attr(feature = "batch", inline(always))]
     fn default() -> Self {
-        let (zero, one) = (
-            #[cfg_attr(feature = "batch", inline(always))]
-            || S::from(0.0),
-            #[cfg_attr(feature = "batch", inline(always))]
-            || S::from(1.0),
-        );
+        let (zero, one) = (|| S::from(0.0), || S::from(1.0));
         Self {
             exit_ratio: zero(),
             arc: one(),
@@ -60,24 +55,6 @@ impl<S: From<f64>> Default for Surface<S> {
             rounding: zero(),
             resistance: zero(),
             lead: zero(),
-        }
-    }
-}
-
-impl<S: Copy> Surface<S> {
-    /// The same over another scalar.
-    pub(crate) fn map<T>(&self, f: &dyn Fn(S) -> T) -> Surface<T> {
-        Surface {
-            exit_ratio: f(self.exit_ratio),
-            arc: f(self.arc),
-            arm: f(self.arm),
-            shear_radius: f(self.shear_radius),
-            cohesion_gain: f(self.cohesion_gain),
-            friction_gain: f(self.friction_gain),
-            grip: f(self.grip),
-            rounding: f(self.rounding),
-            resistance: f(self.resistance),
-            lead: f(self.lead),
         }
     }
 }

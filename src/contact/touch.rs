@@ -13,8 +13,8 @@
 
 use super::rolling::{Forces, Rolling, norm, rolling_share, slip};
 use super::surface::Surface;
-use crate::scalar::{Mask, Scalar, always, smooth_step};
-use crate::snapshot::moving_beside;
+use crate::scalar::{LaneAccess, MapScalar, Mask, Scalar, lanes, smooth_step};
+use crate::snapshot::Moving;
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 
@@ -26,7 +26,7 @@ const HOLD_DAMPING_TIME: f64 = 0.01;
 const DAMPING_DEPTH: f64 = 0.001;
 
 /// Memory of a contact: the direction of its last motion, of length 0 (none) to 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Moving, LaneAccess, MapScalar)]
 pub struct Hold<S = f64> {
     /// Component of the wheel centre's motion along the ground, forward positive.
     pub travel: S,
@@ -34,26 +34,21 @@ pub struct Hold<S = f64> {
     pub turn: S,
 }
 
-moving_beside!(Hold { travel, turn });
-
 impl<S: From<f64>> Default for Hold<S> {
     fn default() -> Self {
         Self { travel: S::from(0.0), turn: S::from(0.0) }
     }
 }
 
+#[lanes]
 impl<S: Scalar> Hold<S> {
     /// The same direction with a length of at most 1.
     #[must_use]
-    #[cfg_attr(feature = "batch", inline(always))]
     pub fn bounded(self) -> Self {
         let length = norm(self.travel, self.turn);
         let short = length.at_most(S::from(1.0));
         let length = S::select(short, S::from(1.0), length);
-        let within = always(
-            #[cfg_attr(feature = "batch", inline(always))]
-            |x: S| S::select(short, x, x / length),
-        );
+        let within = |x: S| S::select(short, x, x / length);
         Self { travel: within(self.travel), turn: within(self.turn) }
     }
 }
@@ -73,11 +68,11 @@ pub struct Motion<S = f64> {
     pub hold: Hold<S>,
 }
 
+#[lanes]
 impl<S: Scalar> Motion<S> {
     /// Slip as far as it is established: that of the direction e, times its length. In motion this is the
     /// slip; at standstill, where slip is 0/0, it stays what the contact remembers, without noise.
     #[must_use]
-    #[cfg_attr(feature = "batch", inline(always))]
     pub fn established_slip(&self, wheel: &Wheel<S>, soil: &Soil<S>) -> S {
         let rim_speed = wheel.radius * self.spin;
         let [travel, turn] = self.direction(rim_speed, norm(self.velocity, rim_speed), soil.hold_displacement).0;
@@ -85,19 +80,15 @@ impl<S: Scalar> Motion<S> {
     }
 
     /// The direction e at which the stresses are taken, and 1/(d + t |v|).
-    #[cfg_attr(feature = "batch", inline(always))]
     fn direction(&self, rim_speed: S, speed: S, distance: S) -> ([S; 2], S) {
         let scale = (distance + speed * HOLD_DAMPING_TIME).recip();
-        let along = always(
-            #[cfg_attr(feature = "batch", inline(always))]
-            |hold: S, velocity: S| (distance * hold + velocity * HOLD_DAMPING_TIME) * scale,
-        );
+        let along = |hold: S, velocity: S| (distance * hold + velocity * HOLD_DAMPING_TIME) * scale;
         ([along(self.hold.travel, self.velocity), along(self.hold.turn, rim_speed)], scale)
     }
 }
 
 /// Partial derivatives of the contact, as far as they are stiff.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Moving, LaneAccess)]
 pub struct Slopes<S = f64> {
     /// Of the forces in the tangential velocity.
     pub velocity: Forces<S>,
@@ -119,10 +110,8 @@ pub struct Slopes<S = f64> {
     pub rate_own: S,
 }
 
-moving_beside!(Slopes { velocity, spin, travel, turn, damping, stiffness, rate_by_velocity, rate_by_spin, rate_own });
-
 /// Forces of a contact, the rates of its memory, and the slopes of both.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Moving, LaneAccess)]
 pub struct Touch<S = f64> {
     /// Forces on the wheel, at its centre.
     pub forces: Forces<S>,
@@ -132,8 +121,6 @@ pub struct Touch<S = f64> {
     pub slopes: Slopes<S>,
 }
 
-moving_beside!(Touch { forces, rate, slopes });
-
 impl<S> AsMut<Forces<S>> for Touch<S> {
     fn as_mut(&mut self) -> &mut Forces<S> {
         &mut self.forces
@@ -142,64 +129,53 @@ impl<S> AsMut<Forces<S>> for Touch<S> {
 
 /// Forces on a wheel in `motion` with this `surface` of its rim.
 #[inline(never)]
+#[lanes(entry)]
 pub fn touch<S: Scalar>(wheel: &Wheel<S>, soil: &Soil<S>, surface: &Surface<S>, motion: &Motion<S>) -> Touch<S> {
-    S::wide(
-        #[cfg_attr(feature = "batch", inline(always))]
-        || {
-            let distance = soil.hold_displacement;
-            let (hold, rim_speed) = (motion.hold, wheel.radius * motion.spin);
-            let speed = norm(motion.velocity, rim_speed);
-            let moves = speed.over(0.0);
-            let safe = S::select(moves, speed, S::from(1.0));
-            let zero = S::from(0.0);
-            let heading = [S::select(moves, motion.velocity / safe, zero), S::select(moves, rim_speed / safe, zero)];
-            let per_distance = distance.recip();
-            let rate = Hold {
-                travel: (motion.velocity - hold.travel * speed) * per_distance,
-                turn: (rim_speed - hold.turn * speed) * per_distance,
-            };
-            let by = always(
-                #[cfg_attr(feature = "batch", inline(always))]
-                |component: S, own: f64, along: S| (S::from(own) - component * along) * per_distance,
-            );
-            let mut slopes = Slopes {
-                rate_by_velocity: [by(hold.travel, 1.0, heading[0]), by(hold.turn, 0.0, heading[0])],
-                rate_by_spin: [
-                    by(hold.travel, 0.0, heading[1]) * wheel.radius,
-                    by(hold.turn, 1.0, heading[1]) * wheel.radius,
-                ],
-                rate_own: -(speed * per_distance),
-                ..Slopes::zero()
-            };
-            let touches = motion.sinkage.over(0.0);
-            let none = Touch { forces: Forces::zero(), rate, slopes };
-            if !touches.any() {
-                return none;
-            }
-            let ([travel, turn], scale) = motion.direction(rim_speed, speed, distance);
-            let direction = at_direction(wheel, soil, surface, motion.sinkage, travel, turn);
-            slopes.follow(
-                &direction,
-                [travel, turn],
-                heading,
-                (distance * scale, scale * HOLD_DAMPING_TIME),
-                wheel.radius,
-            );
-            let mut touch = Touch { forces: direction.forces, rate, slopes };
-            add_damping(&mut touch, soil, motion);
-            if touches.all() {
-                return touch;
-            }
-            touch.forces = Forces::select(touches, touch.forces, none.forces);
-            touch.slopes = touch.slopes.select(touches, &none.slopes);
-            touch
-        },
-    )
+    S::wide(|| {
+        let distance = soil.hold_displacement;
+        let (hold, rim_speed) = (motion.hold, wheel.radius * motion.spin);
+        let speed = norm(motion.velocity, rim_speed);
+        let moves = speed.over(0.0);
+        let safe = S::select(moves, speed, S::from(1.0));
+        let zero = S::from(0.0);
+        let heading = [S::select(moves, motion.velocity / safe, zero), S::select(moves, rim_speed / safe, zero)];
+        let per_distance = distance.recip();
+        let rate = Hold {
+            travel: (motion.velocity - hold.travel * speed) * per_distance,
+            turn: (rim_speed - hold.turn * speed) * per_distance,
+        };
+        let by = |component: S, own: f64, along: S| (S::from(own) - component * along) * per_distance;
+        let mut slopes = Slopes {
+            rate_by_velocity: [by(hold.travel, 1.0, heading[0]), by(hold.turn, 0.0, heading[0])],
+            rate_by_spin: [
+                by(hold.travel, 0.0, heading[1]) * wheel.radius,
+                by(hold.turn, 1.0, heading[1]) * wheel.radius,
+            ],
+            rate_own: -(speed * per_distance),
+            ..Slopes::zero()
+        };
+        let touches = motion.sinkage.over(0.0);
+        let none = Touch { forces: Forces::zero(), rate, slopes };
+        if !touches.any() {
+            return none;
+        }
+        let ([travel, turn], scale) = motion.direction(rim_speed, speed, distance);
+        let direction = at_direction(wheel, soil, surface, motion.sinkage, travel, turn);
+        slopes.follow(&direction, [travel, turn], heading, (distance * scale, scale * HOLD_DAMPING_TIME), wheel.radius);
+        let mut touch = Touch { forces: direction.forces, rate, slopes };
+        add_damping(&mut touch, soil, motion);
+        if touches.all() {
+            return touch;
+        }
+        touch.forces = Forces::select(touches, touch.forces, none.forces);
+        touch.slopes = touch.slopes.select(touches, &none.slopes);
+        touch
+    })
 }
 
 /// Forces at the direction (travel, turn) of length at most 1, with their slopes in both components
 /// (the slope in the spin standing for that in `turn`).
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 fn at_direction<S: Scalar>(
     wheel: &Wheel<S>,
     soil: &Soil<S>,
@@ -214,10 +190,7 @@ fn at_direction<S: Scalar>(
     let excess = rolling.forces.plus(symmetric.scaled(S::from(-1.0)));
     let is_there = length.over(0.0);
     let safe = S::select(is_there, length, S::from(1.0));
-    let along = always(
-        #[cfg_attr(feature = "batch", inline(always))]
-        |component: S| S::select(is_there, component / safe, S::from(0.0)),
-    );
+    let along = |component: S| S::select(is_there, component / safe, S::from(0.0));
     let mut direction = Rolling {
         forces: symmetric.plus(excess.scaled(length)),
         by_velocity: rolling.by_velocity.scaled(length).plus(excess.scaled(along(travel))),
@@ -237,8 +210,8 @@ fn at_direction<S: Scalar>(
     direction
 }
 
+#[lanes]
 impl<S: Scalar> Slopes<S> {
-    #[cfg_attr(feature = "batch", inline(always))]
     fn zero() -> Self {
         let (zero, none) = (S::from(0.0), Forces::zero());
         Self {
@@ -255,7 +228,6 @@ impl<S: Scalar> Slopes<S> {
     }
 
     /// Of those with forces, `self` where the mask says so; both have the same rates.
-    #[cfg_attr(feature = "batch", inline(always))]
     fn select(self, mask: S::Mask, none: &Self) -> Self {
         Self {
             velocity: Forces::select(mask, self.velocity, none.velocity),
@@ -269,25 +241,21 @@ impl<S: Scalar> Slopes<S> {
     }
 
     /// Chain rule from the direction e to the memory h and the motion v: de = (d dh + t (dv - e d|v|))/(d + t |v|).
-    #[cfg_attr(feature = "batch", inline(always))]
     fn follow(&mut self, at: &Rolling<S>, direction: [S; 2], heading: [S; 2], (by_hold, by_motion): (S, S), radius: S) {
         self.travel = at.by_velocity.scaled(by_hold);
         self.turn = at.by_spin.scaled(by_hold);
-        let chain = always(
-            #[cfg_attr(feature = "batch", inline(always))]
-            |own: [f64; 2], along: S| {
-                at.by_velocity
-                    .scaled((S::from(own[0]) - direction[0] * along) * by_motion)
-                    .plus(at.by_spin.scaled((S::from(own[1]) - direction[1] * along) * by_motion))
-            },
-        );
+        let chain = |own: [f64; 2], along: S| {
+            at.by_velocity
+                .scaled((S::from(own[0]) - direction[0] * along) * by_motion)
+                .plus(at.by_spin.scaled((S::from(own[1]) - direction[1] * along) * by_motion))
+        };
         self.velocity = chain([1.0, 0.0], heading[0]);
         self.spin = chain([0.0, 1.0], heading[1]).scaled(radius);
     }
 }
 
 /// Damping along the normal, which never makes the normal force negative.
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 fn add_damping<S: Scalar>(touch: &mut Touch<S>, soil: &Soil<S>, motion: &Motion<S>) {
     let coefficient = soil.damping * smooth_step(motion.sinkage / DAMPING_DEPTH);
     // Near n + 1/2, the power of Bekker's own approximation (4.18); only the integrator uses it.

@@ -3,7 +3,7 @@
 use super::error::{ControlError, finite, same_count, within_bounds};
 use super::{Controller, Nominal};
 use crate::signals::{Command, Drive, Measurement, Reference};
-use crate::snapshot::moving;
+use crate::snapshot::Moving;
 use bekker_modeldescription::{Unit, parameters};
 
 parameters! {
@@ -22,19 +22,21 @@ parameters! {
 ///
 /// The acceleration asked for stays within one g and the torques within the nominal limit; at either the integral
 /// takes of a step only what leads there (conditional integration, as in velocity control).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Moving)]
 pub struct EqualTorqueController {
+    #[not_moving]
     gains: EqualTorque,
     /// Torque of one wheel for an acceleration of the body, N m s^2/m.
+    #[not_moving]
     torque_share: f64,
     /// Largest acceleration that is asked for, m/s^2.
+    #[not_moving]
     limit: f64,
+    #[not_moving]
     wheels: usize,
     /// Integral part of the acceleration, m/s^2.
     integral: f64,
 }
-
-moving!(EqualTorqueController { integral } { gains, torque_share, limit, wheels });
 
 impl EqualTorqueController {
     /// A controller at rest for the nominal rover, of which it uses mass, gravity, wheel radius, torque limit and

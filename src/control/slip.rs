@@ -3,7 +3,7 @@
 use super::error::{ControlError, finite, same_count, same_links, within_bounds};
 use super::{Controller, Nominal, VelocityControl, VelocityController};
 use crate::signals::{Command, Measurement, Reference};
-use crate::snapshot::moving;
+use crate::snapshot::Moving;
 use bekker_modeldescription::{Unit, parameters};
 
 parameters! {
@@ -32,20 +32,21 @@ pub struct Privileged {
 /// With it goes the true speed V of every wheel's centre over the ground, so that the goal r omega = V / (1 - i) of
 /// each wheel's speed loop fits the ground under it: no wheel works against another. [`reveal`](Self::reveal) has to
 /// be called before every [`Controller::command`].
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Moving)]
 pub struct SlipController {
+    #[not_moving]
     nominal: Nominal,
+    #[not_moving]
     parameters: SlipControl,
     inner: VelocityController,
     /// Integral part of the common slip.
     integral: f64,
+    #[not_moving]
     privileged: Privileged,
     /// Goals of the wheels' loops, relative to the carrying bodies, rad/s.
+    #[not_moving]
     goals: Vec<f64>,
 }
-
-// What is revealed is used up by each command.
-moving!(SlipController { inner, integral } { nominal, parameters, privileged, goals });
 
 impl SlipController {
     /// A controller at rest for the nominal rover, with the gains `wheels` for the loops of the wheels' speeds.

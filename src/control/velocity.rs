@@ -3,7 +3,7 @@
 use super::error::{ControlError, finite, same_count, within_bounds};
 use super::{Controller, Nominal};
 use crate::signals::{Command, Drive, Measurement, Reference};
-use crate::snapshot::moving;
+use crate::snapshot::Moving;
 use bekker_modeldescription::{Unit, parameters};
 
 parameters! {
@@ -24,7 +24,7 @@ parameters! {
 }
 
 /// History of one wheel's loop.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Moving)]
 struct Loop {
     /// Integral part, N m.
     integral: f64,
@@ -33,8 +33,6 @@ struct Loop {
     /// Speed one period ago, rad/s.
     speed: Option<f64>,
 }
-
-moving!(Loop { integral, derivative, speed });
 
 impl Loop {
     /// Torque for the next period, N m; `goal` and `speed` in rad/s, `limit` in N m.
@@ -58,15 +56,16 @@ impl Loop {
 }
 
 /// Holds each wheel at the speed goal / r by its own PID loop; commands torques within the nominal limit.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Moving)]
 pub struct VelocityController {
+    #[not_moving]
     gains: VelocityControl,
+    #[not_moving]
     radius: f64,
+    #[not_moving]
     limit: f64,
     loops: Vec<Loop>,
 }
-
-moving!(VelocityController { loops } { gains, radius, limit });
 
 impl VelocityController {
     /// A controller at rest for the nominal rover, of which it uses wheel radius, torque limit and number of wheels.

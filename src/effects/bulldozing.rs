@@ -1,7 +1,7 @@
 //! Soil that a wheel pushes ahead.
 
 use super::{Effect, Facts, Local, Place, SOIL_TEST};
-use crate::scalar::{Mask, Scalar};
+use crate::scalar::{Mask, Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 use std::f64::consts::FRAC_PI_4;
 
@@ -16,9 +16,9 @@ parameters! {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Bulldozing<S> {
     /// R on a wheel of width `width` at depth `depth`, N.
-    #[cfg_attr(feature = "batch", inline(always))]
     fn resistance(&self, depth: S, width: S, cohesion: S, friction_angle: S) -> S {
         let root = (friction_angle * 0.5 + FRAC_PI_4).tan(); // sqrt K_p
         let weight = self.unit_weight * depth * depth * root * root * 0.5;
@@ -26,6 +26,7 @@ impl<S: Scalar> Bulldozing<S> {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for Bulldozing<S> {
     fn facts(&self) -> Facts {
         Facts {
@@ -36,7 +37,6 @@ impl<S: Scalar> Effect<S> for Bulldozing<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn surface(&self, place: &Place<S>, local: &mut Local<S>) {
         let sunk = place.sinkage.over(0.0);
         if self.share.is_exactly(0.0) || !sunk.any() {

@@ -3,7 +3,7 @@
 use super::payload::WEIGHED;
 use super::pitch_bias::REVERSED_HEADING;
 use super::{Effect, Facts};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 use crate::vehicle::Body;
 use bekker_modeldescription::{Unit, parameters};
 
@@ -15,12 +15,12 @@ parameters! {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for CentreOfMass<S> {
     fn facts(&self) -> Facts {
         Facts { seen_on_rover: &["wheel[1].torque"], advice: &[WEIGHED, REVERSED_HEADING], ..Facts::USUAL }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn chassis(&self, body: &mut Body<S>) {
         if !self.shift.is_exactly(0.0) {
             body.centre_of_mass_x += self.shift;

@@ -1,7 +1,7 @@
 //! Dry friction of the drive between the motor and the rim.
 
 use super::{Advice, Effect, Facts};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 
 /// Wheel speed over which losses of the drive change their sign, rad/s: small beside working speeds (2.5 rad/s).
@@ -25,6 +25,7 @@ parameters! {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for CoulombFriction<S> {
     fn facts(&self) -> Facts {
         Facts {
@@ -36,7 +37,6 @@ impl<S: Scalar> Effect<S> for CoulombFriction<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn drive_friction(&self, speed: S) -> Option<(S, S)> {
         if self.torque.is_exactly(0.0) {
             return None;

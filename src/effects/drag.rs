@@ -2,7 +2,7 @@
 
 use super::radius_scale::TOWED_OVER_FLOOR;
 use super::{Advice, BodyMotion, Effect, Facts};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 
 /// Speed over which the resistance changes its sign, m/s.
@@ -20,6 +20,7 @@ parameters! {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for Drag<S> {
     fn facts(&self) -> Facts {
         Facts {
@@ -38,7 +39,6 @@ impl<S: Scalar> Effect<S> for Drag<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn body_force(&self, motion: &BodyMotion<S>) -> Option<S> {
         let (constant, grows) = (!self.force.is_exactly(0.0), !self.growth.is_exactly(0.0));
         let near_standstill = constant.then(|| {

@@ -1,7 +1,7 @@
 //! Exit angle of the contact.
 
 use super::{Effect, Facts, Local, Place};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 
 parameters! {
@@ -12,12 +12,12 @@ parameters! {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for ExitAngle<S> {
     fn facts(&self) -> Facts {
         Facts { seen_on_carriage: &["drawbar_pull", "sinkage"], seen_on_rover: &["wheel[1].sinkage"], ..Facts::USUAL }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn contact(&self, _place: &Place<S>, local: &mut Local<S>) {
         local.surface.exit_ratio += self.lambda;
     }

@@ -2,7 +2,7 @@
 
 use super::radius_scale::HARD_PLATE;
 use super::{Effect, Facts, Local, Place};
-use crate::scalar::{Mask, Scalar};
+use crate::scalar::{Mask, Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 
 /// Newton's method in the logarithm converges in 5 to 8 steps; this only bounds the loop.
@@ -24,10 +24,10 @@ parameters! {
     }
 }
 
+#[lanes]
 impl<S: Scalar> FlexibleWheel<S> {
     /// The part of `total`, the descent of the axle since touch-down, that is sinkage of the soil:
     /// z + C a z^p = total. In the logarithm of z the left side is convex, so Newton's method from `total` converges.
-    #[cfg_attr(feature = "batch", inline(always))]
     fn sinkage(&self, total: S, local: &Local<S>) -> S {
         let (wheel, exponent) = (&local.wheel, local.soil.exponent);
         let power = exponent + 0.5;
@@ -48,6 +48,7 @@ impl<S: Scalar> FlexibleWheel<S> {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for FlexibleWheel<S> {
     fn facts(&self) -> Facts {
         Facts {
@@ -58,7 +59,6 @@ impl<S: Scalar> Effect<S> for FlexibleWheel<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn surface(&self, place: &Place<S>, local: &mut Local<S>) {
         let sunk = place.sinkage.over(0.0);
         if self.compliance.is_exactly(0.0) || !sunk.any() {

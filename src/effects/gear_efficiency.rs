@@ -4,7 +4,7 @@ use super::coulomb_friction::REVERSAL_SPEED;
 use super::torque_scale::BACK_DRIVEN;
 use super::{Effect, Facts};
 use crate::motor::Geared;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 
 /// Torque over which the loss builds up around zero torque, N m on the wheel's side: 0.1 % of usual torques.
@@ -34,6 +34,7 @@ struct Curve<S> {
     by_speed: S,
 }
 
+#[lanes]
 impl<S: Scalar> Curve<S> {
     fn new(eta: S, speed: S) -> Self {
         let norm = (speed * speed + REVERSAL_SPEED * REVERSAL_SPEED).sqrt();
@@ -49,12 +50,12 @@ impl<S: Scalar> Curve<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn root(shifted: S) -> S {
         (shifted * shifted + REVERSAL_TORQUE * REVERSAL_TORQUE).sqrt()
     }
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for GearEfficiency<S> {
     fn facts(&self) -> Facts {
         Facts {
@@ -65,7 +66,6 @@ impl<S: Scalar> Effect<S> for GearEfficiency<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn gear(&self, speed: S, torque: S) -> Option<Geared<S>> {
         if self.eta.is_exactly(1.0) {
             return None;
@@ -83,7 +83,6 @@ impl<S: Scalar> Effect<S> for GearEfficiency<S> {
     }
 
     /// The exact inverse of [`gear`](Effect::gear).
-    #[cfg_attr(feature = "batch", inline(always))]
     fn gear_input(&self, speed: S, torque: S) -> Option<S> {
         if self.eta.is_exactly(1.0) {
             return None;

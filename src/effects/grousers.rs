@@ -1,7 +1,7 @@
 //! Lugs on the rim.
 
 use super::{Effect, Facts, Header, Local, Place, SOIL_TEST};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 use std::f64::consts::FRAC_PI_2;
 
@@ -16,6 +16,7 @@ parameters! {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for Grousers<S> {
     fn facts(&self) -> Facts {
         Facts {
@@ -30,7 +31,6 @@ impl<S: Scalar> Effect<S> for Grousers<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn surface(&self, _place: &Place<S>, local: &mut Local<S>) {
         if self.height.is_exactly(0.0) {
             return;

@@ -41,7 +41,7 @@ mod winding_heat;
 
 use crate::contact::Forces;
 use crate::motor::{Drivetrain, Motor, TorqueRange};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 use crate::signals::{BodySignals, WheelSignals};
 use crate::soil::Soil;
 use crate::vehicle::Body;

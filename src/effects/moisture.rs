@@ -1,7 +1,7 @@
 //! Strength of the soil that grows with its water content.
 
 use super::{Effect, Facts, Local, Place};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 
 parameters! {
@@ -15,6 +15,7 @@ parameters! {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for Moisture<S> {
     fn facts(&self) -> Facts {
         Facts {
@@ -25,7 +26,6 @@ impl<S: Scalar> Effect<S> for Moisture<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn contact(&self, _place: &Place<S>, local: &mut Local<S>) {
         if !self.cohesion_slope.is_exactly(0.0) {
             local.soil.cohesion += self.cohesion_slope * self.content;

@@ -1,8 +1,8 @@
 //! Ground that wheels have passed.
 
 use super::{Advice, Effect, Facts, Local, Place};
-use crate::scalar::{Mask, Scalar, smooth_step};
-use crate::snapshot::moving_beside;
+use crate::scalar::{LaneAccess, MapScalar, Mask, Scalar, lanes, smooth_step};
+use crate::snapshot::Moving;
 use bekker_modeldescription::{Unit, parameters};
 
 /// Distance inside the end of a track over which its ground turns from fresh to passed, m: about the length of a
@@ -19,6 +19,7 @@ parameters! {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for MultiPass<S> {
     fn facts(&self) -> Facts {
         Facts {
@@ -28,12 +29,10 @@ impl<S: Scalar> Effect<S> for MultiPass<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn counts_passes(&self) -> bool {
         !self.growth.is_exactly(0.0)
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn contact(&self, place: &Place<S>, local: &mut Local<S>) {
         if self.growth.is_exactly(0.0) {
             return;
@@ -45,7 +44,7 @@ impl<S: Scalar> Effect<S> for MultiPass<S> {
 }
 
 /// The stretch along x that a wheel's foot has covered in contact since the start.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Moving, LaneAccess, MapScalar)]
 pub struct Track<S = f64> {
     /// Its end towards the rear, m; above `high` where nothing is covered yet.
     pub low: S,
@@ -53,17 +52,15 @@ pub struct Track<S = f64> {
     pub high: S,
 }
 
-moving_beside!(Track { low, high });
-
 impl<S: From<f64>> Default for Track<S> {
     fn default() -> Self {
         Self { low: S::from(f64::INFINITY), high: S::from(f64::NEG_INFINITY) }
     }
 }
 
+#[lanes]
 impl<S: Scalar> Track<S> {
     /// Takes the foot's place over where it is in contact.
-    #[cfg_attr(feature = "batch", inline(always))]
     pub(crate) fn extend(&mut self, x: S, covers: S::Mask) {
         self.low = S::select(covers, self.low.smaller(x), self.low);
         self.high = S::select(covers, self.high.larger(x), self.high);
@@ -71,7 +68,6 @@ impl<S: Scalar> Track<S> {
 
     /// How far the ground at `x` counts as passed: 0 at the ends and outside, 1 well inside.
     #[must_use]
-    #[cfg_attr(feature = "batch", inline(always))]
     pub fn covers(&self, x: S) -> S {
         let inside = self.low.below(x) & x.below(self.high);
         if !inside.any() {
@@ -82,7 +78,6 @@ impl<S: Scalar> Track<S> {
     /// Number of wheels that have passed the ground at `x`, from the tracks of all. Each counts once, however often it came;
     /// a wheel counts on its own track once it has reversed by the length of a contact: while it goes on, it stands at its
     /// track's end.
-    #[cfg_attr(feature = "batch", inline(always))]
     pub(crate) fn passes<'a>(tracks: impl Iterator<Item = &'a Self>, x: S) -> S
     where
         S: 'a,

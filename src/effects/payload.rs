@@ -1,7 +1,7 @@
 //! Mass that the data sheet does not have.
 
 use super::{Advice, Effect, Facts};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 
 /// Weights of the wheels give the mass and where it lies.
@@ -16,6 +16,7 @@ parameters! {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for Payload<S> {
     fn facts(&self) -> Facts {
         Facts {
@@ -34,7 +35,6 @@ impl<S: Scalar> Effect<S> for Payload<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn added_mass(&self) -> Option<S> {
         (!self.mass.is_exactly(0.0)).then_some(self.mass)
     }

@@ -4,13 +4,13 @@ use super::sensor_lag::RecordingLag;
 use super::winding_heat::Warming;
 use crate::contact::{Forces, Surface};
 use crate::motor::{Geared, TorqueRange};
-use crate::scalar::Scalar;
+use crate::scalar::{MapScalar, Scalar, lanes};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 use bekker_modeldescription::Over;
 
 /// Where and how a wheel touches the ground.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, MapScalar)]
 pub struct Place<S = f64> {
     /// Wheel, 0 at the rear.
     pub wheel: usize,
@@ -30,22 +30,6 @@ pub struct Place<S = f64> {
     pub velocity: S,
 }
 
-impl<S: Copy> Place<S> {
-    /// The same over another scalar.
-    pub(crate) fn map<T>(&self, f: &dyn Fn(S) -> T) -> Place<T> {
-        Place {
-            wheel: self.wheel,
-            x: self.x.map(f),
-            passes: f(self.passes),
-            contact_angle: f(self.contact_angle),
-            slip: f(self.slip),
-            sinkage: f(self.sinkage),
-            normal_velocity: f(self.normal_velocity),
-            velocity: f(self.velocity),
-        }
-    }
-}
-
 /// Wheel and soil as one contact sees them; effects may change them.
 #[derive(Clone, Copy, Debug)]
 pub struct Local<S = f64> {
@@ -59,10 +43,10 @@ pub struct Local<S = f64> {
     pub deflection: S,
 }
 
+#[lanes]
 impl<S: Scalar> Local<S> {
     /// A smooth rigid wheel.
     #[must_use]
-    #[cfg_attr(feature = "batch", inline(always))]
     pub fn new(wheel: Wheel<S>, soil: Soil<S>) -> Self {
         Self { wheel, soil, surface: Surface::default(), deflection: S::from(0.0) }
     }

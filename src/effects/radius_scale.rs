@@ -1,7 +1,7 @@
 //! Wheels that are not of their nominal radius, and odometry with a wrong scale.
 
 use super::{Advice, Effect, Facts};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 use crate::signals::{BodySignals, WheelSignals};
 use crate::wheel::Wheel;
 use bekker_modeldescription::{Unit, parameters};
@@ -25,6 +25,7 @@ parameters! {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for RadiusScale<S> {
     fn facts(&self) -> Facts {
         Facts {
@@ -36,7 +37,6 @@ impl<S: Scalar> Effect<S> for RadiusScale<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn wheel(&self, wheel: &Wheel<S>) -> Option<Wheel<S>> {
         if self.deviation.is_exactly(0.0) {
             return None;
@@ -44,7 +44,6 @@ impl<S: Scalar> Effect<S> for RadiusScale<S> {
         Some(Wheel { radius: wheel.radius * (self.deviation + 1.0), ..*wheel })
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn recorded_radius(&self, radius: &mut S) {
         if !self.deviation.is_exactly(0.0) {
             *radius /= self.deviation + 1.0;

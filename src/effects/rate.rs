@@ -1,7 +1,7 @@
 //! Resistance of the soil that grows with the speed of penetration.
 
 use super::{Advice, Effect, Facts, Local, Place};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 
 parameters! {
@@ -17,9 +17,9 @@ parameters! {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Rate<S> {
     /// (v/v_0)^m.
-    #[cfg_attr(feature = "batch", inline(always))]
     fn factor(&self, speed: S, sinkage: S, radius: S) -> S {
         // tan^2(theta_1/2) = z/(2 r - z); a wheel sunk to its axle is an event, not a formula.
         let sinkage = sinkage.smaller(radius).larger(S::from(0.0));
@@ -30,6 +30,7 @@ impl<S: Scalar> Rate<S> {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for Rate<S> {
     fn facts(&self) -> Facts {
         Facts {
@@ -45,7 +46,6 @@ impl<S: Scalar> Effect<S> for Rate<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn contact(&self, place: &Place<S>, local: &mut Local<S>) {
         if !self.exponent.is_exactly(0.0) {
             local.soil.scale_moduli(self.factor(place.velocity, place.sinkage, local.wheel.radius));

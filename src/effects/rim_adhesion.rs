@@ -1,7 +1,7 @@
 //! A rim smoother than the soil.
 
 use super::{Effect, Facts, Local, Place, SOIL_TEST};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 
 parameters! {
@@ -20,6 +20,7 @@ parameters! {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for RimAdhesion<S> {
     fn facts(&self) -> Facts {
         Facts {
@@ -30,7 +31,6 @@ impl<S: Scalar> Effect<S> for RimAdhesion<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn surface(&self, _place: &Place<S>, local: &mut Local<S>) {
         if !self.loss.is_exactly(0.0) {
             local.surface.grip *= -self.loss + 1.0;

@@ -1,7 +1,7 @@
 //! Rolling resistance of the wheel itself.
 
 use super::{Advice, Effect, Facts, Local, Place};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 
 parameters! {
@@ -19,6 +19,7 @@ parameters! {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for RollingResistance<S> {
     fn facts(&self) -> Facts {
         Facts {
@@ -34,7 +35,6 @@ impl<S: Scalar> Effect<S> for RollingResistance<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn surface(&self, _place: &Place<S>, local: &mut Local<S>) {
         if !self.coefficient.is_exactly(0.0) {
             local.surface.lead += self.coefficient * local.wheel.radius;

@@ -5,7 +5,7 @@
 //! a monotone cubic: continuous, with a continuous derivative in the dead time, and without overshoot at jumps.
 
 use super::{Advice, Effect, Facts};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 use crate::signals::{BodySignals, LinkSignals, Signals, WheelSignals};
 use crate::snapshot::{Moving, Reader, SnapshotError, Writer};
 use bekker_modeldescription::{Unit, parameters};
@@ -37,6 +37,7 @@ pub struct RecordingLag<S = f64> {
     pub dead_time: S,
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for SensorLag<S> {
     fn facts(&self) -> Facts {
         Facts {
@@ -47,7 +48,6 @@ impl<S: Scalar> Effect<S> for SensorLag<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn lag(&self) -> Option<RecordingLag<S>> {
         let Self { time_constant, dead_time } = *self;
         let acts = !(time_constant.is_exactly(0.0) && dead_time.is_exactly(0.0));

@@ -1,7 +1,7 @@
 //! Slip-sinkage.
 
 use super::{Effect, Facts, Local, Place, SOIL_TEST};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 
 parameters! {
@@ -12,6 +12,7 @@ parameters! {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for SlipSinkage<S> {
     fn facts(&self) -> Facts {
         Facts {
@@ -22,7 +23,6 @@ impl<S: Scalar> Effect<S> for SlipSinkage<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn contact(&self, place: &Place<S>, local: &mut Local<S>) {
         if !self.n1.is_exactly(0.0) {
             local.soil.exponent += self.n1 * place.slip.abs().smaller(S::from(1.0));

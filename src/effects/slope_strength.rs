@@ -1,7 +1,7 @@
 //! Strength of the soil that falls with the slope.
 
 use super::{Advice, Effect, Facts, Local, Place};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 
 /// Slope over which |gamma| is rounded, rad: sqrt(gamma^2 + e^2) - e has a derivative everywhere.
@@ -15,6 +15,7 @@ parameters! {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for SlopeStrength<S> {
     fn facts(&self) -> Facts {
         Facts {
@@ -28,7 +29,6 @@ impl<S: Scalar> Effect<S> for SlopeStrength<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn contact(&self, place: &Place<S>, local: &mut Local<S>) {
         if self.beta.is_exactly(0.0) {
             return;

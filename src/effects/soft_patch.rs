@@ -1,7 +1,7 @@
 //! Ground that is softer around one place.
 
 use super::{Advice, Effect, Facts, Local, Place};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 
 parameters! {
@@ -17,6 +17,7 @@ parameters! {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for SoftPatch<S> {
     fn facts(&self) -> Facts {
         Facts {
@@ -29,7 +30,6 @@ impl<S: Scalar> Effect<S> for SoftPatch<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn contact(&self, place: &Place<S>, local: &mut Local<S>) {
         let Some(x) = place.x else { return };
         if self.softening.is_exactly(0.0) {

@@ -1,7 +1,7 @@
 //! Friction of the passive joints.
 
 use super::{Advice, Effect, Equipment, Facts, Needs};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 
 /// Joint rate over which dry friction changes its sign, rad/s: small beside a rocker's on rough ground (0.1 rad/s).
@@ -15,6 +15,7 @@ parameters! {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for SuspensionFriction<S> {
     fn facts(&self) -> Facts {
         Facts {
@@ -28,7 +29,6 @@ impl<S: Scalar> Effect<S> for SuspensionFriction<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn joint_friction(&self, rate: S) -> Option<S> {
         if self.moment.is_exactly(0.0) {
             return None;

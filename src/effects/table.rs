@@ -86,10 +86,10 @@ macro_rules! effects {
         }
 
         /// Sums of the hooks over the library and the user's own effects.
+        #[lanes]
         impl<S: Scalar> Effects<S> {
             /// A contact at `place` of the true wheel on `soil`: wheel, soil and rim as the effects leave them, and the
             /// forces that follow from what `stresses` integrates on them.
-            #[cfg_attr(feature = "batch", inline(always))]
             pub(crate) fn contact<T: AsMut<Forces<S>>>(
                 &self,
                 place: &Place<S>,
@@ -111,13 +111,11 @@ macro_rules! effects {
             }
 
             /// Whether an effect needs to know which ground has been passed.
-            #[cfg_attr(feature = "batch", inline(always))]
             pub(crate) fn counts_passes(&self) -> bool {
                 self.registered.counts_passes() $(|| self.$id.counts_passes())*
             }
 
             /// The true wheel, where it is not the nominal one.
-            #[cfg_attr(feature = "batch", inline(always))]
             pub(crate) fn wheel(&self, nominal: &Wheel<S>) -> Option<Wheel<S>> {
                 let mut changed = None;
                 $(if let Some(wheel) = self.$id.wheel(changed.as_ref().unwrap_or(nominal)) {
@@ -126,7 +124,6 @@ macro_rules! effects {
                 self.registered.wheel(nominal, changed)
             }
 
-            #[cfg_attr(feature = "batch", inline(always))]
             pub(crate) fn recorded_radius(&self, mut radius: S) -> S {
                 self.registered.recorded_radius(&mut radius);
                 $(self.$id.recorded_radius(&mut radius);)*
@@ -134,7 +131,6 @@ macro_rules! effects {
             }
 
             /// Sum of the masses that the data sheet does not have; `None` where there is none.
-            #[cfg_attr(feature = "batch", inline(always))]
             pub(crate) fn added_mass(&self) -> Option<S> {
                 let mut sum = self.registered.added_mass();
                 $(if let Some(mass) = self.$id.added_mass() {
@@ -143,7 +139,6 @@ macro_rules! effects {
                 sum
             }
 
-            #[cfg_attr(feature = "batch", inline(always))]
             pub(crate) fn chassis(&self, body: &mut Body<S>) {
                 if let Some(mass) = self.added_mass() {
                     body.mass += mass;
@@ -152,14 +147,12 @@ macro_rules! effects {
                 self.registered.chassis(body);
             }
 
-            #[cfg_attr(feature = "batch", inline(always))]
             pub(crate) fn motor(&self, winding_rise: S, motor: &mut Motor<S>) {
                 $(self.$id.motor(winding_rise, motor);)*
                 self.registered.motor(winding_rise, motor);
             }
 
             /// How a winding warms that dissipates `power`; `None` where windings stay cold.
-            #[cfg_attr(feature = "batch", inline(always))]
             pub(crate) fn warming(&self, power: S) -> Option<Warming<S>> {
                 let mut all = self.registered.warming(power);
                 $(if let Some(law) = self.$id.warming(power) {
@@ -168,7 +161,6 @@ macro_rules! effects {
                 all
             }
 
-            #[cfg_attr(feature = "batch", inline(always))]
             pub(crate) fn joint_friction(&self, rate: S) -> S {
                 let mut sum = S::from(0.0);
                 $(if let Some(coefficient) = self.$id.joint_friction(rate) {
@@ -177,7 +169,6 @@ macro_rules! effects {
                 self.registered.joint_friction(rate).map_or(sum, |coefficient| sum + coefficient)
             }
 
-            #[cfg_attr(feature = "batch", inline(always))]
             pub(crate) fn body_force(&self, motion: &BodyMotion<S>) -> Result<S, ExpressionFailure> {
                 let mut sum = self.custom.body_force(motion)?;
                 $(if let Some(force) = self.$id.body_force(motion) {
@@ -185,7 +176,10 @@ macro_rules! effects {
                 })*
                 Ok(self.registered.body_force(motion).map_or(sum, |force| sum + force))
             }
+        }
 
+        /// Sums of what concerns records.
+        impl<S: Scalar> Effects<S> {
             pub(crate) fn record(&self, start_x: S, body: &mut BodySignals<S>, wheels: &mut [WheelSignals<S>]) {
                 $(self.$id.record(start_x, body, wheels);)*
                 self.registered.record(start_x, body, wheels);
@@ -199,11 +193,11 @@ macro_rules! effects {
         }
 
         /// From the motor outwards: limits and gears of the library in its order, then those of other crates.
+        #[lanes]
         impl<S: Scalar> Drivetrain<S> for Effects<S> {
             type Failure = ExpressionFailure;
 
             /// Product of the gains.
-            #[cfg_attr(feature = "batch", inline(always))]
             fn torque_gain(&self) -> Option<S> {
                 let mut product = self.registered.torque_gain();
                 $(if let Some(gain) = self.$id.torque_gain() {
@@ -213,7 +207,6 @@ macro_rules! effects {
             }
 
             /// What all limits allow.
-            #[cfg_attr(feature = "batch", inline(always))]
             fn torque_range(&self, motor: &Motor<S>, speed: S) -> Option<TorqueRange<S>> {
                 let mut all = self.registered.torque_range(motor, speed);
                 $(if let Some(range) = self.$id.torque_range(motor, speed) {
@@ -231,7 +224,6 @@ macro_rules! effects {
                 largest
             }
 
-            #[cfg_attr(feature = "batch", inline(always))]
             fn gear(&self, speed: S, torque: S, slope: S) -> (S, S) {
                 let (mut torque, mut slope) = (torque, slope);
                 $(if let Some(geared) = self.$id.gear(speed, torque) {
@@ -241,14 +233,12 @@ macro_rules! effects {
                 self.registered.gear(speed, torque, slope)
             }
 
-            #[cfg_attr(feature = "batch", inline(always))]
             fn gear_input(&self, speed: S, torque: S) -> S {
                 let mut torque = self.registered.gear_input(speed, torque);
                 last_first!(self, speed, torque; $($id)*);
                 torque
             }
 
-            #[cfg_attr(feature = "batch", inline(always))]
             fn drive_friction(&self, speed: S) -> Result<(S, S), ExpressionFailure> {
                 let mut sum = self.custom.drive_friction(speed)?;
                 $(if let Some((torque, slope)) = self.$id.drive_friction(speed) {

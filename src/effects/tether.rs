@@ -1,7 +1,7 @@
 //! A cable that the rover drags behind it.
 
 use super::{Advice, BodyMotion, Effect, Facts};
-use crate::scalar::{Mask, Scalar};
+use crate::scalar::{Mask, Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 
 parameters! {
@@ -12,6 +12,7 @@ parameters! {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for Tether<S> {
     fn facts(&self) -> Facts {
         Facts {
@@ -24,7 +25,6 @@ impl<S: Scalar> Effect<S> for Tether<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn body_force(&self, motion: &BodyMotion<S>) -> Option<S> {
         let pulls = motion.travelled.over(0.0);
         if self.stiffness.is_exactly(0.0) || !pulls.any() {

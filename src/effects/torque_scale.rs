@@ -2,7 +2,7 @@
 
 use super::{Advice, Effect, Facts};
 use crate::motor::Motor;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 use crate::signals::{BodySignals, WheelSignals};
 use bekker_modeldescription::{Unit, parameters};
 
@@ -26,6 +26,7 @@ parameters! {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for TorqueScale<S> {
     fn facts(&self) -> Facts {
         Facts {
@@ -36,14 +37,12 @@ impl<S: Scalar> Effect<S> for TorqueScale<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn motor(&self, _winding_rise: S, motor: &mut Motor<S>) {
         if !self.deviation.is_exactly(0.0) {
             motor.torque_constant *= self.deviation + 1.0;
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn torque_gain(&self) -> Option<S> {
         (!self.deviation.is_exactly(0.0)).then(|| self.deviation + 1.0)
     }

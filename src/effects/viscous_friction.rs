@@ -2,7 +2,7 @@
 
 use super::coulomb_friction::SPUN_FREELY;
 use super::{Effect, Facts};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 
 parameters! {
@@ -13,6 +13,7 @@ parameters! {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for ViscousFriction<S> {
     fn facts(&self) -> Facts {
         Facts {
@@ -24,7 +25,6 @@ impl<S: Scalar> Effect<S> for ViscousFriction<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn drive_friction(&self, speed: S) -> Option<(S, S)> {
         (!self.coefficient.is_exactly(0.0)).then(|| (self.coefficient * speed, self.coefficient))
     }

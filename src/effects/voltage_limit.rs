@@ -2,7 +2,7 @@
 
 use super::{Advice, Effect, Facts, Needs};
 use crate::motor::{Motor, TorqueRange};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 
 parameters! {
@@ -13,6 +13,7 @@ parameters! {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for VoltageLimit<S> {
     fn facts(&self) -> Facts {
         Facts {
@@ -28,7 +29,6 @@ impl<S: Scalar> Effect<S> for VoltageLimit<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn torque_range(&self, motor: &Motor<S>, speed: S) -> Option<TorqueRange<S>> {
         if self.inverse_voltage.is_exactly(0.0) {
             return None;

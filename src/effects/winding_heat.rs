@@ -2,7 +2,7 @@
 
 use super::{Advice, Effect, Facts};
 use crate::motor::Motor;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 
 /// Growth of copper's resistance, 1/K (IEC 60028: 0.00393 at 20 degrees Celsius).
@@ -23,6 +23,7 @@ parameters! {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Effect<S> for WindingHeat<S> {
     fn facts(&self) -> Facts {
         Facts {
@@ -36,7 +37,6 @@ impl<S: Scalar> Effect<S> for WindingHeat<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn motor(&self, winding_rise: S, motor: &mut Motor<S>) {
         if !self.thermal_resistance.is_exactly(0.0) {
             let rise = winding_rise.smaller(S::from(MOST_RISE));
@@ -45,7 +45,6 @@ impl<S: Scalar> Effect<S> for WindingHeat<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn warming(&self, power: S) -> Option<Warming<S>> {
         if self.thermal_resistance.is_exactly(0.0) {
             return None;

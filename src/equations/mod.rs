@@ -25,7 +25,7 @@ use crate::rover::{Rover, State};
 use crate::scalar::{Dual, Plain, Scalar};
 use crate::signals::{Command, Drive, Signals};
 use crate::simulation::{Energies, Event, Simulation, TIPPED, Window, belly_clearance};
-use crate::snapshot::{Moving, Reader, SnapshotError, Writer, moving};
+use crate::snapshot::{Moving, Reader, SnapshotError, Writer};
 use crate::terrain::Profile;
 use bekker_modeldescription::Parameters;
 use states::places;
@@ -50,19 +50,19 @@ pub enum NoEquations {
 }
 
 /// A rover under commanded torques as x' = f(x, u).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Moving)]
 pub struct Equations<S = f64> {
+    #[not_moving]
     rover: Rover<S>,
     command: Command<S>,
     state: State<S>,
     energies: Energies<S>,
+    #[not_moving]
     evaluation: Evaluation<S>,
+    #[not_moving]
     signals: Signals<S>,
     window: Window,
 }
-
-// The evaluation is made anew from these.
-moving!(Equations { command, state, energies, window } { rover, evaluation, signals });
 
 /// Derivatives of rates and signals along a direction in states and inputs.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -4,7 +4,7 @@ use crate::contact::Forces;
 use crate::linear::{Matrix, add_outer};
 use crate::rover::Rover;
 use crate::rover::dynamics::WheelEvaluation;
-use crate::scalar::{Scalar, always};
+use crate::scalar::{Scalar, lanes};
 use crate::signals::Drive;
 
 /// What elimination of one wheel's spin and memory leaves. The spin's increment is
@@ -45,16 +45,13 @@ impl<S: Scalar> Condensed<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub fn new(rover: &Rover<S>, wheel: &WheelEvaluation<S>, drive: Drive, gh: f64) -> Self {
         let slopes = &wheel.touch.slopes;
         let hold_factor = (S::from(1.0) - slopes.rate_own * gh).recip();
-        let through_hold = always(
-            #[cfg_attr(feature = "batch", inline(always))]
-            |[travel, turn]: [S; 2]| {
-                slopes.travel.scaled(travel * hold_factor * gh).plus(slopes.turn.scaled(turn * hold_factor * gh))
-            },
-        );
+        let through_hold = |[travel, turn]: [S; 2]| {
+            slopes.travel.scaled(travel * hold_factor * gh).plus(slopes.turn.scaled(turn * hold_factor * gh))
+        };
         let by_velocity = slopes.velocity.plus(through_hold(slopes.rate_by_velocity));
         let by_spin = slopes.spin.plus(through_hold(slopes.rate_by_spin));
         let spin_factor = (rover.wheel.inertia + (by_spin.torque - wheel.drive_slope) * gh).recip();
@@ -88,7 +85,7 @@ impl<S: Scalar> Condensed<S> {
 }
 
 /// Adds `- gamma h` times the slopes of one wheel's contact and drive to the condensed matrix.
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 pub(super) fn add_contact<S: Scalar>(
     matrix: &mut Matrix<S>,
     wheel: &WheelEvaluation<S>,

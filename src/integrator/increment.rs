@@ -4,7 +4,7 @@ use super::condensed::Condensed;
 use crate::linear::{Factors, Vector, add_scaled, dot, zeros};
 use crate::rover::dynamics::Evaluation;
 use crate::rover::{Rover, State};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 use crate::signals::Drive;
 
 /// Rate or increment of a whole state; a wheel's entries are its spin, `hold.travel` and `hold.turn`.
@@ -15,9 +15,9 @@ pub(crate) struct Increment<S> {
     pub wheels: Vec<[S; 3]>,
 }
 
+#[lanes]
 impl<S: Scalar> Increment<S> {
     /// The time derivative of `state`, as evaluated.
-    #[cfg_attr(feature = "batch", inline(always))]
     pub(super) fn set(&mut self, rover: &Rover<S>, state: &State<S>, evaluation: &Evaluation<S>) {
         self.position[..state.rate.len()].copy_from_slice(&state.rate);
         self.rate = evaluation.acceleration;
@@ -26,7 +26,6 @@ impl<S: Scalar> Increment<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     pub(super) fn add_scaled(&mut self, other: &Self, factor: f64, n: usize) {
         let factor = S::from(factor);
         add_scaled(&mut self.position, factor, &other.position, n);
@@ -38,7 +37,6 @@ impl<S: Scalar> Increment<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     pub fn add_to(&self, state: &mut State<S>, factor: f64) {
         for (i, (position, rate)) in state.position.iter_mut().zip(&mut state.rate).enumerate() {
             *position += self.position[i] * factor;
@@ -52,7 +50,6 @@ impl<S: Scalar> Increment<S> {
     }
 
     /// Replaces this right-hand side r by the solution k of (I - gamma h A) k = r.
-    #[cfg_attr(feature = "batch", inline(always))]
     pub(super) fn solve(
         &mut self,
         rover: &Rover<S>,

@@ -18,9 +18,9 @@ pub(crate) use increment::Increment;
 use crate::linear::{Factors, add_outer, add_scaled, zeros};
 use crate::rover::dynamics::{DynamicsError, Evaluation};
 use crate::rover::{Rover, State};
-use crate::scalar::Scalar;
+use crate::scalar::{LaneAccess, Scalar, lanes};
 use crate::signals::{Command, Drive};
-use crate::snapshot::moving_beside;
+use crate::snapshot::Moving;
 use condensed::{Condensed, add_contact};
 
 /// gamma = 1 - 1/sqrt 2.
@@ -33,20 +33,23 @@ pub(crate) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 pub(crate) const DRY_FRICTION: f64 = 2.0 / GAMMA;
 
 /// Memory of the integrator: evaluations and increments, allocated once.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Moving, LaneAccess)]
 pub(crate) struct Integrator<S = f64> {
     /// Right-hand side at the present state.
     pub now: Evaluation<S>,
     /// The same at the second stage, once a step's [`Integrator::stages`] are made.
+    #[not_moving]
     pub ahead: Evaluation<S>,
+    #[not_moving]
     predicted: State<S>,
     /// Solutions k1 and k2 of the stages.
+    #[not_moving]
     pub first: Increment<S>,
+    #[not_moving]
     pub second: Increment<S>,
+    #[not_moving]
     condensed: Vec<Condensed<S>>,
 }
-
-moving_beside!(Integrator { now } { ahead, predicted, first, second, condensed });
 
 impl<S: Scalar> Integrator<S> {
     pub fn new(rover: &Rover<S>, state: &State<S>) -> Self {
@@ -131,7 +134,7 @@ impl<S: Scalar> Integrator<S> {
     ///
     /// # Errors
     /// [`DynamicsError`]; `state` is then left as it was before the step.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub fn step<C: Copy + Into<S>>(
         &mut self,
         rover: &Rover<S>,
@@ -160,6 +163,7 @@ impl<S: Scalar> Integrator<S> {
     ///
     /// # Errors
     /// [`DynamicsError`].
+    #[lanes(entry)]
     pub fn stages<C: Copy + Into<S>>(
         &mut self,
         rover: &Rover<S>,
@@ -167,26 +171,23 @@ impl<S: Scalar> Integrator<S> {
         command: &Command<C>,
         h: f64,
     ) -> Result<(), DynamicsError> {
-        S::wide(
-            #[cfg_attr(feature = "batch", inline(always))]
-            || {
-                let gh = GAMMA * h;
-                let factors = self.condense(rover, command.drive, gh)?;
-                self.first.set(rover, state, &self.now);
-                self.first.solve(rover, &self.now, &self.condensed, &factors, command.drive, gh);
-                self.predicted.copy_from(state);
-                self.first.add_to(&mut self.predicted, h);
-                self.ahead.update(rover, &self.predicted, command)?;
-                self.second.set(rover, &self.predicted, &self.ahead);
-                self.second.add_scaled(&self.first, -2.0, rover.coordinates());
-                self.second.solve(rover, &self.now, &self.condensed, &factors, command.drive, gh);
-                Ok(())
-            },
-        )
+        S::wide(|| {
+            let gh = GAMMA * h;
+            let factors = self.condense(rover, command.drive, gh)?;
+            self.first.set(rover, state, &self.now);
+            self.first.solve(rover, &self.now, &self.condensed, &factors, command.drive, gh);
+            self.predicted.copy_from(state);
+            self.first.add_to(&mut self.predicted, h);
+            self.ahead.update(rover, &self.predicted, command)?;
+            self.second.set(rover, &self.predicted, &self.ahead);
+            self.second.add_scaled(&self.first, -2.0, rover.coordinates());
+            self.second.solve(rover, &self.now, &self.condensed, &factors, command.drive, gh);
+            Ok(())
+        })
     }
 
     /// Warms the windings over the step of size `h` just made, where they warm.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub fn warm(&mut self, rover: &Rover<S>, state: &mut State<S>, h: f64) {
         if rover.effects.warming(S::from(0.0)).is_some() {
             // The evaluation at the start of the step is what was swapped out.
@@ -195,7 +196,7 @@ impl<S: Scalar> Integrator<S> {
     }
 
     /// Eliminates spins and memories and factors the matrix that is left.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn condense(&mut self, rover: &Rover<S>, drive: Drive, gh: f64) -> Result<Factors<S>, DynamicsError> {
         let n = rover.coordinates();
         let mut matrix = self.now.system;

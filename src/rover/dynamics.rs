@@ -6,9 +6,9 @@ use crate::contact::{Motion, Surface, Touch, slip, touch};
 use crate::effects::{BodyMotion, ExpressionFailure, Place};
 use crate::linear::{Factors, Matrix, Vector, add_outer, add_scaled, dot, zeros};
 use crate::motor::{self, Motor};
-use crate::scalar::Scalar;
+use crate::scalar::{LaneAccess, Scalar, lanes};
 use crate::signals::{Command, Drive};
-use crate::snapshot::moving_beside;
+use crate::snapshot::Moving;
 use crate::terrain::TerrainError;
 
 /// Why the right-hand side could not be evaluated.
@@ -31,7 +31,7 @@ pub enum DynamicsError {
 }
 
 /// One wheel at one instant.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Moving, LaneAccess)]
 pub(crate) struct WheelEvaluation<S> {
     pub touch: Touch<S>,
     /// Jacobians of the wheel centre along the ground's normal and tangent.
@@ -60,26 +60,6 @@ pub(crate) struct WheelEvaluation<S> {
     pub drive_slope: S,
 }
 
-moving_beside!(WheelEvaluation<f64> {
-    touch,
-    normal,
-    tangent,
-    turn,
-    velocity,
-    normal_velocity,
-    spin,
-    speed,
-    slip,
-    sinkage,
-    contact_angle,
-    motor,
-    foot_x,
-    motor_torque,
-    rim_torque,
-    current,
-    drive_slope,
-});
-
 /// Powers at one instant, W, whose integrals are the energies among the signals.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Powers<S> {
@@ -101,7 +81,7 @@ pub(crate) struct Outside<S> {
 }
 
 /// The right-hand side of the equations of motion at one instant, with everything that led to it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Moving, LaneAccess)]
 pub(crate) struct Evaluation<S> {
     pub frames: Frames<S>,
     /// Mass matrix of chassis and links.
@@ -119,21 +99,9 @@ pub(crate) struct Evaluation<S> {
     #[cfg_attr(not(feature = "rigid"), allow(dead_code, reason = "the plant of rigid bodies reads it"))]
     pub resistance: S,
     /// Forces from outside; none in joint coordinates alone.
+    #[not_moving]
     pub outside: Option<Box<Outside<S>>>,
 }
-
-// Without forces from outside, which the plant of rigid bodies alone has.
-moving_beside!(Evaluation<f64> {
-    frames,
-    mass,
-    system,
-    wheels,
-    acceleration,
-    joint_friction,
-    potential,
-    other_loss,
-    resistance,
-} { outside });
 
 impl<S: Scalar> Evaluation<S> {
     pub fn new(rover: &Rover<S>) -> Self {
@@ -155,57 +123,55 @@ impl<S: Scalar> Evaluation<S> {
 
     /// Evaluates the right-hand side at `state` under `command`, plain, with derivatives, or side by side: then an error
     /// says that one of them at least has one.
+    #[lanes(entry)]
     pub fn update<C: Copy + Into<S>>(
         &mut self,
         rover: &Rover<S>,
         state: &State<S>,
         command: &Command<C>,
     ) -> Result<(), DynamicsError> {
-        S::wide(
-            #[cfg_attr(feature = "batch", inline(always))]
-            || {
-                let n = rover.coordinates();
-                self.frames.update(rover, &state.position, &state.rate);
-                let mut force = zeros();
-                self.add_bodies(rover, state, &mut force)?;
-                for (row, mass) in self.system.iter_mut().zip(&self.mass).take(n) {
-                    row[..n].copy_from_slice(&mass[..n]);
-                }
-                for k in 0..rover.wheels.len() {
-                    self.touch_ground(rover, state, (command.drive, command.values[k].into()), k)?;
-                    let wheel = &mut self.wheels[k];
-                    let (forces, body_torque) = (wheel.touch.forces, &mut wheel.rim_torque);
-                    match command.drive {
-                        Drive::Torque => {}
-                        // The drive gives what the soil takes; the wheel's inertia moves with its body.
-                        Drive::Speed => {
-                            *body_torque = forces.torque;
-                            if let Some(outside) = &self.outside {
-                                *body_torque -= outside.torque[k];
-                            }
-                            add_outer(&mut self.system, rover.wheel.inertia, &wheel.turn, &wheel.turn, n);
+        S::wide(|| {
+            let n = rover.coordinates();
+            self.frames.update(rover, &state.position, &state.rate);
+            let mut force = zeros();
+            self.add_bodies(rover, state, &mut force)?;
+            for (row, mass) in self.system.iter_mut().zip(&self.mass).take(n) {
+                row[..n].copy_from_slice(&mass[..n]);
+            }
+            for k in 0..rover.wheels.len() {
+                self.touch_ground(rover, state, (command.drive, command.values[k].into()), k)?;
+                let wheel = &mut self.wheels[k];
+                let (forces, body_torque) = (wheel.touch.forces, &mut wheel.rim_torque);
+                match command.drive {
+                    Drive::Torque => {}
+                    // The drive gives what the soil takes; the wheel's inertia moves with its body.
+                    Drive::Speed => {
+                        *body_torque = forces.torque;
+                        if let Some(outside) = &self.outside {
+                            *body_torque -= outside.torque[k];
                         }
+                        add_outer(&mut self.system, rover.wheel.inertia, &wheel.turn, &wheel.turn, n);
                     }
-                    let reaction = *body_torque;
-                    add_scaled(&mut force, forces.normal, &wheel.normal, n);
-                    add_scaled(&mut force, forces.drawbar, &wheel.tangent, n);
-                    add_scaled(&mut force, reaction, &wheel.turn, n);
                 }
-                if let Some(outside) = &self.outside {
-                    add_scaled(&mut force, S::from(1.0), &outside.force, n);
-                }
-                let factors = Factors::new(&self.system, n).ok_or(DynamicsError::NotFinite)?;
-                self.acceleration = factors.solve(&force);
-                if !self.acceleration[..n].iter().all(|a| a.plain().all_finite()) {
-                    return Err(DynamicsError::NotFinite);
-                }
-                self.finish_drives(rover, command.drive)
-            },
-        )
+                let reaction = *body_torque;
+                add_scaled(&mut force, forces.normal, &wheel.normal, n);
+                add_scaled(&mut force, forces.drawbar, &wheel.tangent, n);
+                add_scaled(&mut force, reaction, &wheel.turn, n);
+            }
+            if let Some(outside) = &self.outside {
+                add_scaled(&mut force, S::from(1.0), &outside.force, n);
+            }
+            let factors = Factors::new(&self.system, n).ok_or(DynamicsError::NotFinite)?;
+            self.acceleration = factors.solve(&force);
+            if !self.acceleration[..n].iter().all(|a| a.plain().all_finite()) {
+                return Err(DynamicsError::NotFinite);
+            }
+            self.finish_drives(rover, command.drive)
+        })
     }
 
     /// Weight, inertia and joint friction of chassis and links, and forces on the chassis.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn add_bodies(&mut self, rover: &Rover<S>, state: &State<S>, force: &mut Vector<S>) -> Result<(), DynamicsError> {
         let n = rover.coordinates();
         for row in self.mass.iter_mut().take(n) {
@@ -232,7 +198,7 @@ impl<S: Scalar> Evaluation<S> {
         Ok(())
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn add_mass(
         &mut self,
         rover: &Rover<S>,
@@ -254,7 +220,7 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Contact of wheel `k` with the ground, and the torque of its drive where that is commanded.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn touch_ground(
         &mut self,
         rover: &Rover<S>,
@@ -302,18 +268,12 @@ impl<S: Scalar> Evaluation<S> {
             velocity: wheel.velocity,
         };
         let (touched, sunk) = (&mut wheel.touch, &mut wheel.sinkage);
-        let (local, _) = rover.effects.contact(
-            &place,
-            true_wheel,
-            soil,
-            #[cfg_attr(feature = "batch", inline(always))]
-            move |local| {
-                *sunk = local.wheel.radius - foot.distance - local.deflection;
-                let motion = Motion { sinkage: *sunk, ..motion };
-                *touched = touch(&local.wheel, &local.soil, &local.surface, &motion);
-                touched
-            },
-        )?;
+        let (local, _) = rover.effects.contact(&place, true_wheel, soil, move |local| {
+            *sunk = local.wheel.radius - foot.distance - local.deflection;
+            let motion = Motion { sinkage: *sunk, ..motion };
+            *touched = touch(&local.wheel, &local.soil, &local.surface, &motion);
+            touched
+        })?;
         wheel.slip = slip(wheel.velocity, rover.effects.recorded_radius(local.wheel.radius) * wheel.spin);
         wheel.contact_angle = foot.angle;
         wheel.foot_x = x;
@@ -329,7 +289,7 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Torques and currents that follow from the accelerations.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn finish_drives(&mut self, rover: &Rover<S>, drive: Drive) -> Result<(), DynamicsError> {
         let n = rover.coordinates();
         for wheel in &mut self.wheels {
@@ -344,7 +304,7 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Angular acceleration of a wheel whose drive torque is commanded.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub fn spin_rate(&self, rover: &Rover<S>, k: usize) -> S {
         let torque = self.wheels[k].rim_torque - self.wheels[k].touch.forces.torque;
         let torque = self.outside.as_ref().map_or(torque, |outside| torque + outside.torque[k]);
@@ -352,7 +312,7 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Powers of the drives and of the soil.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub fn powers(&self) -> Powers<S> {
         let zero = S::from(0.0);
         let other_loss = self.other_loss;
@@ -370,7 +330,7 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Warms the windings over `h` seconds, at whose start `before` held, and renews what depends on them.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub fn warm(&mut self, rover: &Rover<S>, before: &Self, state: &mut State<S>, h: f64) {
         for ((wheel, before), moving) in self.wheels.iter_mut().zip(&before.wheels).zip(&mut state.wheels) {
             let mean = (before.winding_power() + wheel.winding_power()) * 0.5;
@@ -383,7 +343,7 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Kinetic and potential energy, J.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub fn mechanical_energy(&self, rover: &Rover<S>, state: &State<S>) -> S {
         let n = rover.coordinates();
         let mut twice = S::from(0.0);
@@ -399,6 +359,7 @@ impl<S: Scalar> Evaluation<S> {
     }
 }
 
+#[lanes]
 impl<S: Scalar> WheelEvaluation<S> {
     fn new(turn: Vector<S>, motor: Motor<S>) -> Self {
         let o = S::from(0.0);
@@ -424,7 +385,6 @@ impl<S: Scalar> WheelEvaluation<S> {
         }
     }
     /// Power dissipated in the winding, W (4.6).
-    #[cfg_attr(feature = "batch", inline(always))]
     pub fn winding_power(&self) -> S {
         self.motor.resistance * self.current * self.current
     }

@@ -6,11 +6,11 @@
 
 use super::Rover;
 use crate::linear::{Vector, zeros};
-use crate::scalar::Scalar;
-use crate::snapshot::moving_beside;
+use crate::scalar::{LaneAccess, Scalar, lanes};
+use crate::snapshot::Moving;
 
 /// A body's place at one instant.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Moving, LaneAccess)]
 pub(crate) struct Frame<S> {
     /// Chassis reference point, or the joint that carries a link.
     origin: [S; 2],
@@ -24,8 +24,6 @@ pub(crate) struct Frame<S> {
     bias: [S; 2],
 }
 
-moving_beside!(Frame<f64> { origin, reference, cos, sin, rate, bias });
-
 /// A point fixed on a body: place, bias acceleration, and its Jacobian in the generalised coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Point<S> {
@@ -36,13 +34,12 @@ pub(crate) struct Point<S> {
 }
 
 /// Bodies of a rover at one instant; index 0 is the chassis, k is link k.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Moving, LaneAccess)]
 pub(crate) struct Frames<S> {
     frames: Vec<Frame<S>>,
 }
 
-moving_beside!(Frames<f64> { frames });
-
+#[lanes]
 impl<S: Scalar> Frames<S> {
     pub fn new(rover: &Rover<S>) -> Self {
         let o = S::from(0.0);
@@ -51,7 +48,6 @@ impl<S: Scalar> Frames<S> {
     }
 
     /// Places all bodies.
-    #[cfg_attr(feature = "batch", inline(always))]
     pub fn update(&mut self, rover: &Rover<S>, position: &[S], rate: &[S]) {
         let zero = S::from(0.0);
         let (sin, cos) = position[2].sine_cosine();
@@ -76,36 +72,29 @@ impl<S: Scalar> Frames<S> {
     }
 
     /// The point of `body` that lies at `reference` when all angles are zero.
-    #[cfg_attr(feature = "batch", inline(always))]
     pub fn point(&self, rover: &Rover<S>, body: usize, reference: [S; 2]) -> Point<S> {
         let (position, bias) = self.frames[body].carry(reference);
         let (mut jacobian_x, mut jacobian_z) = (zeros(), zeros());
         jacobian_x[0] = S::from(1.0);
         jacobian_z[1] = S::from(1.0);
-        for_each_turn(
-            rover,
-            body,
-            #[cfg_attr(feature = "batch", inline(always))]
-            |turning, coordinate| {
-                let pivot = self.frames[turning].origin;
-                // Nose up turns (dx, dz) into (-dz, dx).
-                jacobian_x[coordinate] = pivot[1] - position[1];
-                jacobian_z[coordinate] = position[0] - pivot[0];
-            },
-        );
+        for_each_turn(rover, body, |turning, coordinate| {
+            let pivot = self.frames[turning].origin;
+            // Nose up turns (dx, dz) into (-dz, dx).
+            jacobian_x[coordinate] = pivot[1] - position[1];
+            jacobian_z[coordinate] = position[0] - pivot[0];
+        });
         Point { position, bias, jacobian_x, jacobian_z }
     }
 
     /// Angular rate of a body, nose up, rad/s.
-    #[cfg_attr(feature = "batch", inline(always))]
     pub fn rate(&self, body: usize) -> S {
         self.frames[body].rate
     }
 }
 
+#[lanes]
 impl<S: Scalar> Frame<S> {
     /// Place and bias acceleration of the point that lies at `reference` when all angles are zero.
-    #[cfg_attr(feature = "batch", inline(always))]
     fn carry(&self, reference: [S; 2]) -> ([S; 2], [S; 2]) {
         let (dx, dz) = (reference[0] - self.reference[0], reference[1] - self.reference[1]);
         let (x, z) = (self.cos * dx - self.sin * dz, self.sin * dx + self.cos * dz);
@@ -115,20 +104,15 @@ impl<S: Scalar> Frame<S> {
 }
 
 /// Jacobian of a body's angle: 1 for the pitch and for every joint between it and the chassis.
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 pub(crate) fn turn_jacobian<S: Scalar>(rover: &Rover<S>, body: usize) -> Vector<S> {
     let mut jacobian = zeros();
-    for_each_turn(
-        rover,
-        body,
-        #[cfg_attr(feature = "batch", inline(always))]
-        |_, coordinate| jacobian[coordinate] = S::from(1.0),
-    );
+    for_each_turn(rover, body, |_, coordinate| jacobian[coordinate] = S::from(1.0));
     jacobian
 }
 
 /// Calls `f` with every body from `body` down to the chassis and the coordinate that turns it.
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 fn for_each_turn<S>(rover: &Rover<S>, body: usize, mut f: impl FnMut(usize, usize)) {
     let mut turning = body;
     loop {
@@ -140,9 +124,9 @@ fn for_each_turn<S>(rover: &Rover<S>, body: usize, mut f: impl FnMut(usize, usiz
     }
 }
 
+#[lanes]
 impl<S: Scalar> Point<S> {
     /// Jacobian of the component along `direction` in the first `n` coordinates.
-    #[cfg_attr(feature = "batch", inline(always))]
     pub fn along(&self, direction: [S; 2], n: usize) -> Vector<S> {
         let mut row = zeros();
         for (i, entry) in row.iter_mut().enumerate().take(n) {

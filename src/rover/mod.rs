@@ -8,8 +8,8 @@ mod rate;
 use crate::contact::Hold;
 use crate::effects::Effects;
 use crate::motor::Motor;
-use crate::scalar::Scalar;
-use crate::snapshot::moving_beside;
+use crate::scalar::{LaneAccess, MapScalar, Scalar, lanes};
+use crate::snapshot::Moving;
 use crate::soil::Soil;
 use crate::terrain::Terrain;
 use crate::wheel::Wheel;
@@ -21,7 +21,7 @@ pub use dynamics::DynamicsError;
 pub use rate::StateRate;
 
 /// Everything about a rover and its ground that does not move.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, MapScalar)]
 pub struct Rover<S = f64> {
     /// Gravity.
     pub environment: Environment<S>,
@@ -57,35 +57,17 @@ impl<S: Scalar> Rover<S> {
     }
 
     /// The wheel as it is: that of the data sheet, changed by the effects.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub(crate) fn true_wheel(&self) -> Wheel<S> {
         self.effects.wheel(&self.wheel).unwrap_or(self.wheel)
     }
 
     /// The chassis as it is.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub(crate) fn true_body(&self) -> Body<S> {
         let mut body = self.body;
         self.effects.chassis(&mut body);
         body
-    }
-
-    /// The same rover over another scalar.
-    #[must_use]
-    pub fn map<T: Scalar>(&self, f: &dyn Fn(S) -> T) -> Rover<T> {
-        let link = |link: &Link<S>| Link { parent: link.parent, parameters: link.parameters.map(f) };
-        let wheel = |wheel: &WheelMount<S>| WheelMount { body: wheel.body, mount: wheel.mount.map(f) };
-        Rover {
-            environment: self.environment.map(f),
-            body: self.body.map(f),
-            links: self.links.iter().map(link).collect(),
-            wheel: self.wheel.map(f),
-            wheels: self.wheels.iter().map(wheel).collect(),
-            motor: self.motor.map(f),
-            soil: self.soil.map(f),
-            terrain: self.terrain.map(f),
-            effects: self.effects.map(f),
-        }
     }
 }
 
@@ -120,7 +102,7 @@ impl<S: Scalar> Parameters<S> for Rover<S> {
 }
 
 /// Moving data of one wheel.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Moving, LaneAccess, MapScalar)]
 pub struct WheelState<S = f64> {
     /// Absolute rate of turning, forward positive, rad/s.
     pub spin: S,
@@ -132,10 +114,8 @@ pub struct WheelState<S = f64> {
     pub track: Track<S>,
 }
 
-moving_beside!(WheelState { spin, hold, winding_rise, track });
-
 /// Moving data of a rover: everything that a step changes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Moving, LaneAccess, MapScalar)]
 pub struct State<S = f64> {
     /// x, z, pitch of the chassis, then joint angles; m, rad.
     pub position: Vec<S>,
@@ -147,11 +127,9 @@ pub struct State<S = f64> {
     pub start_x: S,
 }
 
-moving_beside!(State { position, rate, wheels, start_x });
-
 impl<S: Scalar> State<S> {
     /// Takes the values of a state of the same rover over, without allocating.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub(crate) fn copy_from(&mut self, other: &Self) {
         self.position.copy_from_slice(&other.position);
         self.rate.copy_from_slice(&other.rate);

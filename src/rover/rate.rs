@@ -1,7 +1,7 @@
 //! The explicit right-hand side x' = f(x, u, p), for callers that integrate or differentiate it themselves.
 
 use super::dynamics::{DynamicsError, Evaluation};
-use super::{Rover, State, Track};
+use super::{Rover, State};
 use crate::contact::Hold;
 use crate::scalar::Scalar;
 use crate::signals::Command;
@@ -36,24 +36,5 @@ impl<S: Scalar> Rover<S> {
                 .map(|(k, wheel)| (evaluation.spin_rate(self, k), wheel.touch.rate))
                 .collect(),
         })
-    }
-}
-
-impl<S: Scalar> State<S> {
-    /// The same state over another scalar.
-    #[must_use]
-    pub fn map<T: Scalar>(&self, f: &dyn Fn(S) -> T) -> State<T> {
-        let wheel = |wheel: &super::WheelState<S>| super::WheelState {
-            spin: f(wheel.spin),
-            hold: Hold { travel: f(wheel.hold.travel), turn: f(wheel.hold.turn) },
-            winding_rise: f(wheel.winding_rise),
-            track: Track { low: f(wheel.track.low), high: f(wheel.track.high) },
-        };
-        State {
-            position: self.position.iter().map(|&x| f(x)).collect(),
-            rate: self.rate.iter().map(|&x| f(x)).collect(),
-            wheels: self.wheels.iter().map(wheel).collect(),
-            start_x: f(self.start_x),
-        }
     }
 }

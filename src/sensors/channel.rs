@@ -1,6 +1,6 @@
 //! One channel: from the truth to a reading.
 
-use crate::snapshot::moving;
+use crate::snapshot::Moving;
 
 /// Share of a sample period by which a reading may come early and still be the next sample's: rounding of its time.
 const EARLY: f64 = 1e-6;
@@ -52,13 +52,11 @@ impl Channel {
 }
 
 /// When a channel was sampled last.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Moving)]
 pub(super) struct Clock {
     /// Number of the sample period that the last sample was taken in.
     last: Option<i64>,
 }
-
-moving!(Clock { last });
 
 impl Clock {
     /// Whether a reading at `time`, s, is a new sample of a channel with this period, s.

@@ -3,7 +3,7 @@
 use super::Sensors;
 use super::channel::Clock;
 use crate::signals::{LinkMeasurement, Measurement, Signals, WheelMeasurement};
-use crate::snapshot::{Moving, Reader, SnapshotError, Writer, load_grown, moving};
+use crate::snapshot::{Moving, Reader, SnapshotError, Writer, load_grown};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -42,7 +42,7 @@ impl Moving for SensorSuite {
     }
 }
 
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Moving)]
 struct Clocks {
     pitch: Clock,
     velocity: Clock,
@@ -53,8 +53,6 @@ struct Clocks {
     link_angle: Clock,
     link_rate: Clock,
 }
-
-moving!(Clocks { pitch, velocity, wheel_speed, contact_angle, pitch_rate, torque, link_angle, link_rate });
 
 impl SensorSuite {
     /// Sensors before their first reading; `seed` decides all noise.

@@ -1,7 +1,7 @@
 //! What sensors report. Names, meanings and units are written here alone; every reading has the name of the signal it measures.
 
 use super::{ANY, Signals};
-use crate::snapshot::{Moving, Reader, SnapshotError, Writer, load_grown, moving};
+use crate::snapshot::{Moving, Reader, SnapshotError, Writer, load_grown};
 use bekker_modeldescription::{Parameters, Unit, Variable, join, parameters};
 
 parameters! {
@@ -18,6 +18,7 @@ parameters! {
 
 parameters! {
     /// What sensors report of one wheel.
+    #[derive(Moving)]
     pub struct WheelMeasurement {
         /// Encoder speed relative to the carrying body.
         speed: [Unit::RADIAN_PER_SECOND] = 0.0, ANY, Signal, "physics";
@@ -28,10 +29,9 @@ parameters! {
     }
 }
 
-moving!(WheelMeasurement { speed, torque, contact_angle });
-
 parameters! {
     /// What sensors report of one link.
+    #[derive(Moving)]
     pub struct LinkMeasurement {
         /// Measured angle of the joint that carries the link.
         angle: [Unit::RADIAN] = 0.0, ANY, Signal, "physics";
@@ -39,8 +39,6 @@ parameters! {
         rate: [Unit::RADIAN_PER_SECOND] = 0.0, ANY, Signal, "physics";
     }
 }
-
-moving!(LinkMeasurement { angle, rate });
 
 /// What a controller or estimator may see: sensor readings, never the true state.
 ///

@@ -19,7 +19,7 @@ use crate::rover::dynamics::DynamicsError;
 use crate::rover::{Rover, State};
 use crate::scalar::{Mask, Scalar};
 use crate::signals::{Command, Drive, Signals};
-use crate::snapshot::moving;
+use crate::snapshot::Moving;
 use crate::terrain::TerrainError;
 
 /// Why a simulation cannot start or go on.
@@ -71,19 +71,19 @@ pub enum StepError {
 ///
 /// Over dual numbers every signal carries its derivatives in whatever the rover and its start were seeded with; events
 /// are decided on real parts.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Moving)]
 pub struct Simulation<S: Scalar = f64> {
+    #[not_moving]
     rover: Rover<S>,
     motion: StepState<S>,
     command: Command,
+    #[not_moving]
     step_size: f64,
     ticks: u64,
     status: Status,
     recorder: Recorder<S>,
     signals: Signals<S>,
 }
-
-moving!(Simulation { motion, command, ticks, status, recorder, signals } { rover, step_size });
 
 impl<S: Scalar> Simulation<S> {
     /// A rover at rest above `x0` (m), settled on its soil, stepped by `step_size` (s).

@@ -4,9 +4,9 @@ use super::{Energies, Event, Status, Window};
 use crate::integrator::Integrator;
 use crate::rover::dynamics::DynamicsError;
 use crate::rover::{Rover, State};
-use crate::scalar::{Mask, Scalar};
+use crate::scalar::{LaneAccess, Mask, Scalar, lanes};
 use crate::signals::Command;
-use crate::snapshot::moving_beside;
+use crate::snapshot::Moving;
 use num_traits::Signed;
 
 /// Pitch beyond which the rover counts as tipped over, rad.
@@ -21,7 +21,7 @@ pub(crate) struct Outcome<M> {
 
 impl<M: Mask> Outcome<M> {
     /// Where the run has ended.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub fn ended(&self) -> M {
         self.tipped | self.sunk | self.belly | self.stuck
     }
@@ -43,16 +43,13 @@ impl<M: Mask> Outcome<M> {
 }
 
 /// What an inner step changes, of one rover or of several in SIMD lanes.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Moving, LaneAccess)]
 pub(crate) struct StepState<S: Scalar = f64> {
     pub state: State<S>,
     pub integrator: Integrator<S>,
     pub energies: Energies<S>,
     pub window: Window<S::Plain>,
 }
-
-// Of the integrator's memory only the evaluation at the present state outlives a step.
-moving_beside!(StepState<f64> { state, integrator, energies, window });
 
 impl<S: Scalar> StepState<S> {
     /// A rover in `state` under `command`.
@@ -72,74 +69,68 @@ impl<S: Scalar> StepState<S> {
     ///
     /// # Errors
     /// [`DynamicsError`] of any; nothing has changed then.
+    #[lanes(entry)]
     pub fn change_command<C: Copy + Into<S>>(
         &mut self,
         rover: &Rover<S>,
         command: &Command<C>,
         mask: S::Mask,
     ) -> Result<(), DynamicsError> {
-        S::wide(
-            #[cfg_attr(feature = "batch", inline(always))]
-            || {
-                let Self { state, integrator, energies, .. } = self;
-                let before = integrator.now.mechanical_energy(rover, state);
-                integrator.change(rover, state, command, mask)?;
-                let after = integrator.now.mechanical_energy(rover, state);
-                energies.drive = S::select(mask, energies.drive + (after - before), energies.drive);
-                Ok(())
-            },
-        )
+        S::wide(|| {
+            let Self { state, integrator, energies, .. } = self;
+            let before = integrator.now.mechanical_energy(rover, state);
+            integrator.change(rover, state, command, mask)?;
+            let after = integrator.now.mechanical_energy(rover, state);
+            energies.drive = S::select(mask, energies.drive + (after - before), energies.drive);
+            Ok(())
+        })
     }
 
     /// One inner step.
     ///
     /// # Errors
     /// [`DynamicsError`] of any; nothing has moved then.
+    #[lanes(entry)]
     pub fn step<C: Copy + Into<S>>(
         &mut self,
         rover: &Rover<S>,
         command: &Command<C>,
         step_size: f64,
     ) -> Result<(), DynamicsError> {
-        S::wide(
-            #[cfg_attr(feature = "batch", inline(always))]
-            || {
-                let before = self.integrator.now.powers();
-                self.integrator.step(rover, &mut self.state, command, step_size)?;
-                self.integrator.warm(rover, &mut self.state, step_size);
-                let after = self.integrator.now.powers();
-                self.energies.add(&before, &after, step_size);
-                Ok(())
-            },
-        )
+        S::wide(|| {
+            let before = self.integrator.now.powers();
+            self.integrator.step(rover, &mut self.state, command, step_size)?;
+            self.integrator.warm(rover, &mut self.state, step_size);
+            let after = self.integrator.now.powers();
+            self.energies.add(&before, &after, step_size);
+            Ok(())
+        })
     }
 
     /// What the step just made has ended in.
+    #[lanes(entry)]
     pub fn outcome(&mut self, rover: &Rover<S>, step_size: f64) -> Outcome<S::Mask> {
-        S::wide(
-            #[cfg_attr(feature = "batch", inline(always))]
-            || {
-                let radius = rover.true_wheel().radius.plain();
-                let wheels = &self.integrator.now.wheels;
-                let none = S::Mask::from_lanes(|_| false);
-                let mut sunk = none;
-                for wheel in wheels {
-                    sunk = sunk | radius.at_most(wheel.sinkage.plain());
-                }
-                let speeds = wheels.iter().map(|wheel| wheel.speed.plain());
-                Outcome {
-                    tipped: self.state.position[2].plain().abs().over(TIPPED),
-                    sunk,
-                    belly: belly_clearance(rover, &self.state).under(0.0),
-                    stuck: self.window.stuck(self.state.position[0].plain(), speeds, radius, step_size),
-                }
-            },
-        )
+        S::wide(|| {
+            let radius = rover.true_wheel().radius.plain();
+            let wheels = &self.integrator.now.wheels;
+            let none = S::Mask::from_lanes(|_| false);
+            let mut sunk = none;
+            for wheel in wheels {
+                sunk = sunk | radius.at_most(wheel.sinkage.plain());
+            }
+            let speeds = wheels.iter().map(|wheel| wheel.speed.plain());
+            Outcome {
+                tipped: self.state.position[2].plain().abs().over(TIPPED),
+                sunk,
+                belly: belly_clearance(rover, &self.state).under(0.0),
+                stuck: self.window.stuck(self.state.position[0].plain(), speeds, radius, step_size),
+            }
+        })
     }
 }
 
 /// Least height of the belly, a straight line between the outer wheels of the chassis, above the ground, m.
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 pub(crate) fn belly_clearance<S: Scalar>(rover: &Rover<S>, state: &State<S>) -> S::Plain {
     const POINTS: usize = 7;
     let mounts = &rover.wheels;

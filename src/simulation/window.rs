@@ -1,7 +1,7 @@
 //! Progress beside the way of the rims: whether a rover is stuck.
 
-use crate::scalar::{Mask, Plain};
-use crate::snapshot::moving_beside;
+use crate::scalar::{LaneAccess, Mask, Plain, lanes};
+use crate::snapshot::Moving;
 
 /// Progress under this share of the rim's travel, over a window of rim travel, is being stuck.
 const STUCK_SHARE: f64 = 0.02;
@@ -9,7 +9,7 @@ const STUCK_SHARE: f64 = 0.02;
 const STUCK_WINDOW: f64 = 6.0;
 
 /// Progress since the present window of rim travel began.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Moving, LaneAccess)]
 pub(crate) struct Window<R = f64> {
     start_x: R,
     /// Path of the rims, mean over the wheels: without and with sign, m.
@@ -17,16 +17,13 @@ pub(crate) struct Window<R = f64> {
     rim_progress: R,
 }
 
-moving_beside!(Window { start_x, rim_travel, rim_progress });
-
+#[lanes]
 impl<R: Plain> Window<R> {
     /// A window that begins at `x`.
-    #[cfg_attr(feature = "batch", inline(always))]
     pub fn at(x: R) -> Self {
         Self { start_x: x, rim_travel: R::from(0.0), rim_progress: R::from(0.0) }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
     fn restart(&mut self, mask: R::Mask, x: R) {
         let zero = R::from(0.0);
         self.start_x = R::select(mask, x, self.start_x);
@@ -35,7 +32,6 @@ impl<R: Plain> Window<R> {
     }
 
     /// Takes in one step that ended at `x` with these wheel `speeds`; whether it closes a window without progress.
-    #[cfg_attr(feature = "batch", inline(always))]
     pub fn stuck(
         &mut self,
         x: R,

@@ -2,8 +2,8 @@
 //!
 //! Bytes hold what a step changes and nothing else: constants follow from the model. So a state is read in place, into a
 //! run of the same model, whose shapes are there already: no length in the bytes decides about memory, and a number that
-//! does not fit is an error with a name. Each moving part lists its fields once, by `moving!`,
-//! from which writing and reading both follow. (A general format with derives would write the constants too, or need a
+//! does not fit is an error with a name. Writing and reading of a part both follow from its fields, by
+//! a derive. (A general format would write the constants too, or need a
 //! second struct beside each; and it would be one more library in an FMU, whose size counts.)
 //!
 //! Numbers are little-endian, floating point as its IEEE 754 bits. A frame holds them together:
@@ -24,9 +24,10 @@ mod bytes;
 mod frame;
 mod moving;
 
+pub(crate) use crate::scalar::Moving;
 pub use bytes::{Reader, Writer};
 pub use frame::{Fingerprint, FrameError, close, open};
-pub(crate) use moving::{Moving, load_all, load_grown, loaded, moving, moving_beside, moving_code, save_all};
+pub(crate) use moving::{Moving, load_all, load_grown, loaded, moving_code, save_all};
 
 /// Why a state cannot be written or taken over.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -9,7 +9,7 @@ use rand_chacha::rand_core::SeedableRng;
 /// Most entries of a list that the model does not size.
 const MOST: u64 = 1024;
 
-/// A part of a run with something that moves.
+/// A part of a run with something that moves. The derive of the same name implements it for a struct, field by field.
 pub(crate) trait Moving {
     /// Writes what moves.
     fn save(&self, to: &mut Writer);
@@ -17,39 +17,6 @@ pub(crate) trait Moving {
     /// Reads what moves, into a part of the same shape. After an error it is of no use any more.
     fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError>;
 }
-
-/// Lists the moving fields of a struct, in the order in which they are written, and then those that follow from the model
-/// or from the moving ones. Every field has to be in one of both lists, or it does not compile.
-macro_rules! moving {
-    ($part:ty { $($field:ident),* $(,)? } $({ $($constant:ident),* $(,)? })?) => {
-        impl $crate::snapshot::Moving for $part {
-            fn save(&self, to: &mut $crate::snapshot::Writer) {
-                let Self { $($field,)* $($($constant: _,)*)? } = self;
-                $($crate::snapshot::Moving::save($field, to);)*
-            }
-
-            fn load(&mut self, from: &mut $crate::snapshot::Reader) -> Result<(), $crate::snapshot::SnapshotError> {
-                let Self { $($field,)* $($($constant: _,)*)? } = self;
-                $($crate::snapshot::Moving::load($field, from)?;)*
-                Ok(())
-            }
-        }
-    };
-}
-pub(crate) use moving;
-
-/// [`moving!`], and [`beside!`](crate::scalar::beside) with the same fields.
-macro_rules! moving_beside {
-    ($part:ident<$number:ident> $($fields:tt)*) => {
-        $crate::snapshot::moving!($part<$number> $($fields)*);
-        $crate::scalar::beside!($part $($fields)*);
-    };
-    ($part:ident { $($fields:tt)* } $($other:tt)*) => {
-        $crate::snapshot::moving!($part { $($fields)* } $($other)*);
-        $crate::scalar::beside!($part { $($fields)* } $($other)*);
-    };
-}
-pub(crate) use moving_beside;
 
 /// Lists the values of an enumeration with the codes by which they are written.
 macro_rules! moving_code {

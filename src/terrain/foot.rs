@@ -9,7 +9,7 @@
 use super::TerrainError;
 use super::curve::{Curve, Sample};
 use super::lanes::LaneTerrains;
-use crate::scalar::{Mask, Plain, Scalar};
+use crate::scalar::{Mask, Plain, Scalar, lanes};
 
 /// Point of the profile nearest to a wheel's centre, and the frame there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +42,7 @@ const BISECTIONS: usize = 80;
 const OSCULATING: f64 = 1e-6;
 
 /// g and g' at a point of the profile.
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 fn stationarity<S: Scalar>(sample: &Sample<S>, x: S, [centre_x, centre_z]: [S; 2]) -> (S, S) {
     let gap = centre_z - sample.height;
     let g = x - centre_x - gap * sample.slope;
@@ -74,7 +74,7 @@ pub(super) fn foot<S: Scalar>(
 ///
 /// # Errors
 /// As [`foot`].
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 pub(super) fn on_plane<S: Scalar>(angle: S, centre: [S; 2]) -> Result<Foot<S>, TerrainError> {
     let (sin, cos) = angle.sine_cosine();
     let [x, z] = centre;
@@ -91,7 +91,7 @@ pub(super) fn on_plane<S: Scalar>(angle: S, centre: [S; 2]) -> Result<Foot<S>, T
 }
 
 /// The frame at a point of the profile, seen from `centre`.
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 pub(super) fn frame<S: Scalar>(x: S, sample: &Sample<S>, centre: [S; 2]) -> Foot<S> {
     let cos = (sample.slope * sample.slope + 1.0).sqrt().recip();
     let sin = sample.slope * cos;
@@ -139,7 +139,7 @@ fn nearest(curve: &impl Curve<f64>, centre: [f64; 2]) -> Result<(f64, Sample<f64
 
 /// Newton's method from below the centre, where the mask says so; also where it has arrived, within the interval that
 /// holds the nearest point.
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 fn newton<R: Plain>(curve: &impl Curve<R>, centre: [R; 2], below: Sample<R>, mask: R::Mask) -> (R, Sample<R>, R::Mask) {
     let clearance = (centre[1] - below.height).abs();
     let (mut x, mut sample) = (centre[0], below);
@@ -166,7 +166,7 @@ fn newton<R: Plain>(curve: &impl Curve<R>, centre: [R; 2], below: Sample<R>, mas
 ///
 /// # Errors
 /// As [`foot`], of the first that has one.
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 pub(super) fn side_by_side<R: Plain>(
     curves: &impl Curve<R>,
     most: R,
@@ -223,9 +223,9 @@ struct Search<'a, C> {
     best: Option<(f64, Sample<f64>)>,
 }
 
+#[lanes]
 impl<R: Plain> Foot<R> {
     /// The same with constants of another scalar.
-    #[cfg_attr(feature = "batch", inline(always))]
     fn constant<S: Scalar<Plain = R>>(self) -> Foot<S> {
         let pair = |[a, b]: [R; 2]| [S::from_plain(a), S::from_plain(b)];
         Foot {
@@ -242,7 +242,7 @@ impl<R: Plain> Foot<R> {
 ///
 /// # Errors
 /// As [`foot`].
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 pub(super) fn on_formula<S: Scalar, C: Curve<f64>>(
     curve: &impl Curve<S>,
     sides: &impl Curve<S::Plain>,
@@ -264,7 +264,7 @@ pub(super) fn on_formula<S: Scalar, C: Curve<f64>>(
 ///
 /// # Errors
 /// As [`foot`].
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 pub(super) fn on_several<S: Scalar>(several: &LaneTerrains, centre: [S; 2]) -> Result<Foot<S>, TerrainError> {
     Ok(several.foot([centre[0].plain(), centre[1].plain()])?.constant())
 }

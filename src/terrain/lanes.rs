@@ -5,7 +5,7 @@ use super::foot::{self, Foot};
 use super::random::Sums;
 use super::samples::cubic;
 use super::{Profile, Terrain, TerrainError};
-use crate::scalar::{MOST_LANES, Plain, Scalar};
+use crate::scalar::{MOST_LANES, Plain, Scalar, lanes};
 use crate::soil::Soil;
 use bekker_modeldescription::Parameters;
 
@@ -65,7 +65,7 @@ impl LaneTerrains {
         !matches!(self.shape, Shape::Elsewhere)
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub fn foot<R: Plain>(&self, centre: [R; 2]) -> Result<Foot<R>, TerrainError> {
         let one = |k: usize| self.grounds[k].foot(centre.map(|c| c.lane(k)));
         let feet = foot::side_by_side(self, self.most_bend(), one, centre)?;
@@ -79,7 +79,7 @@ impl LaneTerrains {
     }
 
     /// The soil at `x` where there are tables.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub fn soil<S: Scalar>(&self, base: &Soil<S>, x: S) -> Soil<S> {
         if self.tables { self.soil_of_tables(base, x) } else { *base }
     }
@@ -105,7 +105,7 @@ impl LaneTerrains {
 }
 
 impl<R: Plain> Curve<R> for LaneTerrains {
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn at(&self, x: R) -> Sample<R> {
         if let Shape::Random(sums) = &self.shape {
             return sums.at(x);
@@ -125,7 +125,7 @@ impl<R: Plain> Curve<R> for LaneTerrains {
         f64::INFINITY
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn most_bend(&self) -> R {
         match &self.shape {
             Shape::Elsewhere => R::from(f64::INFINITY),

@@ -26,7 +26,7 @@ pub use samples::{Samples, SamplesError};
 pub use soil_table::{SoilColumn, SoilTable, SoilTableError};
 pub use spec::{Preset, SoilSpec, TerrainSpec, TerrainSpecError};
 
-use crate::scalar::{Plain, Scalar};
+use crate::scalar::{Plain, Scalar, lanes};
 use crate::soil::Soil;
 use bekker_modeldescription::{Parameters, Variable};
 use curve::Curve;
@@ -101,7 +101,7 @@ impl<S: Scalar> Terrain<S> {
 
     /// Height, slope and curvature at `x`. Beyond the samples of a sampled profile it goes on straight.
     #[must_use]
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub fn at(&self, x: S) -> Sample<S> {
         if let Some(several) = self.several.as_ref().filter(|several| several.shapes()) {
             let Sample { height, slope, curvature } = Curve::at(&**several, x.plain());
@@ -124,7 +124,7 @@ impl<S: Scalar> Terrain<S> {
     ///
     /// # Errors
     /// [`TerrainError`]: beyond the samples, too far from the ground, or not finite.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub fn foot(&self, centre: [S; 2]) -> Result<Foot<S>, TerrainError> {
         if let Some(several) = self.several.as_ref().filter(|several| several.shapes()) {
             return foot::on_several(several, centre);
@@ -147,7 +147,7 @@ impl<S: Scalar> Terrain<S> {
     }
 
     /// The soil at `x`: `base` with what the table says there; `base` itself, bit for bit, without a table.
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     #[must_use]
     pub fn soil(&self, base: &Soil<S>, x: S) -> Soil<S> {
         if let Some(several) = &self.several {
@@ -186,7 +186,9 @@ impl<S: Scalar> Terrain<S> {
             _ => (f64::NEG_INFINITY, f64::INFINITY),
         }
     }
+}
 
+impl<S: Copy> Terrain<S> {
     /// The same ground over another scalar.
     #[must_use]
     pub fn map<T>(&self, f: &dyn Fn(S) -> T) -> Terrain<T> {

@@ -1,7 +1,7 @@
 //! Profiles by formula: slope, waves, ditch, step.
 
 use super::curve::{Curve, Sample, cut_at};
-use crate::scalar::{Mask, Scalar, always};
+use crate::scalar::{Mask, Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 use std::f64::consts::TAU;
 
@@ -53,14 +53,11 @@ fn level<S: Scalar>(height: S) -> Sample<S> {
     Sample { height, slope: S::from(0.0), curvature: S::from(0.0) }
 }
 
+#[lanes]
 impl<S: Scalar> Sample<S> {
     /// `self`, or level ground at `height` where the mask says so.
-    #[cfg_attr(feature = "batch", inline(always))]
     fn or_level(self, mask: S::Mask, height: S) -> Self {
-        let choose = always(
-            #[cfg_attr(feature = "batch", inline(always))]
-            |level: S, own: S| S::select(mask, level, own),
-        );
+        let choose = |level: S, own: S| S::select(mask, level, own);
         Self {
             height: choose(height, self.height),
             slope: choose(S::from(0.0), self.slope),
@@ -87,7 +84,7 @@ impl<S: Scalar> Curve<S> for Slope<S> {
 }
 
 impl<S: Scalar> Curve<S> for Waves<S> {
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn at(&self, x: S) -> Sample<S> {
         let along = x - self.start;
         let before = along.under(0.0);
@@ -114,7 +111,7 @@ impl<S: Scalar> Curve<S> for Waves<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn most_bend(&self) -> S {
         let k = S::from(TAU) / self.wavelength;
         self.amplitude * k * k
@@ -134,7 +131,7 @@ impl<S: Scalar> Ditch<S> {
 }
 
 impl<S: Scalar> Curve<S> for Ditch<S> {
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn at(&self, x: S) -> Sample<S> {
         let along = x - self.position;
         let outside = (self.width * 0.5).at_most(along.abs());
@@ -161,7 +158,7 @@ impl<S: Scalar> Curve<S> for Ditch<S> {
         }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn most_bend(&self) -> S {
         let k = S::from(TAU) / self.width;
         self.depth.abs() * 0.5 * k * k
@@ -180,7 +177,7 @@ impl<S: Scalar> Step<S> {
 }
 
 impl<S: Scalar> Curve<S> for Step<S> {
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn at(&self, x: S) -> Sample<S> {
         let u = (x - self.position) / self.length;
         let (before, behind) = (u.at_most(S::from(0.0)), S::from(1.0).at_most(u));
@@ -205,7 +202,7 @@ impl<S: Scalar> Curve<S> for Step<S> {
         if from < left || to > right { face.max(0.0) } else { face }
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn most_bend(&self) -> S {
         // At the ends of the face; a little more than rounding makes of it.
         self.height.abs() * 6.000_001 / (self.length * self.length)

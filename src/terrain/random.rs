@@ -2,9 +2,9 @@
 
 use super::curve::{Curve, Sample};
 use super::preset::bend_nearby;
-use crate::scalar::Scalar;
 #[cfg(feature = "batch")]
-use crate::scalar::{MOST_LANES, Plain};
+use crate::scalar::{MOST_LANES, MapScalar, Plain};
+use crate::scalar::{Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -35,7 +35,7 @@ parameters! {
 }
 
 /// Random ground of one seed. The same seed gives the same ground everywhere, whatever the spectrum.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, MapScalar)]
 pub struct Random<S = f64> {
     /// Roughness, longest wavelength and spectral exponent.
     pub spectrum: Spectrum<S>,
@@ -60,10 +60,6 @@ impl<S: Scalar> Random<S> {
     #[must_use]
     pub fn seed(&self) -> u32 {
         self.seed
-    }
-
-    pub(super) fn map<T>(&self, f: &dyn Fn(S) -> T) -> Random<T> {
-        Random { spectrum: self.spectrum.map(f), seed: self.seed, phases: Arc::clone(&self.phases) }
     }
 
     /// The sum with its amplitudes worked out, for one or more evaluations.
@@ -109,7 +105,7 @@ impl<'a, S: Scalar> Sum<'a, S> {
 }
 
 /// Height, slope and curvature of a sum at `x`; `P` is what its phases are given in.
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 fn sample<S: Scalar + Mul<P, Output = S>, P: Copy>(
     x: S,
     wavenumber: impl Fn(usize) -> S,
@@ -137,7 +133,7 @@ fn sample<S: Scalar + Mul<P, Output = S>, P: Copy>(
 }
 
 impl<S: Scalar> Curve<S> for Sum<'_, S> {
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn at(&self, x: S) -> Sample<S> {
         sample(x, |v| self.wavenumber[v], |j| self.amplitude[j], |j| self.phases[j])
     }
@@ -176,7 +172,7 @@ impl Sums {
 
 #[cfg(feature = "batch")]
 impl<R: Plain> Curve<R> for Sums {
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn at(&self, x: R) -> Sample<R> {
         let several = |row: &Row| R::from_lanes(|k| row[k]);
         sample(
@@ -192,7 +188,7 @@ impl<R: Plain> Curve<R> for Sums {
         f64::INFINITY
     }
 
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     fn most_bend(&self) -> R {
         R::from_lanes(|k| self.most_bend[k])
     }

@@ -1,7 +1,7 @@
 //! Profile by samples: a C1 cubic Hermite curve, monotone where the samples are (Fritsch and Carlson 1980).
 
 use super::curve::{Curve, Sample};
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, lanes};
 
 /// z = z_0 + u (c_1 + u (c_2 + u c_3)) with u = x - x_0, from x_0 to the next piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -136,7 +136,7 @@ impl Samples {
     }
 
     /// The piece that holds `x`: [x_0, z_0, c_1, c_2, c_3].
-    #[cfg_attr(feature = "batch", inline(always))]
+    #[lanes]
     pub(super) fn piece(&self, x: f64) -> [f64; 5] {
         let Piece { start, height, c } = self.pieces[self.locate(x)];
         [start, height, c[0], c[1], c[2]]
@@ -193,7 +193,7 @@ impl<S: Scalar> Curve<S> for Samples {
 }
 
 /// A piece at `x`, as [`Samples::piece`] gives it.
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 pub(super) fn cubic<S: Scalar>(x: S, [start, height, c_1, c_2, c_3]: [S; 5]) -> Sample<S> {
     let u = x - start;
     Sample {

@@ -2,7 +2,7 @@
 //! band around the wanted one.
 
 use super::RoughTerrainControl;
-use crate::snapshot::moving;
+use crate::snapshot::Moving;
 
 /// A wheel that carries is told from one in the air by its torque; between once and this many times the least
 /// torque on the ground nothing changes.
@@ -29,14 +29,12 @@ pub(super) struct Speeds {
 /// A wheel that runs above its band, and faster than the body by as much, on less torque than the least load on the
 /// ground could answer, r N_min tan phi, is off the ground: it gets no torque but its loop's, which keeps it near the
 /// speed of the ground, and the other wheels share the whole. Once that takes twice this torque it carries again.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Moving)]
 pub struct SpeedLoop {
     /// Integral part, N m.
     integral: f64,
     lifted: bool,
 }
-
-moving!(SpeedLoop { integral, lifted });
 
 impl SpeedLoop {
     /// Whether the wheel is off the ground.

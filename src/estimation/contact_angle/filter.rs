@@ -14,7 +14,7 @@
 //! angles vanish or coincide, and the filter keeps what it knew.
 
 use super::equation::Equation;
-use crate::snapshot::moving;
+use crate::snapshot::Moving;
 use nalgebra::{Matrix2, SMatrix, SVector};
 
 pub(super) const ALPHA: usize = 0;
@@ -79,7 +79,7 @@ pub struct PairReading {
 }
 
 /// Normalised innovation squared of one update, and how many measurements it sums up.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Moving)]
 pub struct Innovation {
     /// Sum of innovation^2/variance; chi-square distributed with `count` degrees of freedom in a consistent filter.
     pub nis: f64,
@@ -87,11 +87,10 @@ pub struct Innovation {
     pub count: usize,
 }
 
-moving!(Innovation { nis, count });
-
 /// The filter of one pair; a value of fixed size.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Moving)]
 pub struct PairFilter {
+    #[not_moving]
     model: PairModel,
     state: State,
     covariance: Covariance,
@@ -99,8 +98,6 @@ pub struct PairFilter {
     bias: f64,
     restarts: u32,
 }
-
-moving!(PairFilter { state, covariance, bias, restarts } { model });
 
 impl PairFilter {
     /// A filter that starts at a reading, its angles along the ground's mean.

@@ -25,7 +25,7 @@ use super::equation::{Linearised, predict_at};
 use super::held::{Gaussian, Held};
 use super::parameters::SoilIdentification;
 use super::reading::{Deviations, Reading, StrengthParameters};
-use crate::snapshot::moving;
+use crate::snapshot::Moving;
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 use nalgebra::{Matrix3, Vector3};
@@ -65,20 +65,23 @@ pub enum Update {
 }
 
 /// Recursive estimate of the soil's strength from readings of driven wheels.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Moving)]
 pub struct StrengthFilter {
+    #[not_moving]
     wheel: Wheel,
+    #[not_moving]
     soil: Soil,
+    #[not_moving]
     parameters: SoilIdentification,
+    #[not_moving]
     deviations: [f64; 3],
+    #[not_moving]
     prior: Vector3<f64>,
     absorbed: Gaussian,
     held: [Held; HELD],
     count: usize,
     estimate: Gaussian,
 }
-
-moving!(StrengthFilter { absorbed, held, count, estimate } { wheel, soil, parameters, deviations, prior });
 
 impl StrengthFilter {
     /// A filter whose prior has the strength of `soil` as its mean; of `soil` also the exponent and c1, c2 are used.

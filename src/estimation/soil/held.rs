@@ -1,21 +1,21 @@
 //! What the filter keeps: a Gaussian, and readings whose equations stay open.
 
 use super::reading::{Deviations, Reading};
-use crate::snapshot::moving;
+use crate::snapshot::Moving;
 use nalgebra::{Matrix3, Vector3};
 
 /// Units in which two readings are alike: of ln load and of slip.
 const ALIKE: [f64; 2] = [0.2, 0.1];
 
 /// Mean and covariance of (c, phi, ln K).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Moving)]
 pub(super) struct Gaussian {
     pub mean: Vector3<f64>,
     pub covariance: Matrix3<f64>,
 }
 
 /// A reading and its equation y = slope x + noise about the point `at`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Moving)]
 pub(super) struct Held {
     pub reading: Reading,
     pub errors: Deviations,
@@ -30,9 +30,6 @@ pub(super) struct Held {
     /// Whether it has not been brought to its likely inputs yet.
     pub fresh: bool,
 }
-
-moving!(Gaussian { mean, covariance });
-moving!(Held { reading, errors, guess, at, slope, y, variance, weight, fresh });
 
 impl Gaussian {
     pub fn spread(&self, held: &Held) -> f64 {

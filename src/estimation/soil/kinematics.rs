@@ -5,7 +5,7 @@ use super::super::EstimationError;
 use super::super::error::{finite, same_count};
 use crate::control::{ControlError, Nominal};
 use crate::signals::Measurement;
-use crate::snapshot::moving;
+use crate::snapshot::Moving;
 use crate::vehicle::{MAX_COORDINATES, MAX_WHEELS};
 
 /// Most passive joints of a rover: what is left of the coordinates without x, z and pitch.
@@ -123,13 +123,12 @@ pub struct SinkageChange {
 /// Sinkage from changes of the suspension's configuration (2.27), (2.28): a wheel that digs itself in on flat ground
 /// lowers its centre against the others'. Each other wheel closes one loop ((A.1)-(A.3) in the plane); the static
 /// sinkage at the start is not observable this way.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Moving)]
 pub struct KinematicSinkage {
+    #[not_moving]
     nominal: Nominal,
     heights: [f64; MAX_WHEELS],
 }
-
-moving!(KinematicSinkage { heights } { nominal });
 
 impl KinematicSinkage {
     /// The configuration Q_1 at the start.

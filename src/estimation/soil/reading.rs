@@ -2,12 +2,12 @@
 
 use super::super::EstimationError;
 use super::super::error::finite;
-use crate::snapshot::moving;
+use crate::snapshot::Moving;
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 
 /// A driven wheel at one instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Moving)]
 pub struct Reading {
     /// Load along the ground's normal W, N.
     pub load: f64,
@@ -19,10 +19,8 @@ pub struct Reading {
     pub slip: f64,
 }
 
-moving!(Reading { load, torque, sinkage, slip });
-
 /// Standard deviations of a reading's errors.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Moving)]
 pub struct Deviations {
     /// Of the load, N.
     pub load: f64,
@@ -33,8 +31,6 @@ pub struct Deviations {
     /// Of the slip.
     pub slip: f64,
 }
-
-moving!(Deviations { load, torque, sinkage, slip });
 
 /// What is estimated: cohesion, friction angle and the logarithm of the shear modulus.
 #[derive(Clone, Copy, Debug, PartialEq)]

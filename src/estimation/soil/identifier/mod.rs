@@ -19,7 +19,7 @@ use super::reading::{Deviations, Reading, StrengthParameters};
 use super::sinkage::sinkage_under_load;
 use crate::control::Nominal;
 use crate::signals::Measurement;
-use crate::snapshot::{Moving, Reader, SnapshotError, Writer, loaded, moving};
+use crate::snapshot::{Moving, Reader, SnapshotError, Writer, loaded};
 use crate::soil::Soil;
 use crate::vehicle::MAX_WHEELS;
 
@@ -87,7 +87,7 @@ impl Moving for WheelUse {
 }
 
 /// The configuration at the start of an identification experiment.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Moving)]
 struct Start {
     kinematics: KinematicSinkage,
     /// Sinkages then, from the loads, m.
@@ -95,8 +95,6 @@ struct Start {
     /// Distance travelled since, m.
     travelled: f64,
 }
-
-moving!(Start { kinematics, sinkage, travelled });
 
 /// What the update of one wheel needs of the rest.
 struct Scene<'a> {
@@ -108,7 +106,7 @@ struct Scene<'a> {
 }
 
 /// Readings of one wheel on the way to their mean.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Moving)]
 struct Sums {
     count: f64,
     /// Time of the first one, s.
@@ -120,8 +118,6 @@ struct Sums {
     velocity: f64,
     rim_speed: f64,
 }
-
-moving!(Sums { count, since, first_velocity, load, torque, velocity, rim_speed });
 
 /// The soil's strength from a rover's sensors.
 ///

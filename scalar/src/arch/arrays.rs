@@ -1,11 +1,11 @@
 //! Plain arrays.
 
 use super::{Arch, Bits, WIDTH};
-use crate::scalar::{Mask, Plain};
+use crate::{Mask, Plain};
 
 /// Plain arrays, which the compiler puts on whatever every processor of the target has.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Arrays;
+pub struct Arrays;
 
 #[inline(always)]
 fn each<const N: usize>(f: impl FnMut(usize) -> f64) -> [f64; N] {

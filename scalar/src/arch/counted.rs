@@ -5,7 +5,7 @@ use std::cell::Cell;
 
 /// Operations on eight numbers side by side, each counted once for all eight.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Operations {
+pub struct Operations {
     /// Sums, differences and products, one floating-point operation of each number.
     pub sums_and_products: u64,
     /// Quotients and square roots, which take many times as long.
@@ -19,7 +19,7 @@ thread_local! {
 }
 
 /// What `f` does on this thread.
-pub(crate) fn operations<T>(f: impl FnOnce() -> T) -> (T, Operations) {
+pub fn operations<T>(f: impl FnOnce() -> T) -> (T, Operations) {
     let before = DONE.replace(Operations::default());
     let result = f();
     (result, DONE.replace(before))
@@ -33,7 +33,7 @@ fn count(one: impl FnOnce(&mut Operations) -> &mut u64) {
 
 /// [`Arrays`], counted.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Counted;
+pub struct Counted;
 
 /// Operations of [`Arrays`] under a count.
 macro_rules! counted {

@@ -1,5 +1,5 @@
-//! The number that the physics computes with: `f64`, a dual number that carries exact derivatives, or the same quantity
-//! of eight rovers side by side.
+//! The number that Bekker's physics computes with: `f64`, a dual number that carries exact derivatives, or the same quantity
+//! of eight rovers in SIMD lanes (feature `batch`).
 //!
 //! There is one physics for all of them. What differs from number to number within the eight is written as a choice
 //! ([`Scalar::select`]) instead of a branch; `f64` takes the same choices and calls the same elementary functions
@@ -8,9 +8,10 @@
 
 #[cfg(feature = "batch")]
 mod arch;
-mod beside;
 mod dual;
 pub mod functions;
+#[cfg(feature = "batch")]
+mod lane_access;
 #[cfg(feature = "batch")]
 mod lanes;
 mod part;
@@ -21,25 +22,25 @@ use num_dual::DualNum;
 use std::ops::{BitAnd, BitOr, Not};
 
 #[cfg(feature = "batch")]
-pub(crate) use arch::{Arch, Arrays, WIDTH};
+pub use arch::{Arch, Arrays, WIDTH};
 #[cfg(all(feature = "batch", target_arch = "x86_64"))]
-pub(crate) use arch::{Avx2, Avx512};
-#[cfg(all(test, feature = "batch"))]
-pub(crate) use arch::{Counted, Operations, operations};
-#[cfg(feature = "batch")]
-pub(crate) use beside::Beside;
-pub(crate) use beside::beside;
+pub use arch::{Avx2, Avx512};
+#[cfg(feature = "counted")]
+pub use arch::{Counted, Operations, operations};
+pub use bekker_derive::{LaneAccess, MapScalar, Moving, lanes};
 pub use dual::Dual;
 #[cfg(feature = "batch")]
-pub(crate) use lanes::Lanes;
-pub use part::{Both, Part, PartDual};
-pub(crate) use plain::ROUNDING;
+pub use lane_access::LaneAccess;
 #[cfg(feature = "batch")]
+pub use lanes::Lanes;
+pub use part::{Both, Part, PartDual};
+use plain::ROUNDING;
+#[cfg(all(feature = "batch", target_arch = "x86_64"))]
 use plain::{SPLIT_BIAS, SPLIT_FRACTION, SPLIT_MAGIC, SPLIT_ROOT, SPLIT_SHIFT};
 pub use smooth::{smooth_step, smooth_step_slope};
 
 /// Most numbers side by side.
-pub(crate) const MOST_LANES: usize = 8;
+pub const MOST_LANES: usize = 8;
 
 /// Yes or no, for each of the numbers side by side.
 pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
@@ -249,9 +250,9 @@ pub trait Plain: Scalar<Plain = Self> {
     }
 }
 
-/// The closure itself. An attribute `#[inline(always)]` may stand before an argument, not before a value of `let`; what is not
-/// inlined is not compiled for the instructions of [`Scalar::wide`].
+/// The closure itself, for closures that are values of `let`: an attribute, with which [`lanes`](macro@lanes) marks a closure,
+/// may stand before an argument only.
 #[inline(always)]
-pub(crate) fn always<F>(f: F) -> F {
+pub fn always<F>(f: F) -> F {
     f
 }

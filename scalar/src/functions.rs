@@ -5,7 +5,7 @@
 //! where they suffice over the reduced range; for the arc sine and the logarithm the minimax coefficients of FDLIBM
 //! (Sun Microsystems 1993), for the arc tangent those of Cephes (Moshier 1989).
 
-use super::{Mask, Plain, ROUNDING};
+use super::{Mask, Plain, ROUNDING, lanes};
 use std::f64::consts::{FRAC_2_PI, LOG2_E};
 
 /// ln 2 in two parts; the first has 21 zero bits at its end, so that products with whole numbers are exact.
@@ -137,7 +137,7 @@ pub fn power<R: Plain>(x: R, exponent: R) -> R {
 }
 
 /// Arc tangent; relative error under 4e-16.
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 pub fn atan<R: Plain>(x: R) -> R {
     let size = x.abs();
     // tan(pi/8) and tan(3 pi/8): nearer to zero, to pi/4, to pi/2.
@@ -177,7 +177,7 @@ pub fn atan<R: Plain>(x: R) -> R {
 }
 
 /// Arc cosine; absolute error under 5e-16, relative error under 5e-16 for x >= 0.5; NaN outside -1..1.
-#[cfg_attr(feature = "batch", inline(always))]
+#[lanes]
 pub fn acos<R: Plain>(x: R) -> R {
     let size = x.abs();
     let inner = size.less(R::from(0.5));

@@ -4,12 +4,12 @@
 //! instruction set on this processor ([`Arch::there`]); loads and stores are of whole arrays.
 
 use super::{Arch, Avx2, Bits, WIDTH};
-use crate::scalar::{SPLIT_BIAS, SPLIT_FRACTION, SPLIT_MAGIC, SPLIT_ROOT, SPLIT_SHIFT};
+use crate::{SPLIT_BIAS, SPLIT_FRACTION, SPLIT_MAGIC, SPLIT_ROOT, SPLIT_SHIFT};
 use std::arch::x86_64::*;
 
 /// AVX-512: eight numbers in one register.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Avx512;
+pub struct Avx512;
 
 #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx512cd,avx2,bmi1,bmi2,lzcnt,popcnt")]
 fn wide_512<T>(f: impl FnOnce() -> T) -> T {

@@ -4,13 +4,13 @@
 //! instruction set on this processor ([`Arch::there`]); loads and stores are of whole arrays.
 
 use super::{Arch, WIDTH};
-use crate::scalar::{Mask, SPLIT_BIAS, SPLIT_FRACTION, SPLIT_MAGIC, SPLIT_ROOT, SPLIT_SHIFT, always};
+use crate::{Mask, SPLIT_BIAS, SPLIT_FRACTION, SPLIT_MAGIC, SPLIT_ROOT, SPLIT_SHIFT, always};
 use std::arch::x86_64::*;
 use std::ops::{BitAnd, BitOr, Not};
 
 /// AVX2: eight numbers in two registers.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Avx2;
+pub struct Avx2;
 
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
 fn wide_256<T>(f: impl FnOnce() -> T) -> T {
@@ -19,7 +19,7 @@ fn wide_256<T>(f: impl FnOnce() -> T) -> T {
 
 /// A mask of two registers, all bits of a number set where it is yes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Halves(__m256d, __m256d);
+pub struct Halves(__m256d, __m256d);
 
 impl Halves {
     #[inline(always)]

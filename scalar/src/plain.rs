@@ -3,7 +3,7 @@
 use super::{Plain, Scalar, functions};
 
 /// 1.5 2^52: numbers added to it are rounded to whole ones, which then stand in its low bits.
-pub(crate) const ROUNDING: f64 = 6_755_399_441_055_744.0;
+pub(super) const ROUNDING: f64 = 6_755_399_441_055_744.0;
 
 /// Added to the bits of a positive number, it carries into the exponent where the fraction is above that of sqrt 2.
 pub(super) const SPLIT_SHIFT: u64 = (0x3ff0_0000 - 0x3fe6_a09e) << 32;

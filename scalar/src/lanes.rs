@@ -11,7 +11,7 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Rem, RemAssi
 
 /// Eight numbers on the instruction set `A`.
 #[derive(Clone, Copy)]
-pub(crate) struct Lanes<A: Arch>(A::V);
+pub struct Lanes<A: Arch>(A::V);
 
 impl<A: Arch> Lanes<A> {
     /// The numbers.
