@@ -29,9 +29,9 @@ parameters! {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Soil<S> {
     /// Bekker's modulus k_c/b + k_phi for a contact of width `width`, N/m^(n+2).
-    #[lanes]
     pub fn modulus(&self, width: S) -> S {
         self.k_c / width + self.k_phi
     }
@@ -42,7 +42,6 @@ impl<S: Scalar> Soil<S> {
     }
 
     /// Multiplies Bekker's moduli k_c and k_phi by `factor`.
-    #[lanes]
     pub(crate) fn scale_moduli(&mut self, factor: S) {
         self.k_c *= factor;
         self.k_phi *= factor;

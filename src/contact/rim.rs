@@ -98,8 +98,8 @@ impl<S: Scalar> Sums<S> {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Rim<S> {
-    #[lanes]
     pub fn new(
         wheel: &Wheel<S>,
         soil: &Soil<S>,
@@ -161,7 +161,6 @@ impl<S: Scalar> Rim<S> {
     }
 
     /// Adds the points of both zones at `s`, with the quadrature's weight in s.
-    #[lanes]
     pub fn add(&self, sums: &mut Sums<S>, s: f64, weight: f64) {
         let s2 = s * s;
         let (front, rear) = (self.theta_1 - self.theta_m, self.theta_m - self.theta_2);
@@ -173,7 +172,6 @@ impl<S: Scalar> Rim<S> {
     }
 
     /// Adds the point of one zone at `s`, the front one where `in_front` says so.
-    #[lanes]
     pub fn add_in(&self, sums: &mut Sums<S>, in_front: S::Mask, s: S::Plain, weight: S::Plain) {
         let s2 = S::from_plain(s * s);
         let (front, rear) = (self.theta_1 - self.theta_m, self.theta_m - self.theta_2);
@@ -188,7 +186,6 @@ impl<S: Scalar> Rim<S> {
     }
 
     /// The point of the front zone at s^2 with its sine and cosine; normal stress and strength there.
-    #[lanes]
     fn load(&self, s2: S, front: S) -> ((S, S, S), (S, S)) {
         let theta = self.theta_1 - front * s2;
         let (sin, cos) = theta.sine_cosine();
@@ -198,7 +195,6 @@ impl<S: Scalar> Rim<S> {
     }
 
     /// Adds one point of the rim with the weight `d_theta`.
-    #[lanes]
     fn point(&self, sums: &mut Sums<S>, (theta, sin, cos): (S, S, S), (sigma, strength): (S, S), d_theta: S) {
         let (tau, slope) = match self.shear {
             Shear::Ratio(ratio) => {
@@ -224,7 +220,6 @@ impl<S: Scalar> Rim<S> {
     }
 
     /// Shear stress and its slope with lugs or a limited grip.
-    #[lanes]
     fn on_surface(&self, ratio: S, theta: S, sin: S, strength: S) -> (S, S) {
         // j/r = (r_s/r)(theta_s - theta) - V/(r omega) (sin theta_s - sin theta)
         let lift = self.sin_s - sin;
@@ -245,7 +240,6 @@ impl<S: Scalar> Rim<S> {
     /// Share of the strength that a rim transmits where the soil has built `b` of it up, and its slope in b: a blend of b
     /// and the grip g as of two asymptotes (Churchill and Usagi 1972), with the term that makes it g at b = 1. Powers are
     /// taken of ratios of at most 1, so that none overflows.
-    #[lanes]
     fn rounded(&self, b: S) -> (S, S) {
         let (one, g) = (S::from(1.0), self.grip);
         let w = self.rounding.larger(S::from(LEAST_ROUNDING));

@@ -37,15 +37,14 @@ impl<S> AsMut<Self> for Forces<S> {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Forces<S> {
     /// No force.
     #[must_use]
-    #[lanes]
     pub fn zero() -> Self {
         Self::filled(S::from(0.0))
     }
 
-    #[lanes]
     fn filled(value: S) -> Self {
         Self { normal: value, drawbar: value, torque: value }
     }
@@ -54,7 +53,6 @@ impl<S: Scalar> Forces<S> {
         Self { normal: self.normal, drawbar: -self.drawbar, torque: -self.torque }
     }
 
-    #[lanes]
     pub(super) fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
         Self {
             normal: S::select(mask, yes.normal, no.normal),
@@ -63,12 +61,10 @@ impl<S: Scalar> Forces<S> {
         }
     }
 
-    #[lanes]
     pub(crate) fn scaled(self, factor: S) -> Self {
         Self { normal: self.normal * factor, drawbar: self.drawbar * factor, torque: self.torque * factor }
     }
 
-    #[lanes]
     pub(crate) fn plus(self, other: Self) -> Self {
         Self {
             normal: self.normal + other.normal,
@@ -99,15 +95,14 @@ pub(super) struct Rolling<S> {
     pub by_spin: Forces<S>,
 }
 
+#[lanes]
 impl<S: Scalar> Rolling<S> {
-    #[lanes]
     fn sliding(forces: Forces<S>) -> Self {
         Self { forces, by_velocity: Forces::zero(), by_spin: Forces::zero() }
     }
 
     /// The same contact seen from the other side where the mask says so: (V, omega) -> (-V, -omega), (DP, T) ->
     /// (-DP, -T).
-    #[lanes]
     fn mirrored_where(self, mask: S::Mask) -> Self {
         let slope = |s: Forces<S>| Forces { normal: s.normal.negative_where(mask), ..s };
         let Forces { normal, drawbar, torque } = self.forces;
@@ -118,7 +113,6 @@ impl<S: Scalar> Rolling<S> {
         }
     }
 
-    #[lanes]
     fn select(mask: S::Mask, yes: Self, no: Self) -> Self {
         Self {
             forces: Forces::select(mask, yes.forces, no.forces),

@@ -28,6 +28,7 @@ pub(super) struct Condensed<S> {
     pub spin_by_turn: S,
 }
 
+#[lanes]
 impl<S: Scalar> Condensed<S> {
     pub fn zero() -> Self {
         let (zero, none) = (S::from(0.0), Forces::zero());
@@ -45,7 +46,6 @@ impl<S: Scalar> Condensed<S> {
         }
     }
 
-    #[lanes]
     pub fn new(rover: &Rover<S>, wheel: &WheelEvaluation<S>, drive: Drive, gh: f64) -> Self {
         let slopes = &wheel.touch.slopes;
         let hold_factor = (S::from(1.0) - slopes.rate_own * gh).recip();

@@ -129,12 +129,14 @@ impl<S: Scalar> Integrator<S> {
         }
         Ok(())
     }
+}
 
+#[lanes]
+impl<S: Scalar> Integrator<S> {
     /// One step of size `h`; `now` must hold the evaluation at `state` and does so again afterwards.
     ///
     /// # Errors
     /// [`DynamicsError`]; `state` is then left as it was before the step.
-    #[lanes]
     pub fn step<C: Copy + Into<S>>(
         &mut self,
         rover: &Rover<S>,
@@ -187,7 +189,6 @@ impl<S: Scalar> Integrator<S> {
     }
 
     /// Warms the windings over the step of size `h` just made, where they warm.
-    #[lanes]
     pub fn warm(&mut self, rover: &Rover<S>, state: &mut State<S>, h: f64) {
         if rover.effects.warming(S::from(0.0)).is_some() {
             // The evaluation at the start of the step is what was swapped out.
@@ -196,7 +197,6 @@ impl<S: Scalar> Integrator<S> {
     }
 
     /// Eliminates spins and memories and factors the matrix that is left.
-    #[lanes]
     fn condense(&mut self, rover: &Rover<S>, drive: Drive, gh: f64) -> Result<Factors<S>, DynamicsError> {
         let n = rover.coordinates();
         let mut matrix = self.now.system;

@@ -120,7 +120,10 @@ impl<S: Scalar> Evaluation<S> {
             outside: None,
         }
     }
+}
 
+#[lanes]
+impl<S: Scalar> Evaluation<S> {
     /// Evaluates the right-hand side at `state` under `command`, plain, with derivatives, or side by side: then an error
     /// says that one of them at least has one.
     #[lanes(entry)]
@@ -171,7 +174,6 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Weight, inertia and joint friction of chassis and links, and forces on the chassis.
-    #[lanes]
     fn add_bodies(&mut self, rover: &Rover<S>, state: &State<S>, force: &mut Vector<S>) -> Result<(), DynamicsError> {
         let n = rover.coordinates();
         for row in self.mass.iter_mut().take(n) {
@@ -198,7 +200,6 @@ impl<S: Scalar> Evaluation<S> {
         Ok(())
     }
 
-    #[lanes]
     fn add_mass(
         &mut self,
         rover: &Rover<S>,
@@ -220,7 +221,6 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Contact of wheel `k` with the ground, and the torque of its drive where that is commanded.
-    #[lanes]
     fn touch_ground(
         &mut self,
         rover: &Rover<S>,
@@ -289,7 +289,6 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Torques and currents that follow from the accelerations.
-    #[lanes]
     fn finish_drives(&mut self, rover: &Rover<S>, drive: Drive) -> Result<(), DynamicsError> {
         let n = rover.coordinates();
         for wheel in &mut self.wheels {
@@ -304,7 +303,6 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Angular acceleration of a wheel whose drive torque is commanded.
-    #[lanes]
     pub fn spin_rate(&self, rover: &Rover<S>, k: usize) -> S {
         let torque = self.wheels[k].rim_torque - self.wheels[k].touch.forces.torque;
         let torque = self.outside.as_ref().map_or(torque, |outside| torque + outside.torque[k]);
@@ -312,7 +310,6 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Powers of the drives and of the soil.
-    #[lanes]
     pub fn powers(&self) -> Powers<S> {
         let zero = S::from(0.0);
         let other_loss = self.other_loss;
@@ -330,7 +327,6 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Warms the windings over `h` seconds, at whose start `before` held, and renews what depends on them.
-    #[lanes]
     pub fn warm(&mut self, rover: &Rover<S>, before: &Self, state: &mut State<S>, h: f64) {
         for ((wheel, before), moving) in self.wheels.iter_mut().zip(&before.wheels).zip(&mut state.wheels) {
             let mean = (before.winding_power() + wheel.winding_power()) * 0.5;
@@ -343,7 +339,6 @@ impl<S: Scalar> Evaluation<S> {
     }
 
     /// Kinetic and potential energy, J.
-    #[lanes]
     pub fn mechanical_energy(&self, rover: &Rover<S>, state: &State<S>) -> S {
         let n = rover.coordinates();
         let mut twice = S::from(0.0);

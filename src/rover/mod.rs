@@ -43,6 +43,7 @@ pub struct Rover<S = f64> {
     pub effects: Effects<S>,
 }
 
+#[lanes]
 impl<S: Scalar> Rover<S> {
     /// Number of generalised coordinates.
     #[must_use]
@@ -57,13 +58,11 @@ impl<S: Scalar> Rover<S> {
     }
 
     /// The wheel as it is: that of the data sheet, changed by the effects.
-    #[lanes]
     pub(crate) fn true_wheel(&self) -> Wheel<S> {
         self.effects.wheel(&self.wheel).unwrap_or(self.wheel)
     }
 
     /// The chassis as it is.
-    #[lanes]
     pub(crate) fn true_body(&self) -> Body<S> {
         let mut body = self.body;
         self.effects.chassis(&mut body);

@@ -14,6 +14,7 @@ pub(crate) struct Energies<S> {
     pub other_loss: S,
 }
 
+#[lanes]
 impl<S: Scalar> Energies<S> {
     pub fn zero() -> Self {
         let zero = S::from(0.0);
@@ -21,7 +22,6 @@ impl<S: Scalar> Energies<S> {
     }
 
     /// Trapezoidal rule over one step: the order of the integrator.
-    #[lanes]
     pub fn add(&mut self, before: &Powers<S>, after: &Powers<S>, h: f64) {
         let mean = |a: S, b: S| (a + b) * (0.5 * h);
         self.dissipated += mean(before.dissipated, after.dissipated);

@@ -104,8 +104,8 @@ impl LaneTerrains {
     }
 }
 
+#[lanes]
 impl<R: Plain> Curve<R> for LaneTerrains {
-    #[lanes]
     fn at(&self, x: R) -> Sample<R> {
         if let Shape::Random(sums) = &self.shape {
             return sums.at(x);
@@ -125,7 +125,6 @@ impl<R: Plain> Curve<R> for LaneTerrains {
         f64::INFINITY
     }
 
-    #[lanes]
     fn most_bend(&self) -> R {
         match &self.shape {
             Shape::Elsewhere => R::from(f64::INFINITY),

@@ -83,8 +83,8 @@ impl<S: Scalar> Curve<S> for Slope<S> {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Curve<S> for Waves<S> {
-    #[lanes]
     fn at(&self, x: S) -> Sample<S> {
         let along = x - self.start;
         let before = along.under(0.0);
@@ -111,7 +111,6 @@ impl<S: Scalar> Curve<S> for Waves<S> {
         }
     }
 
-    #[lanes]
     fn most_bend(&self) -> S {
         let k = S::from(TAU) / self.wavelength;
         self.amplitude * k * k
@@ -130,8 +129,8 @@ impl<S: Scalar> Ditch<S> {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Curve<S> for Ditch<S> {
-    #[lanes]
     fn at(&self, x: S) -> Sample<S> {
         let along = x - self.position;
         let outside = (self.width * 0.5).at_most(along.abs());
@@ -158,7 +157,6 @@ impl<S: Scalar> Curve<S> for Ditch<S> {
         }
     }
 
-    #[lanes]
     fn most_bend(&self) -> S {
         let k = S::from(TAU) / self.width;
         self.depth.abs() * 0.5 * k * k
@@ -176,8 +174,8 @@ impl<S: Scalar> Step<S> {
     }
 }
 
+#[lanes]
 impl<S: Scalar> Curve<S> for Step<S> {
-    #[lanes]
     fn at(&self, x: S) -> Sample<S> {
         let u = (x - self.position) / self.length;
         let (before, behind) = (u.at_most(S::from(0.0)), S::from(1.0).at_most(u));
@@ -202,7 +200,6 @@ impl<S: Scalar> Curve<S> for Step<S> {
         if from < left || to > right { face.max(0.0) } else { face }
     }
 
-    #[lanes]
     fn most_bend(&self) -> S {
         // At the ends of the face; a little more than rounding makes of it.
         self.height.abs() * 6.000_001 / (self.length * self.length)

@@ -3,8 +3,8 @@
 use super::curve::{Curve, Sample};
 use super::preset::bend_nearby;
 #[cfg(feature = "batch")]
-use crate::scalar::{MOST_LANES, MapScalar, Plain};
-use crate::scalar::{Scalar, lanes};
+use crate::scalar::{MOST_LANES, Plain};
+use crate::scalar::{MapScalar, Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -132,8 +132,8 @@ fn sample<S: Scalar + Mul<P, Output = S>, P: Copy>(
     sample
 }
 
+#[lanes]
 impl<S: Scalar> Curve<S> for Sum<'_, S> {
-    #[lanes]
     fn at(&self, x: S) -> Sample<S> {
         sample(x, |v| self.wavenumber[v], |j| self.amplitude[j], |j| self.phases[j])
     }
@@ -171,8 +171,8 @@ impl Sums {
 }
 
 #[cfg(feature = "batch")]
+#[lanes]
 impl<R: Plain> Curve<R> for Sums {
-    #[lanes]
     fn at(&self, x: R) -> Sample<R> {
         let several = |row: &Row| R::from_lanes(|k| row[k]);
         sample(
@@ -188,7 +188,6 @@ impl<R: Plain> Curve<R> for Sums {
         f64::INFINITY
     }
 
-    #[lanes]
     fn most_bend(&self) -> R {
         R::from_lanes(|k| self.most_bend[k])
     }

@@ -37,7 +37,7 @@ pub fn expand(arguments: TokenStream, item: TokenStream) -> Result<TokenStream> 
 }
 
 fn inlined() -> Attribute {
-    parse_quote!(#[cfg_attr(feature = "batch", inline(always))])
+    parse_quote!(#[cfg_attr(feature = "inlined", inline(always))])
 }
 
 fn mark_function(function: &mut ItemFn, entry: bool) {
@@ -56,10 +56,17 @@ fn mark_method(function: &mut ImplItemFn, entry: bool) {
 
 fn mark_impl(item: &mut ItemImpl, entry: bool) {
     for member in &mut item.items {
-        if let ImplItem::Fn(function) = member {
+        if let ImplItem::Fn(function) = member
+            && !function.attrs.iter().any(decides)
+        {
             mark_method(function, entry);
         }
     }
+}
+
+/// Whether a function says by itself how it is inlined.
+fn decides(attribute: &Attribute) -> bool {
+    attribute.path().is_ident("lanes") || attribute.path().is_ident("inline")
 }
 
 fn mark_trait(item: &mut ItemTrait, entry: bool) {

@@ -17,9 +17,11 @@ use syn::{DeriveInput, parse_macro_input};
 ///
 /// Eight rovers are stepped at once with the instructions that this processor has (`Scalar::wide`). The compiler uses them
 /// only in what it inlines there, whatever its size; so every function that `Scalar::wide` leads to is marked, with the
-/// closures in it. Without the feature `batch` the attribute changes nothing.
+/// closures in it. A single rover is faster by it too (feature `inlined`, which `batch` implies); without that feature, as in the
+/// library of an FMU, which must be small, the attribute changes nothing.
 ///
-/// `#[lanes(entry)]` marks a function that calls `Scalar::wide` itself: the closures in it, not the function.
+/// `#[lanes(entry)]` marks a function that calls `Scalar::wide` itself: the closures in it, not the function. A function of a
+/// marked `impl` that has this attribute, or `inline`, is left to it.
 #[proc_macro_attribute]
 pub fn lanes(arguments: TokenStream, item: TokenStream) -> TokenStream {
     lanes::expand(arguments.into(), item.into()).unwrap_or_else(syn::Error::into_compile_error).into()
