@@ -1,7 +1,7 @@
 //! Class `Batch`: many runs stepped together, through arrays that are bound once.
 
 use crate::error::{self, InputError, SimulationError};
-use crate::run::{Run, row};
+use crate::run::{Run, contiguous, row};
 use bekker::batch::{Batch as CoreBatch, BatchError};
 use bekker::modeldescription::Parameters;
 use bekker::signals::Measurement;
@@ -28,9 +28,6 @@ pub struct Batch {
     measured: Option<Py<PyArray2<f64>>>,
     /// Places of the readings in a row of signals.
     readings: Vec<usize>,
-    /// Input values and marks of the present step: Python may change its arrays meanwhile.
-    held: Vec<f64>,
-    active: Vec<bool>,
     /// A panic left the core in an unknown state.
     broken: bool,
 }
@@ -66,8 +63,8 @@ impl Batch {
         check("codes", codes.as_any(), &[core.len()])?;
         measured.iter().try_for_each(|array| check("measured", array.as_any(), &long))?;
         let (inputs, signals, codes) = (inputs.unbind(), signals.unbind(), codes.unbind());
-        let (measured, held, active) = (measured.map(Bound::unbind), Vec::new(), Vec::new());
-        let batch = Self { core, inputs, signals, codes, measured, readings, held, active, broken: false };
+        let measured = measured.map(Bound::unbind);
+        let batch = Self { core, inputs, signals, codes, measured, readings, broken: false };
         batch.write(py)?;
         Ok(batch)
     }
@@ -79,11 +76,10 @@ impl Batch {
         if self.broken {
             return Err(SimulationError::new_err("this batch broke in an earlier step, make a new one"));
         }
-        self.take(py, active)?;
-        let Self { core, held, active: marks, .. } = self;
-        let marks = active.map(|_| marks.as_slice());
+        self.hold(py, active)?;
+        let core = &mut self.core;
         let work = steps.saturating_mul(core.len() as u64);
-        let mut all = || error::fenced(|| core.step(held, steps, marks));
+        let mut all = || error::fenced(|| core.advance(steps));
         let outcome = if work < FREE_FROM { all() } else { py.detach(all) };
         self.broken = outcome.is_err();
         outcome?.map_err(|refused| failed(&refused))?;
@@ -157,16 +153,16 @@ impl Batch {
         Err(InputError::new_err(format!("run {index}: expected 0 to {}", self.core.len() - 1)))
     }
 
-    fn take(&mut self, py: Python<'_>, active: Option<&Bound<'_, PyArray1<bool>>>) -> PyResult<()> {
-        let inputs = self.inputs.bind(py).try_readonly().map_err(|e| refuse("inputs", &e))?;
-        self.held.clear();
-        self.held.extend_from_slice(inputs.as_slice().map_err(|e| refuse("inputs", &e))?);
-        if let Some(active) = active {
-            let marks = active.try_readonly().map_err(|e| refuse("active", &e))?;
-            self.active.clear();
-            self.active.extend(marks.as_array());
-        }
-        Ok(())
+    /// Copies the inputs into the runs, before the lock is given away: Python may change its arrays during a step.
+    fn hold(&mut self, py: Python<'_>, active: Option<&Bound<'_, PyArray1<bool>>>) -> PyResult<()> {
+        let Self { core, inputs, .. } = self;
+        let inputs = inputs.bind(py).try_readonly().map_err(|e| refuse("inputs", &e))?;
+        let inputs = inputs.as_slice().map_err(|e| refuse("inputs", &e))?;
+        let marks = active.map(|marks| marks.try_readonly().map_err(|e| refuse("active", &e))).transpose()?;
+        let marks = marks.as_ref().map(contiguous);
+        let held = error::fenced(|| core.hold(inputs, marks.as_deref()));
+        self.broken = held.is_err();
+        held?.map_err(|refused| failed(&refused))
     }
 
     fn write(&self, py: Python<'_>) -> PyResult<()> {

@@ -62,38 +62,48 @@ impl Inputs {
         }
     }
 
-    /// Sets the inputs from values in the vocabulary's order.
+    /// Sets the inputs from values in the vocabulary's order; after an error they are as before.
     ///
     /// # Errors
     /// [`RunError::InputLength`] for a wrong number of values, [`RunError::Parameter`] for one that is not
     /// finite or out of range.
     pub fn set_all(&mut self, values: &[f64]) -> Result<(), RunError> {
+        self.check_all(values)?;
+        self.put_all(values);
+        Ok(())
+    }
+
+    /// Whether [`Inputs::set_all`] takes these values.
+    pub(crate) fn check_all(&self, values: &[f64]) -> Result<(), RunError> {
         let mut expected = 0;
         self.values(&mut |_| expected += 1);
         if values.len() != expected {
             return Err(RunError::InputLength { got: values.len(), expected });
         }
+        // Every step of every run comes here: the names, which only an error needs, cost more than the check.
         let plain = !matches!(self, Self::Carriage(_));
         if plain && values.iter().all(|value| value.is_finite() && value.abs() <= *ANY.end()) {
-            let mut next = values.iter();
-            let mut put = |place: &mut f64| {
-                if let Some(value) = next.next() {
-                    *place = *value;
-                }
-            };
-            match self {
-                Self::Torque(wheels) => wheels.iter_mut().for_each(|w| put(&mut w.torque_command)),
-                Self::Speed(wheels) => wheels.iter_mut().for_each(|w| put(&mut w.speed_command)),
-                Self::Velocity(command) => put(&mut command.velocity_command),
-                Self::Carriage(_) => {}
-            }
             return Ok(());
         }
-        let names: Vec<String> = self.list().into_iter().map(|(variable, _)| variable.name).collect();
-        for (name, &value) in names.iter().zip(values) {
-            self.set(name, value)?;
+        let mut changed = self.clone();
+        changed.put_all(values);
+        Ok(changed.check()?)
+    }
+
+    /// Sets the inputs from as many values, which [`Inputs::check_all`] has found good.
+    pub(crate) fn put_all(&mut self, values: &[f64]) {
+        let mut next = values.iter();
+        let mut put = |place: &mut f64| {
+            if let Some(value) = next.next() {
+                *place = *value;
+            }
+        };
+        match self {
+            Self::Torque(wheels) => wheels.iter_mut().for_each(|w| put(&mut w.torque_command)),
+            Self::Speed(wheels) => wheels.iter_mut().for_each(|w| put(&mut w.speed_command)),
+            Self::Velocity(command) => put(&mut command.velocity_command),
+            Self::Carriage(set) => set.visit("", &mut |_, place| put(place)),
         }
-        Ok(())
     }
 }
 
