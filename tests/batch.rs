@@ -121,6 +121,20 @@ fn property_refused_inputs_leave_every_run_with_the_inputs_that_it_had() {
     assert_eq!(alone.inputs(), runs(1)[0].inputs());
 }
 
+/// The short cut of [`bekker::model::Inputs::set_all`] took velocities up to the bound of torques, 1e4.
+#[test]
+fn regress_values_in_order_have_the_bounds_that_names_have() {
+    for (preset, bound) in [("gentle_velocity", 10.0), ("two_wheeled", 1e4), ("two_wheeled_speed", 1e4)] {
+        let mut run = Model::preset(preset).unwrap().start().unwrap();
+        let names: Vec<String> = run.inputs_mut().list().into_iter().map(|(variable, _)| variable.name).collect();
+        for (value, taken) in [(bound, true), (-bound, true), (1.001 * bound, false), (f64::NAN, false)] {
+            assert_eq!(run.inputs_mut().set(&names[0], value).is_ok(), taken, "{preset}, {value}");
+            let refused = run.inputs_mut().set_all(&vec![value; names.len()]);
+            assert_eq!(refused.is_ok(), taken, "{preset}, {value}: {refused:?}");
+        }
+    }
+}
+
 #[test]
 fn property_holding_and_advancing_is_a_step() {
     let (mut halves, mut whole) = (Batch::new(runs(3), 2).unwrap(), Batch::new(runs(3), 2).unwrap());

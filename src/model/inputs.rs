@@ -7,6 +7,9 @@ use bekker_modeldescription::{Lookup, Parameters, Unit, Variable, join, paramete
 /// Commands of wheels within this are taken, in SI units.
 const ANY: std::ops::RangeInclusive<f64> = -1e4..=1e4;
 
+/// Speeds of a rover within this are taken, m/s.
+const VELOCITIES: std::ops::RangeInclusive<f64> = -10.0..=10.0;
+
 parameters! {
     /// Command of one wheel's torque.
     pub struct TorqueCommand {
@@ -27,7 +30,7 @@ parameters! {
     /// Command of the rover's speed.
     pub struct VelocityCommand {
         /// Desired speed of the body along its path.
-        velocity_command: [Unit::METRE_PER_SECOND] = 0.25, -10.0..=10.0, Signal, "input; 25 cm/s in Iagnemma 2001, 4.4.1";
+        velocity_command: [Unit::METRE_PER_SECOND] = 0.25, VELOCITIES, Signal, "input; 25 cm/s in Iagnemma 2001, 4.4.1";
     }
 }
 
@@ -81,8 +84,13 @@ impl Inputs {
             return Err(RunError::InputLength { got: values.len(), expected });
         }
         // Every step of every run comes here: the names, which only an error needs, cost more than the check.
-        let plain = !matches!(self, Self::Carriage(_));
-        if plain && values.iter().all(|value| value.is_finite() && value.abs() <= *ANY.end()) {
+        let largest = match self {
+            Self::Torque(_) | Self::Speed(_) => Some(*ANY.end()),
+            Self::Velocity(_) => Some(*VELOCITIES.end()),
+            Self::Carriage(_) => None,
+        };
+        // NaN is not below a bound either.
+        if largest.is_some_and(|largest| values.iter().all(|value| value.abs() <= largest)) {
             return Ok(());
         }
         let mut changed = self.clone();
