@@ -1,8 +1,8 @@
 //! Class `Batch`: many runs stepped together, through arrays that are bound once.
 
 use crate::error::{self, InputError, SimulationError};
-use crate::run::{Run, contiguous, row};
-use bekker::batch::{Batch as CoreBatch, BatchError};
+use crate::run::{PyRun, contiguous, row};
+use bekker::batch::{Batch, BatchError};
 use bekker::modeldescription::Parameters;
 use bekker::signals::Measurement;
 use bekker::simulation::Status;
@@ -19,9 +19,9 @@ const FREE_FROM: u64 = 25;
 /// `inputs` (a row of input values a run) is read and `signals` (a row of signals a run) and `codes` (a place of
 /// `statuses` a run) are written by every step. So is `measured`, where it is given: as `signals`, with the readings of
 /// the sensors in the places of `Run.measured_names`; the runs then have to sense, see `Run.sense_every`.
-#[pyclass(module = "bekker")]
-pub struct Batch {
-    core: CoreBatch,
+#[pyclass(module = "bekker", name = "Batch")]
+pub struct PyBatch {
+    core: Batch,
     inputs: Py<PyArray2<f64>>,
     signals: Py<PyArray2<f64>>,
     codes: Py<PyArray1<u8>>,
@@ -42,11 +42,11 @@ pub const STATUSES: [&str; FAILED + 1] = {
 const FAILED: usize = Status::WORDS.len();
 
 #[pymethods]
-impl Batch {
+impl PyBatch {
     #[new]
     #[pyo3(signature = (runs, inputs, signals, codes, threads = 1, measured = None))]
     fn new(
-        runs: Vec<PyRef<'_, Run>>,
+        runs: Vec<PyRef<'_, PyRun>>,
         inputs: Bound<'_, PyArray2<f64>>,
         signals: Bound<'_, PyArray2<f64>>,
         codes: Bound<'_, PyArray1<u8>>,
@@ -56,7 +56,7 @@ impl Batch {
         let py = inputs.py();
         let readings = runs.first().map_or_else(Vec::new, |run| Measurement::measured_signals(run.truth()));
         let runs = runs.iter().map(|run| run.taken()).collect::<PyResult<Vec<_>>>()?;
-        let core = CoreBatch::new(runs, threads).map_err(|refused| failed(&refused))?;
+        let core = Batch::new(runs, threads).map_err(|refused| failed(&refused))?;
         let (wide, long) = ([core.len(), core.input_count()], [core.len(), core.signal_count()]);
         check("inputs", inputs.as_any(), &wide)?;
         check("signals", signals.as_any(), &long)?;
@@ -87,7 +87,7 @@ impl Batch {
     }
 
     /// Puts a copy of another run into a place, and its signals and code into the arrays.
-    fn replace(&mut self, py: Python<'_>, index: usize, run: &Run) -> PyResult<()> {
+    fn replace(&mut self, py: Python<'_>, index: usize, run: &PyRun) -> PyResult<()> {
         self.inside(index)?;
         let run = run.taken()?;
         let (status, values) = (run.status().place(), row(run.signals()));
@@ -108,9 +108,9 @@ impl Batch {
     }
 
     /// A copy of the run at a place; it goes on to the same bits.
-    fn run(&self, index: usize) -> PyResult<Run> {
+    fn run(&self, index: usize) -> PyResult<PyRun> {
         self.inside(index)?;
-        Ok(Run::new(self.core.run(index)))
+        Ok(PyRun::new(self.core.run(index)))
     }
 
     /// Why the run at a place failed, in words; None where it did not.
@@ -145,7 +145,7 @@ impl Batch {
     }
 }
 
-impl Batch {
+impl PyBatch {
     fn inside(&self, index: usize) -> PyResult<()> {
         if index < self.core.len() {
             return Ok(());

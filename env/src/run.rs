@@ -1,7 +1,7 @@
 //! Class `Run`.
 
 use crate::error::{self, InputError, SimulationError};
-use bekker::model::{Run as CoreRun, RunError};
+use bekker::model::{Run, RunError};
 use bekker::modeldescription::{Lookup, Parameters};
 use bekker::signals::{Measurement, Signals};
 use bekker::simulation::Status;
@@ -11,20 +11,20 @@ use pyo3::types::PyBytes;
 use std::borrow::Cow;
 
 /// A model in motion. A copy goes on to the same bits.
-#[pyclass(module = "bekker")]
-pub struct Run {
-    core: CoreRun,
+#[pyclass(module = "bekker", name = "Run")]
+pub struct PyRun {
+    core: Run,
     /// A panic left the core in an unknown state.
     broken: bool,
 }
 
-impl Run {
-    pub fn new(core: CoreRun) -> Self {
+impl PyRun {
+    pub fn new(core: Run) -> Self {
         Self { core, broken: false }
     }
 
     /// The core's run, for a batch.
-    pub fn taken(&self) -> PyResult<CoreRun> {
+    pub fn taken(&self) -> PyResult<Run> {
         if self.broken {
             return Err(broke());
         }
@@ -76,7 +76,7 @@ impl From<Refused> for PyErr {
 }
 
 #[pymethods]
-impl Run {
+impl PyRun {
     /// Makes `steps` inner steps with `inputs` held, writes the signals into `out`, returns the status.
     #[pyo3(signature = (inputs, steps = 1, out = None))]
     fn step(
