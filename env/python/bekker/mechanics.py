@@ -211,16 +211,14 @@ class Mechanics:
     def _checked(self, actions: ArrayLike, active: Bools | None) -> NDArray[np.floating[Any]]:
         """The actions as an array of floating-point numbers: the caller's own where it is one."""
         values: NDArray[np.floating[Any]] = np.asarray(actions)
-        if not np.issubdtype(values.dtype, np.floating):
+        if values.dtype.kind != "f":
             values = values.astype(np.float64)
         if values.shape != self.inputs.shape:
             raise InputError(f"the action has shape {values.shape[1:]}, expected {self.inputs.shape[1:]}")
+        sizes, moving = np.abs(values), True if active is None else active[:, np.newaxis]
         # Written so that NaN fails too.
-        good = np.abs(values) <= 1.0
-        if active is not None:
-            good |= ~active[:, np.newaxis]
-        if not good.all():
-            i, k = (int(place[0]) for place in np.nonzero(~good))
+        if not sizes.max(initial=0.0, where=moving) <= 1.0:
+            i, k = (int(place[0]) for place in np.nonzero(~(sizes <= 1.0) & moving))
             where = f"action[{k}]" if self.count == 1 else f"action[{i}, {k}]"
             raise InputError(f"{where} = {float(values[i, k])}: expected a number within -1 .. 1")
         return values
