@@ -213,7 +213,7 @@ def chapter(task: bekker.Task) -> str:
     start = "At rest, settled on the soil" + (". Drawn at level 1:\n\n" if draws else ". Nothing is drawn.")
     start += table(("Parameter", "Drawn", "Unit"), draws) if draws else ""
     if grades:
-        start += "\n\nSet by the level before the draws, linear between its ends:\n\n" + table(("Parameter", "Level 0", "Level 1", "Unit"), grades)
+        start += "\n\nSet by the level (linear between 0 and 1) before the draws:\n\n" + table(("Parameter", "Level 0", "Level 1", "Unit"), grades)
     changed = [(f"`{n}`", number(v), unit_of(n, about), about[n]["doc"]) for n, v in task.parameters.items()]
     reached = " or by reaching the goal" if setup.goal.way() > 0.0 else ""
     return TASK.format(
