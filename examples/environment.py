@@ -17,8 +17,9 @@ PAGE = Path(__file__).with_suffix(".md")
 
 HEAD = """# Environments
 
-A rover drives over deformable soil, whose stresses under each wheel give its sinkage, slip and pull: the physics of
-`bekker.simulate`, of the FMU and of the core, to the same bits. Written by `python examples/environment.py`.
+Environments in which a rover drives over deformable soil. The stresses under each wheel determine its sinkage, slip and
+drawbar pull. `bekker.simulate`, the FMU and the Rust core compute the same physics to the same bits.
+`python examples/environment.py` writes this page.
 
 ```python
 import gymnasium, bekker                                     # registers the tasks; or gymnasium.make("bekker:bekker/...")
@@ -30,66 +31,73 @@ many = gymnasium.make_vec("bekker/SlopeClimb-v0", num_envs=256, threads=2, autor
 observations, infos = many.reset(seed=0)                     # environment i has the seed 0 + i
 ```
 
-Gymnasium 1 looks for no entry points of other packages; without an import, put the package before the id:
+Gymnasium 1 does not search other packages for environments. Without `import bekker`, put the name of the package before the id:
 `gymnasium.make("bekker:bekker/SlopeClimb-v0")`.
 
 ## What all tasks share
 
-**Action space.** `Box(-1, 1)`, an entry a wheel, rear to front; one entry where a controller inside drives
-(`control="velocity"`, `"rtc"`, `"slip"` ...), its velocity command. `setup.action_scale` is what one commands.
+**Action space.** `Box(-1, 1)`, one entry per wheel, from rear to front. Where the model contains a controller
+(`control="velocity"`, `"rtc"`, `"slip"` ...), there is one entry, the velocity command of that controller. An action of 1
+commands `setup.action_scale` (N m, rad/s or m/s).
 
-**Observation space.** `Box(-1, 1)`, float32: signals over their scales, clipped. `raw=True`: SI units, within ten scales.
-`measured=True`: what sensors say (`sensor.*`: noise, bias, resolution, period) in place of the true signals.
-`observe` chooses others of all signals, and {extras}.
+**Observation space.** `Box(-1, 1)`, float32: each signal is divided by its scale and clipped. With `raw=True` the values are in
+SI units and are clipped at ten scales. With `measured=True` they are sensor readings (`sensor.*`: noise, bias, resolution,
+period) instead of true signals. `observe` selects other signals, and {extras}.
 
-**Rewards.** A sum of terms, which `info` lists as `reward_<term>`, weights included. `rewards` chooses terms by name or
-takes `bekker.rewards.Term` objects of your own, `reward_weights` changes weights.
+**Rewards.** The reward is a weighted sum of terms. `info` lists each term, multiplied by its weight, as `reward_<term>`.
+`rewards` selects terms by name or takes `bekker.rewards.Term` objects that you define. `reward_weights` changes weights.
 
 {terms}
 
-**Starting state.** At rest, settled on the soil. What a reset draws is in `info["drawn"]`. A draw that leaves no rest (a soil
-that does not carry the rover) is drawn again, up to ten times.
+**Starting state.** The rover is at rest, settled on the soil. `info["drawn"]` has the values that the reset has drawn. Where the
+rover finds no rest with them (the soil does not carry it), the reset draws again, up to ten draws in all.
 
-**Episode end.** *Terminated* by an event, in `info["status"]`: `stuck`, `tipped_over`, `belly_contact`, `left_terrain`,
-`sunk_to_axle`, `failed` (the equations have no finite solution), or by `goal`. *Truncated* by time only: gymnasium's
-`max_episode_steps`, which `make` and `make_vec` set to the task's time.
+**Episode end.** An episode is *terminated* by an event, which `info["status"]` names (`stuck`, `tipped_over`, `belly_contact`,
+`left_terrain`, `sunk_to_axle`, or `failed` where the equations have no finite solution), or by reaching the goal (`goal`). Only
+the time limit *truncates* it: gymnasium's `max_episode_steps`, which `make` and `make_vec` set to the time limit of the task.
 
-**Info.** Always the same keys: `time` (s), `x` and `distance` since the start (m), `status`, `success`, `electrical_energy` (J),
-`slip` and `sinkage` (m; an entry a wheel), `target_velocity` (m/s), `reward_<term>`, `drawn`.
+**Info.** The keys are always the same: `time` (s), `x` and `distance` since the start (m), `status`, `success`,
+`electrical_energy` (J), `slip` and `sinkage` (m), each with one entry per wheel, `target_velocity` (m/s), `reward_<term>`, `drawn`.
 
 **Randomisation.** `randomise={{"soil.k_phi": {{"log_uniform": [4e5, 2e6]}}, "rover.mass": (8, 12), "sensor.pitch_bias":
-{{"normal": [0, 0.01, -0.03, 0.03]}}, "slip_sinkage.n1": {{"choice": [0, 0.4]}}}}` draws every parameter of the vocabulary by its
-name, and `terrain.seed` of random ground; in the constructor in place of the task's draws, in `reset(options=...)` besides them.
+{{"normal": [0, 0.01, -0.03, 0.03]}}, "slip_sinkage.n1": {{"choice": [0, 0.4]}}}}` draws new values at every reset. Any parameter of the
+vocabulary can be drawn by its name, and so can `terrain.seed`, the seed of random ground. In the constructor, `randomise` replaces
+the draws of the task; in `reset(options=...)` it adds to them.
 
-**Curriculum.** `level` from 0 to 1, an argument, an attribute (`env.unwrapped.level = 0.3`, from the next reset on) and an option of
-`reset`. It grades the ground as each task says and shrinks the draws to the parameter's own value at 0.
+**Curriculum.** `level`, from 0 to 1, is an argument of the constructor, an attribute (`env.unwrapped.level = 0.3`, which holds from the
+next reset on) and an option of `reset`. It sets the ground as the chapter of each task states, and it narrows the random draws: at
+level 0 each draw gives the parameter's own value.
 
-**Seeds.** `reset(seed=s)` decides all draws and the noise of the sensors. Environment i of a vector that is reset with s does, bit for bit, what a
-single one does with s + i, whatever the number of environments and threads.
+**Seeds.** `reset(seed=s)` determines all draws and the noise of the sensors. Environment i of a vector environment that is reset
+with seed s gives the same bits as a single environment that is reset with seed s + i, for any number of environments and threads.
 
-**Copies.** `snapshot()` and `restore()` go on to the same bits; so do `copy.deepcopy` and `pickle`, single and vector, in the middle of an
-episode. (The plant of rigid bodies can be copied, not pickled.) A forked process can go on with a vector of many threads: the threads
-belong to the vector, which starts new ones in the new process.
+**Copies.** After `snapshot()` and `restore()`, `copy.deepcopy` or `pickle`, also in the middle of an episode, a single or vector
+environment continues to the same bits. (An environment with the plant of rigid bodies can be copied but not pickled.) A vector
+environment with several threads also works in a forked process: threads do not exist in the child process, so it starts new ones.
 
-**Vector.** `make_vec` gives a `bekker.RoverVectorEnv`, stepped in the core: `autoreset_mode` (`NextStep`, `SameStep`, `Disabled`),
-`threads`, `copy=False` (observations are overwritten), `reset(options={{"reset_mask": ...}})`.
+**Vector.** `make_vec` returns a `bekker.RoverVectorEnv`, which steps all rovers in the Rust core. Its options are `autoreset_mode`
+(`NextStep`, `SameStep`, `Disabled`), `threads`, `copy=False` (each step overwrites the observations of the previous one) and
+`reset(options={{"reset_mask": ...}})`.
 
 **Arguments.**
 
 {arguments}
 
-**Free-threaded Python.** The wheel is abi3, one for CPython 3.10 and later, which builds without the global lock do not
-load. For them build from source with that Python, 3.14 or later (PyO3 does not support 3.13): by its sources PyO3 then leaves abi3 by
-itself and makes a wheel for that version alone. This is not tested. The classes hold their
-state behind PyO3's borrow checks, so that two threads that step one environment at once get an error, not a race.
+**Free-threaded Python.** The wheel uses the stable ABI (abi3): one file serves CPython 3.10 and later, but builds without the
+global interpreter lock cannot load it. For these, build from source with that Python, version 3.14 or later (PyO3 does not support
+3.13). According to PyO3's sources, the build then drops abi3 by itself and gives a wheel for that version alone; this is not tested.
+PyO3's borrow checks protect the state of the classes: where two threads step one environment at once, one gets an error, and
+there is no data race.
 
-**Pictures.** `render_mode="rgb_array"` draws the rover, the ground, its ruts and the forces without a display, some 11 ms a frame of
-960 x 540; `"human"` shows the same in a window at every step (pygame or matplotlib); `"ansi"` is a line of numbers and a profile.
+**Pictures.** `render_mode="rgb_array"` draws the rover, the ground, its ruts and the forces without a display, in about 11 ms per
+frame of 960 x 540 pixels. `"human"` shows the same picture in a window at every step (pygame or matplotlib). `"ansi"` gives a line of
+numbers and the profile of the ground as text.
 
 ## Speed
 
-On one core of a two-core cloud machine whose own speed varies by a third from hour to hour; a step of `Rover-v0` is 20 ms, ten inner
-steps of 2 ms with all their stages (`python env/benches/step_rate.py`, `python env/benches/peers.py`):
+Measured on one core of a two-core cloud machine whose own speed varies by a third from hour to hour. A step of `Rover-v0` is 20 ms
+long: ten inner steps of 2 ms, each with all stages of the integrator (`python env/benches/step_rate.py`,
+`python env/benches/peers.py`).
 
 | `bekker/Rover-v0`, two wheels | Environment steps a second |
 | --- | --- |
@@ -100,18 +108,23 @@ steps of 2 ms with all their stages (`python env/benches/step_rate.py`, `python 
 | `make_vec` of 1024, one thread | 102,000 to 135,000 |
 | `make_vec` of 1024, two threads | 172,000 |
 
-In one run beside others, a CPU second: 1,075,000 physics steps on soil in a vector of 1024 (278,000 alone), 199,000 of MuJoCo's planar
-car on a rigid plane through `mujoco.rollout`; 49,000 environment steps with random actions and resets, 26,000 of EnvPool's HalfCheetah,
-12.8 million of gymnasium's own vector of CartPoles, 45 of highway-fast.
+Compared with other simulators in one run, per CPU second:
 
-**What bounds it.** A step of two wheels evaluates each of them twice, at 2 x 8 nodes. A node takes 111 sums and products, a wheel 1,955 of them
-and 12 quotients and roots, the step 10,843 and 203 (three wheels of a rocker-bogie 19,426 and 326, on random ground 34,862 and 333;
-counted by `cargo test --lib operations -- --nocapture`). A core of this machine makes 51 G sums and products in AVX-512 registers a
-second, or 3.2 G quotients, not fused, as the same bits on every processor ask. So no more than 3.6 million steps are possible in
-this way, of which 25 to 27 % are reached (rocker-bogie 30, random ground 35 to 38; `cargo bench --bench batch`). The counts are of
-eight rovers in one regime, where no contact is evaluated twice. Of the rest one part is known: a sampling profile shows about an
-eighth of the time in copies, most of them of matrices of 4 to 5 kB. Random actions, with their resets and rovers in different
-regimes, halve the speed.
+- physics steps: 1,075,000 of rovers on soil in a vector of 1024, 278,000 of a single rover, and 199,000 of MuJoCo's planar car on
+  a rigid plane through `mujoco.rollout`;
+- environment steps with random actions and resets: 49,000 of these environments, 26,000 of EnvPool's HalfCheetah, 12.8 million of
+  gymnasium's own vector environment of CartPoles, and 45 of highway-fast.
+
+**What limits the speed.** An inner step of the two-wheeled rover evaluates the contact of each wheel twice, each time with 2 x 8
+quadrature nodes. A node takes 111 additions and multiplications. A wheel takes 1,955 of them and 12 divisions and square roots; the
+inner step takes 10,843 and 203 (three wheels of a rocker-bogie: 19,426 and 326, on random ground 34,862 and 333; counted by
+`cargo test --lib operations -- --nocapture`). A core of this machine makes 51 G additions and multiplications per second in AVX-512
+registers, or 3.2 G divisions. They are not fused into multiply-adds, since results have the same bits on every processor. So
+at most 3.6 million inner steps per second are possible in this way, of which 25 to 27 % are reached (rocker-bogie 30 %, random ground
+35 to 38 %; `cargo bench --bench batch`). The counts are for eight rovers in the same contact regime, where no contact has to be
+evaluated again for another regime. One part of the remaining time is known: in a sampling profile, copies take about an eighth of the
+time, most of them of matrices of 4 to 5 kB. Random actions halve the speed, because they lead to resets and to rovers in different
+regimes.
 """
 
 TASK = """
@@ -125,7 +138,7 @@ TASK = """
 
 ### Action Space
 
-`Box(-1, 1, ({actions},), float32)`; an action of one commands {scale:.4g} {unit} of each wheel (`control="{control}"`), held for {period:g} s.
+`Box(-1, 1, ({actions},), float32)`; an action of 1 commands {scale:.4g} {unit} at each wheel (`control="{control}"`), held for {period:g} s.
 
 {inputs}
 
@@ -151,7 +164,7 @@ Success (`info["success"]`): {success}
 
 ### Arguments
 
-Those of all tasks. Defaults: model `{model}`{terrain}.
+The arguments of all tasks. Defaults of this task: model `{model}`{terrain}.
 
 {parameters}
 
@@ -197,10 +210,10 @@ def chapter(task: bekker.Task) -> str:
         entries.append((k, f"`{name}`", doc, -1, 1, number(scale), unit))
     draws = [(f"`{name}`", words(d), unit_of(name, about)) for name, d in setup.randomise.items()]
     grades = [(f"`{name}`", *map(number, ends), unit_of(name, about)) for name, ends in setup.grades.items()]
-    start = "At rest, settled on the soil" + (", after drawing at level 1:\n\n" if draws else ". Nothing is drawn.")
+    start = "At rest, settled on the soil" + (". Drawn at level 1:\n\n" if draws else ". Nothing is drawn.")
     start += table(("Parameter", "Drawn", "Unit"), draws) if draws else ""
     if grades:
-        start += "\n\nGraded by the level before that:\n\n" + table(("Parameter", "Level 0", "Level 1", "Unit"), grades)
+        start += "\n\nSet by the level (linear between 0 and 1) before the draws:\n\n" + table(("Parameter", "Level 0", "Level 1", "Unit"), grades)
     changed = [(f"`{n}`", number(v), unit_of(n, about), about[n]["doc"]) for n, v in task.parameters.items()]
     reached = " or by reaching the goal" if setup.goal.way() > 0.0 else ""
     return TASK.format(
@@ -232,7 +245,7 @@ def unit_of(name: str, about: dict[str, bekker.vocabulary.Variable]) -> str:
 
 
 def arguments() -> str:
-    """The arguments with the words that stand below them in the source."""
+    """The arguments, each with the text below it in the source."""
     source = Path(bekker.arguments.__file__).read_text(encoding="utf-8")
     rows: list[tuple[object, ...]] = [
         ("`model`", "A `bekker.Model`, the name of a preset, TOML text, or the path of a TOML file."),

@@ -105,6 +105,55 @@ fn property_refused_inputs_move_nothing() {
 }
 
 #[test]
+fn property_refused_inputs_leave_every_run_with_the_inputs_that_it_had() {
+    let mut batch = Batch::new(runs(2), 1).unwrap();
+    batch.hold(&[1.0, 1.1, 1.2, 1.3], None).unwrap();
+    batch.hold(&[2.0, 2.0, 2.0, f64::NAN], None).unwrap_err();
+    batch.hold(&[2.0; 4], Some(&[true])).unwrap_err();
+    let held = |batch: &Batch| {
+        let mut held = Vec::new();
+        (0..2).for_each(|k| batch.run(k).inputs().values(&mut |value| held.push(value)));
+        held
+    };
+    assert_eq!(held(&batch), [1.0, 1.1, 1.2, 1.3]);
+    let mut alone = runs(1).remove(0);
+    alone.inputs_mut().set_all(&[1.0, f64::INFINITY]).unwrap_err();
+    assert_eq!(alone.inputs(), runs(1)[0].inputs());
+}
+
+/// The short cut of [`bekker::model::Inputs::set_all`] took velocities up to the bound of torques, 1e4.
+#[test]
+fn regress_values_in_order_have_the_bounds_that_names_have() {
+    for (preset, bound) in [("gentle_velocity", 10.0), ("two_wheeled", 1e4), ("two_wheeled_speed", 1e4)] {
+        let mut run = Model::preset(preset).unwrap().start().unwrap();
+        let names: Vec<String> = run.inputs_mut().list().into_iter().map(|(variable, _)| variable.name).collect();
+        for (value, taken) in [(bound, true), (-bound, true), (1.001 * bound, false), (f64::NAN, false)] {
+            assert_eq!(run.inputs_mut().set(&names[0], value).is_ok(), taken, "{preset}, {value}");
+            let refused = run.inputs_mut().set_all(&vec![value; names.len()]);
+            assert_eq!(refused.is_ok(), taken, "{preset}, {value}: {refused:?}");
+        }
+    }
+}
+
+#[test]
+fn property_holding_and_advancing_is_a_step() {
+    let (mut halves, mut whole) = (Batch::new(runs(3), 2).unwrap(), Batch::new(runs(3), 2).unwrap());
+    // Before the first call of `hold` no run is selected.
+    halves.advance(STEPS).unwrap();
+    assert_eq!(halves.time(0), 0.0);
+    for turn in 0..20 {
+        let marks = [true, turn % 3 > 0, true];
+        halves.hold(&torques(3, turn), Some(&marks)).unwrap();
+        halves.advance(STEPS).unwrap();
+        whole.step(&torques(3, turn), STEPS, Some(&marks)).unwrap();
+    }
+    let [mut first, mut second] = [(); 2].map(|()| vec![0.0; 3 * whole.signal_count()]);
+    halves.signals(&mut first);
+    whole.signals(&mut second);
+    assert_eq!(first, second);
+}
+
+#[test]
 fn property_runs_of_other_structure_are_refused() {
     let other = || Model::preset("rocker_bogie").unwrap().start().unwrap();
     let speeds = || Model::preset("two_wheeled_speed").unwrap().start().unwrap();

@@ -1,8 +1,8 @@
 //! Class `Batch`: many runs stepped together, through arrays that are bound once.
 
 use crate::error::{self, InputError, SimulationError};
-use crate::run::{Run, row};
-use bekker::batch::{Batch as CoreBatch, BatchError};
+use crate::run::{PyRun, contiguous, row};
+use bekker::batch::{Batch, BatchError};
 use bekker::modeldescription::Parameters;
 use bekker::signals::Measurement;
 use bekker::simulation::Status;
@@ -19,18 +19,15 @@ const FREE_FROM: u64 = 25;
 /// `inputs` (a row of input values a run) is read and `signals` (a row of signals a run) and `codes` (a place of
 /// `statuses` a run) are written by every step. So is `measured`, where it is given: as `signals`, with the readings of
 /// the sensors in the places of `Run.measured_names`; the runs then have to sense, see `Run.sense_every`.
-#[pyclass(module = "bekker")]
-pub struct Batch {
-    core: CoreBatch,
+#[pyclass(module = "bekker", name = "Batch")]
+pub struct PyBatch {
+    core: Batch,
     inputs: Py<PyArray2<f64>>,
     signals: Py<PyArray2<f64>>,
     codes: Py<PyArray1<u8>>,
     measured: Option<Py<PyArray2<f64>>>,
     /// Places of the readings in a row of signals.
     readings: Vec<usize>,
-    /// Input values and marks of the present step: Python may change its arrays meanwhile.
-    held: Vec<f64>,
-    active: Vec<bool>,
     /// A panic left the core in an unknown state.
     broken: bool,
 }
@@ -45,11 +42,11 @@ pub const STATUSES: [&str; FAILED + 1] = {
 const FAILED: usize = Status::WORDS.len();
 
 #[pymethods]
-impl Batch {
+impl PyBatch {
     #[new]
     #[pyo3(signature = (runs, inputs, signals, codes, threads = 1, measured = None))]
     fn new(
-        runs: Vec<PyRef<'_, Run>>,
+        runs: Vec<PyRef<'_, PyRun>>,
         inputs: Bound<'_, PyArray2<f64>>,
         signals: Bound<'_, PyArray2<f64>>,
         codes: Bound<'_, PyArray1<u8>>,
@@ -59,15 +56,15 @@ impl Batch {
         let py = inputs.py();
         let readings = runs.first().map_or_else(Vec::new, |run| Measurement::measured_signals(run.truth()));
         let runs = runs.iter().map(|run| run.taken()).collect::<PyResult<Vec<_>>>()?;
-        let core = CoreBatch::new(runs, threads).map_err(|refused| failed(&refused))?;
+        let core = Batch::new(runs, threads).map_err(|refused| failed(&refused))?;
         let (wide, long) = ([core.len(), core.input_count()], [core.len(), core.signal_count()]);
         check("inputs", inputs.as_any(), &wide)?;
         check("signals", signals.as_any(), &long)?;
         check("codes", codes.as_any(), &[core.len()])?;
         measured.iter().try_for_each(|array| check("measured", array.as_any(), &long))?;
         let (inputs, signals, codes) = (inputs.unbind(), signals.unbind(), codes.unbind());
-        let (measured, held, active) = (measured.map(Bound::unbind), Vec::new(), Vec::new());
-        let batch = Self { core, inputs, signals, codes, measured, readings, held, active, broken: false };
+        let measured = measured.map(Bound::unbind);
+        let batch = Self { core, inputs, signals, codes, measured, readings, broken: false };
         batch.write(py)?;
         Ok(batch)
     }
@@ -79,11 +76,10 @@ impl Batch {
         if self.broken {
             return Err(SimulationError::new_err("this batch broke in an earlier step, make a new one"));
         }
-        self.take(py, active)?;
-        let Self { core, held, active: marks, .. } = self;
-        let marks = active.map(|_| marks.as_slice());
+        self.hold(py, active)?;
+        let core = &mut self.core;
         let work = steps.saturating_mul(core.len() as u64);
-        let mut all = || error::fenced(|| core.step(held, steps, marks));
+        let mut all = || error::fenced(|| core.advance(steps));
         let outcome = if work < FREE_FROM { all() } else { py.detach(all) };
         self.broken = outcome.is_err();
         outcome?.map_err(|refused| failed(&refused))?;
@@ -91,7 +87,7 @@ impl Batch {
     }
 
     /// Puts a copy of another run into a place, and its signals and code into the arrays.
-    fn replace(&mut self, py: Python<'_>, index: usize, run: &Run) -> PyResult<()> {
+    fn replace(&mut self, py: Python<'_>, index: usize, run: &PyRun) -> PyResult<()> {
         self.inside(index)?;
         let run = run.taken()?;
         let (status, values) = (run.status().place(), row(run.signals()));
@@ -112,9 +108,9 @@ impl Batch {
     }
 
     /// A copy of the run at a place; it goes on to the same bits.
-    fn run(&self, index: usize) -> PyResult<Run> {
+    fn run(&self, index: usize) -> PyResult<PyRun> {
         self.inside(index)?;
-        Ok(Run::new(self.core.run(index)))
+        Ok(PyRun::new(self.core.run(index)))
     }
 
     /// Why the run at a place failed, in words; None where it did not.
@@ -149,7 +145,7 @@ impl Batch {
     }
 }
 
-impl Batch {
+impl PyBatch {
     fn inside(&self, index: usize) -> PyResult<()> {
         if index < self.core.len() {
             return Ok(());
@@ -157,16 +153,16 @@ impl Batch {
         Err(InputError::new_err(format!("run {index}: expected 0 to {}", self.core.len() - 1)))
     }
 
-    fn take(&mut self, py: Python<'_>, active: Option<&Bound<'_, PyArray1<bool>>>) -> PyResult<()> {
-        let inputs = self.inputs.bind(py).try_readonly().map_err(|e| refuse("inputs", &e))?;
-        self.held.clear();
-        self.held.extend_from_slice(inputs.as_slice().map_err(|e| refuse("inputs", &e))?);
-        if let Some(active) = active {
-            let marks = active.try_readonly().map_err(|e| refuse("active", &e))?;
-            self.active.clear();
-            self.active.extend(marks.as_array());
-        }
-        Ok(())
+    /// Copies the inputs into the runs, before the lock is given away: Python may change its arrays during a step.
+    fn hold(&mut self, py: Python<'_>, active: Option<&Bound<'_, PyArray1<bool>>>) -> PyResult<()> {
+        let Self { core, inputs, .. } = self;
+        let inputs = inputs.bind(py).try_readonly().map_err(|e| refuse("inputs", &e))?;
+        let inputs = inputs.as_slice().map_err(|e| refuse("inputs", &e))?;
+        let marks = active.map(|marks| marks.try_readonly().map_err(|e| refuse("active", &e))).transpose()?;
+        let marks = marks.as_ref().map(contiguous);
+        let held = error::fenced(|| core.hold(inputs, marks.as_deref()));
+        self.broken = held.is_err();
+        held?.map_err(|refused| failed(&refused))
     }
 
     fn write(&self, py: Python<'_>) -> PyResult<()> {

@@ -1,29 +1,27 @@
 //! Scripted tests, see [`bekker_script`].
 
 use crate::error::{self, InputError, ModelError, SimulationError};
-use crate::model::Model;
+use crate::model::PyModel;
 use bekker_fmu_import::{Fmu, FmuDoor, ImportError};
-use bekker_script::{
-    Core, Deviation, Door, DoorError, Problem, Report as CoreReport, Script as CoreScript, ScriptError, drive,
-};
+use bekker_script::{Core, Deviation, Door, DoorError, Problem, Report, Script, ScriptError, drive};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 
 /// A scripted test, read and checked.
-#[pyclass(module = "bekker")]
-pub struct Script {
-    core: CoreScript,
+#[pyclass(module = "bekker", name = "Script")]
+pub struct PyScript {
+    core: Script,
 }
 
 #[pymethods]
-impl Script {
+impl PyScript {
     /// Reads a script; with `to_record` its expected signals need not be there yet.
     #[new]
     #[pyo3(signature = (path, to_record = false))]
     fn new(path: PathBuf, to_record: bool) -> PyResult<Self> {
-        let read = if to_record { CoreScript::read_to_record(&path) } else { CoreScript::read(&path) };
+        let read = if to_record { Script::read_to_record(&path) } else { Script::read(&path) };
         read.map(|core| Self { core }).map_err(|refused| refuse(&refused))
     }
 
@@ -35,8 +33,8 @@ impl Script {
 
     /// The model to be driven, its seed included.
     #[getter]
-    fn model(&self) -> Model {
-        Model { core: self.core.model.clone() }
+    fn model(&self) -> PyModel {
+        PyModel { core: self.core.model.clone() }
     }
 
     /// Time between two samples, s.
@@ -65,13 +63,13 @@ impl Script {
     }
 
     /// Drives the core.
-    fn check_core(&self, py: Python<'_>) -> PyResult<Report> {
+    fn check_core(&self, py: Python<'_>) -> PyResult<PyReport> {
         let outcome = py.detach(|| error::fenced(|| self.core.check(&mut Core::new(&self.core))))?;
-        outcome.map(|core| Report { core }).map_err(|stopped| stop(&stopped))
+        outcome.map(|core| PyReport { core }).map_err(|stopped| stop(&stopped))
     }
 
     /// Drives the FMU in a file.
-    fn check_fmu(&self, py: Python<'_>, path: PathBuf) -> PyResult<Report> {
+    fn check_fmu(&self, py: Python<'_>, path: PathBuf) -> PyResult<PyReport> {
         let outcome = py.detach(|| {
             error::fenced(|| {
                 let fmu = Fmu::open(&path)?;
@@ -79,14 +77,14 @@ impl Script {
             })
         })?;
         let checked = outcome.map_err(|refused: ImportError| ModelError::new_err(refused.to_string()))?;
-        checked.map(|core| Report { core }).map_err(|stopped| stop(&stopped))
+        checked.map(|core| PyReport { core }).map_err(|stopped| stop(&stopped))
     }
 
     /// Drives anything that has the methods of a door.
-    fn check_door(&self, door: &Bound<'_, PyAny>) -> PyResult<Report> {
+    fn check_door(&self, door: &Bound<'_, PyAny>) -> PyResult<PyReport> {
         let mut mine = PythonDoor { door, failed: None };
         match self.core.check(&mut mine) {
-            Ok(core) => Ok(Report { core }),
+            Ok(core) => Ok(PyReport { core }),
             // What the door itself raised says more than its text.
             Err(stopped) => Err(mine.failed.take().unwrap_or_else(|| stop(&stopped))),
         }
@@ -111,12 +109,12 @@ impl Script {
 
 /// How a drive compares with its script. True where all is as expected.
 #[pyclass(module = "bekker", name = "CheckReport")]
-pub struct Report {
-    core: CoreReport,
+pub struct PyReport {
+    core: Report,
 }
 
 #[pymethods]
-impl Report {
+impl PyReport {
     /// The script's name.
     #[getter]
     fn script(&self) -> &str {

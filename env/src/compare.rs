@@ -3,7 +3,7 @@
 use crate::error::{self, ModelError, SimulationError, UnknownNameError};
 use crate::experiment::Source;
 use crate::finding::text;
-use crate::model::Model;
+use crate::model::PyModel;
 use bekker::diagnosis::{
     Calibration, CompareError, CompareOptions, Comparison, Curves, Failure, Fit, Given, NoiseFloor, UnansweredRows,
     compare as core_compare,
@@ -14,7 +14,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// A model and the name that it was asked for by.
-pub type Asked = Option<(Py<Model>, String)>;
+pub type Asked = Option<(Py<PyModel>, String)>;
 
 /// What is given beside an experiment: a model, and values that are set by hand.
 pub fn given(py: Python<'_>, model: &Asked, values: &BTreeMap<String, f64>) -> Given {
@@ -36,14 +36,14 @@ pub fn compare(
     values: BTreeMap<String, f64>,
     calibrate: bool,
     added: Vec<String>,
-) -> PyResult<(String, Model)> {
+) -> PyResult<(String, PyModel)> {
     let (experiment, _) = experiment.read(py)?;
     let options = CompareOptions { calibrate, added };
     let given = given(py, &model, &values);
     let comparison = py
         .detach(|| error::fenced(|| core_compare(given, &experiment, &options)))?
         .map_err(|refused| failed(&refused))?;
-    Ok((text(&Described::of(&comparison))?, Model { core: comparison.model }))
+    Ok((text(&Described::of(&comparison))?, PyModel { core: comparison.model }))
 }
 
 /// The exception for a comparison or diagnosis that is impossible.

@@ -1,7 +1,7 @@
 //! Class `Controller`: the core's controllers on measurements from outside.
 
 use crate::error::{self, InputError, ModelError};
-use crate::model::Model;
+use crate::model::PyModel;
 use bekker::control::{Controller as _, SlipController};
 use bekker::model::{ControlKind, ControllerRun, RunError, nominal};
 use bekker::modeldescription::Parameters;
@@ -10,8 +10,8 @@ use numpy::{AllowTypeChange, PyArray1, PyArrayLike1, PyArrayLike2};
 use pyo3::prelude::*;
 
 /// A controller at work, with the data sheet of a model: it sees what it is given, and nothing of any run.
-#[pyclass(module = "bekker")]
-pub struct Controller {
+#[pyclass(module = "bekker", name = "Controller")]
+pub struct PyController {
     work: Work,
     wheels: usize,
     links: usize,
@@ -25,11 +25,11 @@ enum Work {
 }
 
 #[pymethods]
-impl Controller {
+impl PyController {
     /// A controller of `kind` ("velocity", "velocity_tuned", "rtc", "equal_torque" or "slip") for the vehicle of `model`,
     /// at rest, that decides every `period` seconds.
     #[new]
-    fn new(model: &Model, kind: &str, period: f64) -> PyResult<Self> {
+    fn new(model: &PyModel, kind: &str, period: f64) -> PyResult<Self> {
         let mut model = model.core.clone();
         let refused = |wrong| ModelError::new_err(format!("kind of controller: {wrong}"));
         model.control.kind = serde_json::from_value(serde_json::Value::from(kind)).map_err(refused)?;

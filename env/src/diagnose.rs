@@ -10,7 +10,7 @@ use bekker::diagnosis::{
     diagnose as core_diagnose, fit_task as core_fit_task,
 };
 use bekker::measurement::Experiment;
-use bekker::model::Model as CoreModel;
+use bekker::model::Model;
 use pyo3::exceptions::{PyBaseException, PyKeyboardInterrupt};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyList};
@@ -153,7 +153,7 @@ struct Caller<'a, 'py> {
     spread: Option<Bound<'py, PyAny>>,
     progress: Option<Bound<'py, PyAny>>,
     /// The model and whether the experiment names it, where fits are made elsewhere.
-    chosen: Option<(CoreModel, bool)>,
+    chosen: Option<(Model, bool)>,
     values: BTreeMap<String, f64>,
     /// What the experiment is made of, where fits are made elsewhere.
     material: Option<Material>,
@@ -242,7 +242,7 @@ pub fn fit_task<'py>(py: Python<'py>, payload: &[u8]) -> PyResult<Bound<'py, PyB
 
 fn fitted(payload: &[u8]) -> PyResult<Option<Outcome>> {
     let payload: Payload = serde_json::from_slice(payload).map_err(|error| refused(&error))?;
-    let mut model = CoreModel::from_toml(&payload.model, None).map_err(|error| error::model(&error))?;
+    let mut model = Model::from_toml(&payload.model, None).map_err(|error| error::model(&error))?;
     model.stated = payload.stated.into_iter().collect();
     let given = Given::again(model, payload.by_experiment, payload.values);
     let experiment = payload.experiment.read().map_err(|error| InputError::new_err(error.to_string()))?;

@@ -1,7 +1,7 @@
 //! Models as Functional Mock-up Units.
 
 use crate::error::{self, ModelError};
-use crate::model::Model;
+use crate::model::PyModel;
 use bekker_fmu_package::{ExportError, Kind, Options, Version, export};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -14,7 +14,7 @@ use std::path::PathBuf;
 #[pyo3(signature = (model, path, fmi=3, kind=None, windows=None, arrays=false))]
 pub fn export_fmu(
     py: Python<'_>,
-    model: &Model,
+    model: &PyModel,
     path: PathBuf,
     fmi: u32,
     kind: Option<&str>,

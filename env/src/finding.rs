@@ -1,7 +1,7 @@
 //! A diagnosis on its way to Python: the JSON of the core, and beside it what only the Python objects hold.
 
 use crate::error::{self, ModelError};
-use crate::model::Model;
+use crate::model::PyModel;
 use bekker::diagnosis::{CandidateResult, Diagnosis, Failure, FinalParameter, Fit, NoiseFloor, ParameterResult, Step};
 use bekker::measurement::{Kind, Run};
 use pyo3::prelude::*;
@@ -38,8 +38,8 @@ impl NativeDiagnosis {
     }
 
     /// The improved model.
-    fn improved(&self) -> Model {
-        Model { core: self.core.improved.clone() }
+    fn improved(&self) -> PyModel {
+        PyModel { core: self.core.improved.clone() }
     }
 }
 

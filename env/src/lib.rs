@@ -1,5 +1,8 @@
 //! The Python door: a thin layer over [`bekker::model`]. All physics stays in the core; what is
 //! convenient in Python (arguments of many kinds, the environment) is written in Python.
+//!
+//! A class that wraps a type of the core has its name in Python and the prefix `Py` here: `PyModel` is Python's `Model` and
+//! wraps the core's.
 
 mod batch;
 mod check;
@@ -22,15 +25,15 @@ use pyo3::pymodule;
 #[pymodule]
 mod _bekker {
     #[pymodule_export]
-    use super::batch::Batch;
+    use super::batch::PyBatch;
     #[pymodule_export]
-    use super::check::Report;
+    use super::check::PyReport;
     #[pymodule_export]
-    use super::check::Script;
+    use super::check::PyScript;
     #[pymodule_export]
     use super::compare::compare;
     #[pymodule_export]
-    use super::controller::Controller;
+    use super::controller::PyController;
     #[pymodule_export]
     use super::diagnose::diagnose;
     #[pymodule_export]
@@ -44,13 +47,13 @@ mod _bekker {
     #[pymodule_export]
     use super::finding::NativeDiagnosis;
     #[pymodule_export]
-    use super::model::Model;
+    use super::model::PyModel;
     #[pymodule_export]
     use super::record::record;
     #[pymodule_export]
     use super::render::Renderer;
     #[pymodule_export]
-    use super::run::Run;
+    use super::run::PyRun;
     use pyo3::prelude::*;
 
     /// Names and meanings of the built-in models.

@@ -1,9 +1,9 @@
 //! Class `Model`.
 
-use crate::run::Run;
+use crate::run::PyRun;
 use crate::{error, vocabulary};
 use bekker::carriage::{SetPoint, SteadyPoint};
-use bekker::model::{ControlKind, Model as CoreModel, ModelError, ModelKind};
+use bekker::model::{ControlKind, Model, ModelError, ModelKind};
 use bekker::modeldescription::{Lookup, Parameters, Variable, join};
 use bekker::sensors::Sensors;
 use bekker::signals::Signals;
@@ -14,9 +14,9 @@ use pyo3::types::{PyDict, PyType};
 use std::path::PathBuf;
 
 /// A rover on its ground, its sensors and control, and how to run them; or a wheel on a carriage.
-#[pyclass(module = "bekker")]
-pub struct Model {
-    pub core: CoreModel,
+#[pyclass(module = "bekker", name = "Model")]
+pub struct PyModel {
+    pub core: Model,
 }
 
 /// Maker, arguments, state: what pickle takes.
@@ -41,8 +41,8 @@ impl Parameters<f64> for AllSensors<'_> {
     }
 }
 
-impl Model {
-    fn read_by(py: Python<'_>, reader: impl FnOnce() -> Result<CoreModel, ModelError> + Send) -> PyResult<Self> {
+impl PyModel {
+    fn read_by(py: Python<'_>, reader: impl FnOnce() -> Result<Model, ModelError> + Send) -> PyResult<Self> {
         match py.detach(|| error::fenced(reader))? {
             Ok(core) => Ok(Self { core }),
             Err(refused) => Err(error::model(&refused)),
@@ -51,24 +51,24 @@ impl Model {
 }
 
 #[pymethods]
-impl Model {
+impl PyModel {
     /// A built-in model; `bekker.presets()` lists the names.
     #[classmethod]
     fn from_preset(_class: &Bound<'_, PyType>, py: Python<'_>, name: &str) -> PyResult<Self> {
-        Self::read_by(py, || CoreModel::preset(name))
+        Self::read_by(py, || Model::preset(name))
     }
 
     /// A model from TOML text; files that it names are looked for in `folder`.
     #[classmethod]
     #[pyo3(signature = (text, folder = None))]
     fn from_toml(_class: &Bound<'_, PyType>, py: Python<'_>, text: &str, folder: Option<PathBuf>) -> PyResult<Self> {
-        Self::read_by(py, || CoreModel::from_toml(text, folder.as_deref()))
+        Self::read_by(py, || Model::from_toml(text, folder.as_deref()))
     }
 
     /// A model from a TOML file.
     #[classmethod]
     fn read(_class: &Bound<'_, PyType>, py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        Self::read_by(py, || CoreModel::read(&path))
+        Self::read_by(py, || Model::read(&path))
     }
 
     /// The model as TOML, complete in itself; reading it back gives the same model to the last bit.
@@ -188,9 +188,9 @@ impl Model {
     }
 
     /// A run of this model at its start: settled on the ground, controllers at rest.
-    fn start(&self, py: Python<'_>) -> PyResult<Run> {
+    fn start(&self, py: Python<'_>) -> PyResult<PyRun> {
         match py.detach(|| error::fenced(|| self.core.start()))? {
-            Ok(run) => Ok(Run::new(run)),
+            Ok(run) => Ok(PyRun::new(run)),
             Err(refused) => Err(error::run(&refused)),
         }
     }

@@ -1,7 +1,7 @@
 //! A whole run in one call.
 
 use crate::error::{self, InputError};
-use crate::model::Model;
+use crate::model::PyModel;
 use crate::run::{Refused, event, row};
 use bekker::model::Run;
 use bekker::simulation::Status;
@@ -36,7 +36,7 @@ impl Tape {
 #[pyfunction]
 pub fn record<'py>(
     py: Python<'py>,
-    model: &Model,
+    model: &PyModel,
     inputs: PyArrayLike2<'py, f64, AllowTypeChange>,
     steps: u64,
 ) -> PyResult<Recorded<'py>> {

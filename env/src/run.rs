@@ -1,31 +1,30 @@
 //! Class `Run`.
 
 use crate::error::{self, InputError, SimulationError};
-use bekker::model::{Run as CoreRun, RunError};
+use bekker::model::{Run, RunError};
 use bekker::modeldescription::{Lookup, Parameters};
 use bekker::signals::{Measurement, Signals};
 use bekker::simulation::Status;
-use numpy::{AllowTypeChange, PyArray1, PyArrayLike1, PyArrayMethods};
+use numpy::{AllowTypeChange, PyArray1, PyArrayLike1, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use std::borrow::Cow;
 
 /// A model in motion. A copy goes on to the same bits.
-#[pyclass(module = "bekker")]
-pub struct Run {
-    core: CoreRun,
-    /// Input values of the present step, kept to save the allocation.
-    values: Vec<f64>,
+#[pyclass(module = "bekker", name = "Run")]
+pub struct PyRun {
+    core: Run,
     /// A panic left the core in an unknown state.
     broken: bool,
 }
 
-impl Run {
-    pub fn new(core: CoreRun) -> Self {
-        Self { core, values: Vec::new(), broken: false }
+impl PyRun {
+    pub fn new(core: Run) -> Self {
+        Self { core, broken: false }
     }
 
     /// The core's run, for a batch.
-    pub fn taken(&self) -> PyResult<CoreRun> {
+    pub fn taken(&self) -> PyResult<Run> {
         if self.broken {
             return Err(broke());
         }
@@ -37,20 +36,24 @@ impl Run {
         self.core.signals()
     }
 
-    fn advance(&mut self, py: Python<'_>, steps: u64) -> PyResult<Status> {
+    fn advance(&mut self, py: Python<'_>, inputs: &[f64], steps: u64) -> PyResult<Status> {
         if self.broken {
             return Err(broke());
         }
-        let (core, values) = (&mut self.core, &self.values);
-        let outcome = py.detach(|| {
-            error::fenced(|| {
-                core.inputs_mut().set_all(values).map_err(Refused::Input)?;
-                core.advance(steps).map_err(Refused::Step)
-            })
+        let core = &mut self.core;
+        // Before the lock is given away: Python may change its array during the steps.
+        let outcome = error::fenced(|| core.inputs_mut().set_all(inputs)).and_then(|held| match held {
+            Err(refused) => Ok(Err(Refused::Input(refused))),
+            Ok(()) => py.detach(|| error::fenced(|| core.advance(steps).map_err(Refused::Step))),
         });
         self.broken = outcome.is_err();
         Ok(outcome??)
     }
+}
+
+/// The values of an array in one piece; copied only where the array is a view with gaps.
+pub fn contiguous<'a, T: numpy::Element + Copy>(array: &'a PyReadonlyArray1<'_, T>) -> Cow<'a, [T]> {
+    array.as_slice().map_or_else(|_| array.as_array().to_vec().into(), Cow::from)
 }
 
 fn broke() -> PyErr {
@@ -73,7 +76,7 @@ impl From<Refused> for PyErr {
 }
 
 #[pymethods]
-impl Run {
+impl PyRun {
     /// Makes `steps` inner steps with `inputs` held, writes the signals into `out`, returns the status.
     #[pyo3(signature = (inputs, steps = 1, out = None))]
     fn step(
@@ -83,9 +86,7 @@ impl Run {
         steps: u64,
         out: Option<&Bound<'_, PyArray1<f64>>>,
     ) -> PyResult<&'static str> {
-        self.values.clear();
-        self.values.extend(inputs.as_array());
-        let status = self.advance(py, steps)?;
+        let status = self.advance(py, &contiguous(&inputs), steps)?;
         if let Some(out) = out {
             self.read(out)?;
         }
@@ -176,7 +177,7 @@ impl Run {
 
     /// An independent run; it goes on to the same bits.
     fn copy(&self) -> Self {
-        Self { core: self.core.clone(), values: Vec::new(), broken: self.broken }
+        Self { core: self.core.clone(), broken: self.broken }
     }
 
     fn __copy__(&self) -> Self {

@@ -1,4 +1,4 @@
-"""What the tests share: rovers, terrains and commands drawn at random."""
+"""What the tests share: rovers, terrains and commands drawn at random, and a diagnosis."""
 
 import json
 import os
@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from sand_wheel import sand
 
 import bekker
 
@@ -83,3 +84,8 @@ def drawn(seed: int) -> Drive:
 @pytest.fixture
 def drive(request: pytest.FixtureRequest) -> Drive:
     return drawn(request.param)
+
+
+@pytest.fixture(scope="session")
+def diagnosis() -> bekker.Diagnosis:
+    return sand()

@@ -1,66 +1,18 @@
 """`diagnose` gives the core's numbers to the last digit, wherever the data come from and the fits are made."""
 
-import csv
 import dataclasses
 import json
 import pickle
-import signal
 import subprocess
-import sys
-import threading
-import tomllib
-import warnings
-from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
-import pandas as pd
 import pytest
 from conftest import core_program
+from sand_wheel import CANDIDATES, DRAWS, ROOT, SAND, as_arrays
 
 import bekker
-from bekker.levels import levels, set_points, smooth
-
-mpl.use("Agg")
-
-ROOT = Path(__file__).parents[2]
-SAND = ROOT / "examples" / "sand_wheel"
-# The hidden effect, its nearest rival and one that a wheel at a steady point does not show: quick, and pairs are tried.
-CANDIDATES = ["slip_sinkage", "exit_angle", "coulomb_friction"]
-DRAWS = 199
-
-
-def sand(**options: Any) -> bekker.Diagnosis:
-    return bekker.diagnose(SAND, candidates=CANDIDATES, draws=DRAWS, **options)
-
-
-def frame(path: Path) -> pd.DataFrame:
-    # Not by pandas' reader, whose numbers may be off in the last digit.
-    with path.open() as file:
-        return pd.DataFrame([{name: float(cell) for name, cell in row.items()} for row in csv.DictReader(file)])
-
-
-def as_arrays(convert: Callable[[pd.DataFrame], Any]) -> bekker.Experiment:
-    """The shipped experiment without its folder."""
-    settings = tomllib.loads((SAND / "experiment.toml").read_text())
-    runs = [
-        bekker.MeasuredRun(
-            convert(frame(SAND / run["file"])), run["file"].removesuffix(".csv"), group=run.get("group"),
-            parameters=run.get("parameters", {}),
-        )
-        for run in settings["run"]
-    ]
-    shared = {key: settings.get(key, {}) for key in ("parameters", "priors", "noise")}
-    return bekker.Experiment(settings["kind"], runs, settings["name"], ignore=settings.get("ignore", []), **shared)
-
-
-@pytest.fixture(scope="module")
-def diagnosis() -> bekker.Diagnosis:
-    return sand()
 
 
 def core_json() -> Any:
@@ -136,139 +88,6 @@ def test_property_an_experiment_is_saved_as_a_folder(diagnosis: bekker.Diagnosis
         experiment.save(tmp_path)
 
 
-class Counting(Executor):
-    """Another executor that counts what it is given, and makes the last task first."""
-
-    def __init__(self) -> None:
-        self.waiting: list[tuple[Future[Any], Callable[..., Any], tuple[Any, ...]]] = []
-        self.made = 0
-
-    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        counting, (module, name) = self, (fn.__module__, fn.__qualname__)
-        assert getattr(sys.modules[module], name) is fn, "a worker finds the function by its name"
-
-        class Late(Future[Any]):
-            def result(self, timeout: float | None = None) -> Any:
-                while counting.waiting:
-                    future, work, given = counting.waiting.pop()
-                    future.set_result(work(*given))
-                    counting.made += 1
-                return super().result(timeout)
-
-        future = Late()
-        self.waiting.append((future, fn, args))
-        return future
-
-
-def test_agreement_an_executor_changes_nothing(diagnosis: bekker.Diagnosis) -> None:
-    counting = Counting()
-    assert sand(executor=counting).to_json() == diagnosis.to_json()
-    assert counting.made >= len(CANDIDATES)
-    with ThreadPoolExecutor(2) as pool:
-        assert sand(executor=pool).to_json() == diagnosis.to_json()
-
-
-@pytest.mark.parametrize("method", ["spawn", "fork"])
-def test_agreement_processes_change_nothing(diagnosis: bekker.Diagnosis, method: str) -> None:
-    with warnings.catch_warnings():
-        # Newer Pythons warn of forks beside threads; a worker waits for no thread of its parent.
-        warnings.simplefilter("ignore", DeprecationWarning)
-        with ProcessPoolExecutor(2, mp_context=get_context(method)) as pool:
-            found = bekker.diagnose(as_arrays(lambda frame: frame), candidates=CANDIDATES, draws=DRAWS, executor=pool)
-    assert found.to_json() == diagnosis.to_json()
-
-
-class Broken(Executor):
-    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        raise ZeroDivisionError("no machine")
-
-
-def test_property_what_others_raise_is_raised(diagnosis: bekker.Diagnosis) -> None:
-    with pytest.raises(ZeroDivisionError, match="no machine"):
-        sand(executor=Broken())
-
-    def stop(progress: bekker.Progress) -> None:
-        if progress.done > 0.0:
-            raise LookupError(progress.stage)
-
-    with pytest.raises(LookupError, match="noise"):
-        sand(progress=stop)
-    with pytest.raises(bekker.InputError, match="executor: expected a concurrent.futures.Executor, found int"):
-        sand(executor=3)
-    # Nothing of that is left behind.
-    assert sand().to_json() == diagnosis.to_json()
-
-
-def test_property_progress_is_told(diagnosis: bekker.Diagnosis) -> None:
-    told: list[bekker.Progress] = []
-    threads: set[int] = set()
-
-    def tell(progress: bekker.Progress) -> None:
-        told.append(progress)
-        threads.add(threading.get_ident())
-
-    assert sand(progress=tell).to_json() == diagnosis.to_json()
-    assert threads == {threading.get_ident()}
-    assert told[0].done == 0.0 and told[0].remaining is None and told[-1].done == 1.0
-    assert all(0.0 <= p.done <= 1.0 for p in told) and "calibrating" in str(told[0])
-    assert all(a.done <= b.done and a.elapsed <= b.elapsed for a, b in zip(told, told[1:], strict=False))
-    assert any("slip_sinkage + exit_angle" in p.trying or p.trying.startswith("slip_sinkage (") for p in told)
-    assert told[-1].remaining == 0.0
-
-
-def test_property_a_budget_of_time_lists_what_was_not_tried(diagnosis: bekker.Diagnosis) -> None:
-    short = sand(time_budget=1e-3)
-    assert short.not_tried and not short.interrupted and not diagnosis.not_tried
-    assert short.verdict == "undetermined" and not any(candidate.refitted for candidate in short.candidates)
-    assert short.steps[0].rmse == diagnosis.steps[0].rmse and short.smallest_p == diagnosis.smallest_p
-    # Plenty of time changes nothing.
-    assert sand(time_budget=1e4).to_json() == diagnosis.to_json()
-    for wrong in (0.0, -1.0, float("nan"), "long"):
-        with pytest.raises(bekker.InputError, match="time_budget"):
-            sand(time_budget=wrong)
-
-
-@pytest.fixture
-def ctrl_c() -> Iterator[None]:
-    """Ctrl-C as in a terminal: a process started in the background by a script ignores it, and hands that down."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
-
-
-@pytest.mark.usefixtures("ctrl_c")
-def test_property_ctrl_c_leaves_what_was_found(diagnosis: bekker.Diagnosis) -> None:
-    pressed: list[str] = []
-
-    def press(progress: bekker.Progress) -> None:
-        # Once: a second time ends the work without a result.
-        if "left out" in progress.stage and not pressed:
-            pressed.append(progress.stage)
-            signal.raise_signal(signal.SIGINT)
-
-    with pytest.raises(bekker.DiagnosisInterrupted) as caught:
-        sand(progress=press)
-    assert isinstance(caught.value, KeyboardInterrupt) and not isinstance(caught.value, Exception)
-    partial = caught.value.partial
-    assert partial is not None and partial.interrupted and not diagnosis.interrupted
-    # After a stop the baseline's values come from those with derivatives, whose rounding differs.
-    assert partial.steps[0].rmse == pytest.approx(diagnosis.steps[0].rmse, rel=1e-12) and not partial.profiles
-    with pytest.raises(bekker.InputError, match="interrupted"):
-        partial.plot_profiles()
-
-
-@pytest.mark.usefixtures("ctrl_c")
-def test_property_ctrl_c_during_fits_elsewhere() -> None:
-    class Pressing(Executor):
-        def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-            signal.raise_signal(signal.SIGINT)
-            return Future()
-
-    with pytest.raises(bekker.DiagnosisInterrupted) as caught:
-        sand(executor=Pressing())
-    assert caught.value.partial is None or caught.value.partial.interrupted
-
-
 def test_property_the_improved_model_is_one(diagnosis: bekker.Diagnosis, tmp_path: Path) -> None:
     n1 = next(p.value for p in diagnosis.steps[-1].parameters if p.name == "slip_sinkage.n1")
     assert n1 > 0.0 and diagnosis.improved.get("slip_sinkage.n1") == n1
@@ -327,61 +146,6 @@ def test_property_an_added_effect_is_part_of_the_baseline() -> None:
     assert "slip_sinkage.n1" in {parameter.name for parameter in found.steps[0].parameters}
 
 
-ROW = {"load": [30.0, 30.0], "slip": [0.1, 0.2], "wheel_speed": [0.2, 0.2], "sinkage": [0.012, 0.014]}
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"sinkage": [0.012, np.inf]}, r"run `run1`, row 1, column `sinkage`: `inf` is not a finite number"),
-        ({"slip": [0.1, np.nan]}, r"run `run1`, row 1, column `slip`: an input may not be missing"),
-        ({"slip": [10.0, 20.0]}, r"run `run1`, row 0, column `slip`: 10 cannot be right: .*per cent"),
-        ({"slip": [0.1]}, r"run `run1`, column `slip`: 1 rows where `load` has 2"),
-        ({"slip": [[0.1], [0.2]]}, r"run `run1`, column `slip`: expected one number a row: the shape is \(2, 1\)"),
-        ({"slip": ["a", "b"]}, r"run `run1`, column `slip`: expected one number a row"),
-        ({"slop": [0.1, 0.2]}, r"run `run1`, column `slop`: unknown column"),
-        ({"sinkage": [np.nan, np.nan]}, r"run `run1`: nothing is measured"),
-    ],
-)
-def test_property_bad_data_are_named(change: dict[str, Any], message: str) -> None:
-    with pytest.raises(bekker.InputError, match=message):
-        bekker.Experiment("single_wheel", [ROW | change])
-
-
-def test_property_bad_settings_are_named() -> None:
-    with pytest.raises(bekker.InputError, match=r"experiment, key `noise\.sinkage`: a standard deviation is positive"):
-        bekker.Experiment("single_wheel", [ROW], noise={"sinkage": -1.0})
-    with pytest.raises(bekker.InputError, match="experiment: unknown variant `wheel`"):
-        bekker.Experiment("wheel", [ROW])
-    with pytest.raises(bekker.InputError, match="run `a`: 1 rows, where b|not a repeat"):
-        short = {name: values[:1] for name, values in ROW.items()}
-        bekker.Experiment(
-            "single_wheel", [bekker.MeasuredRun(ROW, "b", group="g"), bekker.MeasuredRun(short, "a", group="g")]
-        )
-    with pytest.raises(bekker.InputError, match="two runs are called `a`"):
-        bekker.Experiment("single_wheel", [bekker.MeasuredRun(ROW, "a"), bekker.MeasuredRun(ROW, "a")])
-    with pytest.raises(bekker.InputError, match="below the experiment's folder"):
-        bekker.Experiment("single_wheel", [bekker.MeasuredRun(ROW, "../a")])
-    with pytest.raises(bekker.InputError, match="terrain of run `a`, row 1, column `x`"):
-        commands = {"time": np.arange(12.0), "wheel[1].speed_command": np.ones(12), "pitch": np.zeros(12)}
-        bekker.Experiment("traverse", [bekker.MeasuredRun(commands, "a", terrain=([0.0, -1.0], [0.0, 0.0]))])
-    # Names and texts of any kind come through.
-    odd = bekker.Experiment("single_wheel", [bekker.MeasuredRun(ROW, 'a "b", c')], name="ü \x7f 'q' \\ \U0001f600")
-    assert odd.signals == ("sinkage",)
-
-
-def test_property_missing_values_of_every_kind() -> None:
-    missing = [
-        [0.012, None],
-        pd.array([0.012, None], dtype="Float64"),
-        np.ma.MaskedArray([0.012, 7.0], [False, True]),
-        pd.Series([0.012, np.nan]),
-    ]
-    for column in missing:
-        compared = bekker.compare(bekker.Experiment("single_wheel", [ROW | {"sinkage": column}]))
-        assert np.isnan(compared.fit.signal("sinkage").residual).tolist() == [False, True]
-
-
 def test_property_bad_arguments_are_named() -> None:
     with pytest.raises(bekker.UnknownNameError, match="no candidate effect `slip_sinkag`"):
         bekker.diagnose(SAND, candidates=["slip_sinkag"])
@@ -394,57 +158,3 @@ def test_property_bad_arguments_are_named() -> None:
         bekker.diagnose({})
     with pytest.raises(bekker.ModelError, match=r"no_such.*experiment\.toml"):
         bekker.diagnose("no_such")
-
-
-def test_property_levels_follow_gaps_then_counts() -> None:
-    assert levels(np.array([20.0, 20.1, 40.0, np.nan, 70.0]), most=5) == [(20.0, 20.1), (40.0, 40.0), (70.0, 70.0)]
-    spread = levels(np.linspace(0.0, 1.0, 100), most=4)
-    assert len(spread) == 4 and all(a[1] < b[0] for a, b in zip(spread, spread[1:], strict=False))
-    assert levels(np.array([3.0, 3.0]), most=4) == [(3.0, 3.0)]
-
-
-def test_property_set_points_are_told_from_accidental_differences() -> None:
-    held = np.array([20.1, 39.8, 60.0, 19.9, 40.3, 60.2, 40.0, 20.0, np.nan])
-    assert set_points(held, 3.0) == [(19.9, 20.1), (39.8, 40.3), (60.0, 60.2)]
-    assert set_points(np.array([21.6, 24.0, 24.3, 24.5, 24.8, 25.3, 26.1]), 1.3) == [(21.6, 26.1)]
-
-
-def test_analytic_a_smooth_meets_a_straight_line() -> None:
-    x = np.arange(20.0) ** 2
-    at, y = smooth(np.append(x, np.nan), np.append(3.0 - 0.5 * x, 1.0))
-    assert at[0] == 0.0 and at[-1] == 361.0
-    # Rounding of sums of some twenty terms of the size of the largest.
-    assert np.abs(y - (3.0 - 0.5 * at)).max() < 361.0 * 1e-12
-
-
-def test_property_plots_show_the_numbers(diagnosis: bekker.Diagnosis, tmp_path: Path) -> None:
-    for name in ("overlay", "residuals", "steps", "candidates", "profiles", "heatmap"):
-        figure = getattr(diagnosis, f"plot_{name}")()
-        figure.savefig(tmp_path / f"{name}.png")
-        assert (tmp_path / f"{name}.png").stat().st_size > 5000
-        mpl.pyplot.close(figure)
-    figure = diagnosis.plot_steps(["torque"])
-    heights = [bar.get_height() for bar in figure.axes[0].patches]
-    assert heights == [step.rmse["torque"] for step in diagnosis.steps]
-    figure = diagnosis.plot_candidates()
-    assert {bar.get_width() for bar in figure.axes[0].patches} >= {c.probability for c in diagnosis.candidates}
-    figure = diagnosis.plot_overlay(["sinkage"])
-    axis = figure.axes[0]
-    assert (axis.get_ylabel(), axis.get_xlabel()) == ("sinkage (m)", "slip")
-    # The curves that are drawn are those of the result: before and after in each group of rows.
-    drawn = [line.get_ydata() for line in axis.lines if len(line.get_ydata()) > 50]
-    groups = diagnosis.curves[0].groups
-    last = len(diagnosis.steps) - 1
-    expected = [group.curve(step, "sinkage") for group in groups for step in (0, last)]
-    assert len(drawn) == len(expected) == 12
-    for line, curve in zip(drawn, expected, strict=True):
-        assert curve is not None and np.array_equal(line, curve.value)
-    assert [curves.axis for curves in diagnosis.curves] == ["slip", "load", "wheel_speed"]
-    assert diagnosis.plot_overlay(["torque"], axis="load").axes[0].get_xlabel() == "load (N)"
-    with pytest.raises(bekker.UnknownNameError, match="unknown varied input `lode`"):
-        diagnosis.plot_overlay(axis="lode")
-    with pytest.raises(bekker.UnknownNameError, match="unknown measured signal `sinkag`"):
-        diagnosis.plot_residuals(["sinkag"])
-    with pytest.raises(bekker.UnknownNameError, match="unknown column `lode`"):
-        diagnosis.plot_heatmap(y="lode")
-    mpl.pyplot.close("all")

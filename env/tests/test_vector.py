@@ -204,7 +204,29 @@ def test_property_a_bad_action_is_named_and_moves_nothing() -> None:
         env.step(np.array([[0.1, 0.1], [np.nan, 0.0]]))
     with pytest.raises(bekker.InputError, match="shape"):
         env.step(np.zeros(2))
+    assert not env.unwrapped.mechanics.inputs.any()
     assert env.step(np.zeros((2, 2)))[4]["time"].tolist() == [0.02, 0.02]
+
+
+def test_agreement_actions_of_any_type_are_computed_in_double_precision() -> None:
+    single = np.random.default_rng(4).uniform(-1.0, 1.0, (20, 3, 2)).astype(np.float32)
+    given: list[list[Any]] = [list(single), list(single.astype(np.float64)), single.astype(np.float64).tolist()]
+    # As views with gaps too.
+    given.append([np.repeat(action, 2, axis=0)[::2] for action in single])
+    seen = []
+    for actions in given:
+        env = vector(num_envs=3)
+        env.reset(seed=1)
+        for action in actions:
+            env.step(action)
+        inputs = np.asarray(actions[-1], dtype=np.float64) * env.unwrapped.setup.action_scale
+        assert np.array_equal(env.unwrapped.mechanics.inputs, inputs)
+        seen.append(env.unwrapped.mechanics.signals.tobytes())
+    assert len(set(seen)) == 1
+    whole, exact = vector(num_envs=1), vector(num_envs=1)
+    whole.reset(seed=1)
+    exact.reset(seed=1)
+    assert_same(whole.step([[1, 0]]), exact.step([[1.0, 0.0]]))
 
 
 def test_property_without_autoreset_a_step_after_the_end_is_refused() -> None:

@@ -153,11 +153,45 @@ impl Batch {
     /// last good step and shows its error in [`Batch::error`]; the others go on.
     ///
     /// # Errors
-    /// [`BatchError`] for a wrong number of values or an input that is not finite or out of range, before anything has
-    /// moved; [`BatchError::Panicked`] after a bug, from when on the batch is of no use.
+    /// As [`Batch::hold`] and [`Batch::advance`].
     pub fn step(&mut self, inputs: &[f64], steps: u64, active: Option<&[bool]>) -> Result<(), BatchError> {
-        self.check(inputs, active)?;
         self.hold(inputs, active)?;
+        self.advance(steps)
+    }
+
+    /// The first half of [`Batch::step`]: copies row i of `inputs` into the inputs of run i and selects the runs that
+    /// [`Batch::advance`] moves. `inputs` and `active` are free for other use afterwards.
+    ///
+    /// # Errors
+    /// [`BatchError`] for a wrong number of values or an input of an active run that is not finite or out of range. All
+    /// values are checked before the first is copied: after an error every run has the inputs that it had.
+    pub fn hold(&mut self, inputs: &[f64], active: Option<&[bool]>) -> Result<(), BatchError> {
+        self.check(inputs, active)?;
+        let width = self.structure.inputs;
+        let row = |index: usize| &inputs[index * width..(index + 1) * width];
+        let moves = |index: usize, slot: &Slot| active.is_none_or(|active| active[index]) && slot.error.is_none();
+        for (index, slot) in self.slots().enumerate().filter(|(index, slot)| moves(*index, slot)) {
+            let refused = |source| BatchError::Input { index, source };
+            slot.run.inputs().check_all(row(index)).map_err(refused)?;
+        }
+        for (index, slot) in self.shards.iter_mut().flat_map(|shard| &mut shard.slots).enumerate() {
+            slot.active = moves(index, slot);
+            if slot.active {
+                slot.run.inputs_mut().put_all(row(index));
+            }
+        }
+        Ok(())
+    }
+
+    /// The second half of [`Batch::step`]: makes `steps` inner steps with the inputs that [`Batch::hold`] has set, in the
+    /// runs that it has selected (in none before its first call).
+    ///
+    /// # Errors
+    /// [`BatchError::Panicked`] after a bug, from when on the batch is of no use.
+    pub fn advance(&mut self, steps: u64) -> Result<(), BatchError> {
+        if self.broken {
+            return Err(BatchError::Panicked);
+        }
         for shard in &mut self.shards {
             shard.steps = steps;
         }
@@ -183,19 +217,6 @@ impl Batch {
             }
             _ => Ok(()),
         }
-    }
-
-    /// Gives the runs their inputs, and marks those that are to move.
-    fn hold(&mut self, inputs: &[f64], active: Option<&[bool]>) -> Result<(), BatchError> {
-        let width = self.structure.inputs;
-        for (index, slot) in self.shards.iter_mut().flat_map(|shard| &mut shard.slots).enumerate() {
-            slot.active = active.is_none_or(|active| active[index]) && slot.error.is_none();
-            if slot.active {
-                let row = &inputs[index * width..(index + 1) * width];
-                slot.run.inputs_mut().set_all(row).map_err(|source| BatchError::Input { index, source })?;
-            }
-        }
-        Ok(())
     }
 
     fn slots(&self) -> impl Iterator<Item = &Slot> {

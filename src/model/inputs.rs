@@ -7,6 +7,9 @@ use bekker_modeldescription::{Lookup, Parameters, Unit, Variable, join, paramete
 /// Commands of wheels within this are taken, in SI units.
 const ANY: std::ops::RangeInclusive<f64> = -1e4..=1e4;
 
+/// Speeds of a rover within this are taken, m/s.
+const VELOCITIES: std::ops::RangeInclusive<f64> = -10.0..=10.0;
+
 parameters! {
     /// Command of one wheel's torque.
     pub struct TorqueCommand {
@@ -27,7 +30,7 @@ parameters! {
     /// Command of the rover's speed.
     pub struct VelocityCommand {
         /// Desired speed of the body along its path.
-        velocity_command: [Unit::METRE_PER_SECOND] = 0.25, -10.0..=10.0, Signal, "input; 25 cm/s in Iagnemma 2001, 4.4.1";
+        velocity_command: [Unit::METRE_PER_SECOND] = 0.25, VELOCITIES, Signal, "input; 25 cm/s in Iagnemma 2001, 4.4.1";
     }
 }
 
@@ -62,38 +65,53 @@ impl Inputs {
         }
     }
 
-    /// Sets the inputs from values in the vocabulary's order.
+    /// Sets the inputs from values in the vocabulary's order; after an error they are as before.
     ///
     /// # Errors
     /// [`RunError::InputLength`] for a wrong number of values, [`RunError::Parameter`] for one that is not
     /// finite or out of range.
     pub fn set_all(&mut self, values: &[f64]) -> Result<(), RunError> {
+        self.check_all(values)?;
+        self.put_all(values);
+        Ok(())
+    }
+
+    /// Whether [`Inputs::set_all`] takes these values.
+    pub(crate) fn check_all(&self, values: &[f64]) -> Result<(), RunError> {
         let mut expected = 0;
         self.values(&mut |_| expected += 1);
         if values.len() != expected {
             return Err(RunError::InputLength { got: values.len(), expected });
         }
-        let plain = !matches!(self, Self::Carriage(_));
-        if plain && values.iter().all(|value| value.is_finite() && value.abs() <= *ANY.end()) {
-            let mut next = values.iter();
-            let mut put = |place: &mut f64| {
-                if let Some(value) = next.next() {
-                    *place = *value;
-                }
-            };
-            match self {
-                Self::Torque(wheels) => wheels.iter_mut().for_each(|w| put(&mut w.torque_command)),
-                Self::Speed(wheels) => wheels.iter_mut().for_each(|w| put(&mut w.speed_command)),
-                Self::Velocity(command) => put(&mut command.velocity_command),
-                Self::Carriage(_) => {}
-            }
+        // Every step of every run comes here: the names, which only an error needs, cost more than the check.
+        let largest = match self {
+            Self::Torque(_) | Self::Speed(_) => Some(*ANY.end()),
+            Self::Velocity(_) => Some(*VELOCITIES.end()),
+            Self::Carriage(_) => None,
+        };
+        // NaN is not below a bound either.
+        if largest.is_some_and(|largest| values.iter().all(|value| value.abs() <= largest)) {
             return Ok(());
         }
-        let names: Vec<String> = self.list().into_iter().map(|(variable, _)| variable.name).collect();
-        for (name, &value) in names.iter().zip(values) {
-            self.set(name, value)?;
+        let mut changed = self.clone();
+        changed.put_all(values);
+        Ok(changed.check()?)
+    }
+
+    /// Sets the inputs from as many values, which [`Inputs::check_all`] has found good.
+    pub(crate) fn put_all(&mut self, values: &[f64]) {
+        let mut next = values.iter();
+        let mut put = |place: &mut f64| {
+            if let Some(value) = next.next() {
+                *place = *value;
+            }
+        };
+        match self {
+            Self::Torque(wheels) => wheels.iter_mut().for_each(|w| put(&mut w.torque_command)),
+            Self::Speed(wheels) => wheels.iter_mut().for_each(|w| put(&mut w.speed_command)),
+            Self::Velocity(command) => put(&mut command.velocity_command),
+            Self::Carriage(set) => set.visit("", &mut |_, place| put(place)),
         }
-        Ok(())
     }
 }
 

@@ -3,6 +3,7 @@
 mod closed_loop;
 mod controller;
 mod effects;
+mod error;
 mod estimating;
 mod file;
 mod find;
@@ -16,6 +17,7 @@ mod registering;
 mod rig;
 mod run;
 mod saving;
+mod sections;
 mod stated;
 mod summary;
 mod tuning;
@@ -23,8 +25,8 @@ mod variation;
 
 pub use closed_loop::{Control, ControlKind, RtcTiming, nominal};
 pub use controller::ControllerRun;
+pub use error::ModelError;
 pub use estimating::{ContactAngleSource, SoilSource};
-pub use file::ModelError;
 pub use inputs::Inputs;
 pub use plant::{AnyPlant, Plant};
 pub use presets::PRESETS;

@@ -31,13 +31,13 @@ class Arguments(TypedDict, total=False):
     period: float
     """Control period, s, a whole number of the model's inner steps; default 0.02."""
     control: str
-    """What the actions command: "torque", "speed", "speed_loop" of the wheels, or the kind of a controller."""
+    """What the actions command: "torque", "speed" or "speed_loop" of the wheels, or the velocity of a kind of controller."""
     terrain: Mapping[str, Any]
     """The ground, as in the section ``[terrain]`` of a model file."""
     parameters: Mapping[str, float]
     """Values by the vocabulary's names: soil, vehicle, effects, ``sensor.*``, ``terrain.*``, ``terrain.seed``, ``x0``."""
     randomise: Randomise
-    """Distributions by name, drawn at every reset; in place of the task's."""
+    """Distributions by name, drawn at every reset; they replace the task's."""
     level: float
     """Level of the curriculum, 0 to 1; default 1."""
     target_velocity: float
@@ -45,18 +45,18 @@ class Arguments(TypedDict, total=False):
     slip_limit: float
     """Slip that the task allows."""
     goal: Goal
-    """What success is."""
+    """The criterion of success, see `bekker.goals`."""
     observe: Sequence[str]
     """Signals of the observation; a name such as `wheel.slip` stands for that signal of every wheel."""
     observation_scales: Mapping[str, float]
-    """SI values of one, by the same names."""
+    """The SI value that an observation of 1 stands for, by the same names."""
     raw: bool
-    """Observations in SI units, within ten scales; default false: normalised, within -1 to 1."""
+    """Observations in SI units, clipped at ten scales; default false: normalised, within -1 to 1."""
     measured: bool
     """Observations from the sensors, with their noise, bias, resolution and period (``sensor.*``), in place of the true
     signals; default false."""
     action_scale: float
-    """What an action of one commands, N m, rad/s or m/s."""
+    """What an action of 1 commands, N m, rad/s or m/s."""
     rewards: Terms
     """Terms of the reward, by name (`bekker.rewards.TERMS`) or as objects."""
     reward_weights: Mapping[str, float]

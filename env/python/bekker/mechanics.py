@@ -171,7 +171,9 @@ class Mechanics:
             InputError: the actions have the wrong shape or one is NaN or beyond -1..1; nothing has moved then.
         """
         batch, numbers, setup = self.batch, self._numbers, self.setup
-        np.multiply(self._checked(actions, active), setup.action_scale, out=self.inputs)
+        values, moving = self._checked(actions, active), True if active is None else active[:, np.newaxis]
+        # In double precision whatever the precision of the actions, without an array in between.
+        np.multiply(values, setup.action_scale, out=self.inputs, where=moving, dtype=np.float64)
         np.copyto(self._before, numbers.signals)
         batch.step(setup.steps, active)
         moved = self._all if active is None else active
@@ -206,17 +208,19 @@ class Mechanics:
         if moved is not self._all:
             numbers.rewards[:, ~moved] = 0.0
 
-    def _checked(self, actions: ArrayLike, active: Bools | None) -> Floats:
-        values = np.asarray(actions, dtype=np.float64)
+    def _checked(self, actions: ArrayLike, active: Bools | None) -> NDArray[np.floating[Any]]:
+        """The actions as an array of floating-point numbers: the caller's own where it is one."""
+        values: NDArray[np.floating[Any]] = np.asarray(actions)
+        if values.dtype.kind != "f":
+            values = values.astype(np.float64)
         if values.shape != self.inputs.shape:
             raise InputError(f"the action has shape {values.shape[1:]}, expected {self.inputs.shape[1:]}")
-        if active is not None:
-            values = np.where(active[:, np.newaxis], values, 0.0)
+        sizes, moving = np.abs(values), True if active is None else active[:, np.newaxis]
         # Written so that NaN fails too.
-        if not np.abs(values).max() <= 1.0:
-            i, k = (int(place[0]) for place in np.nonzero(~(np.abs(values) <= 1.0)))
+        if not sizes.max(initial=0.0, where=moving) <= 1.0:
+            i, k = (int(place[0]) for place in np.nonzero(~(sizes <= 1.0) & moving))
             where = f"action[{k}]" if self.count == 1 else f"action[{i}, {k}]"
-            raise InputError(f"{where} = {values[i, k]}: expected a number within -1 .. 1")
+            raise InputError(f"{where} = {float(values[i, k])}: expected a number within -1 .. 1")
         return values
 
     # What is seen

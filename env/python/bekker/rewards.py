@@ -111,11 +111,11 @@ TERMS: dict[str, Term] = {
     for term in (
         Term("progress", 1.0, "metres gained along x", progress),
         Term("climb", 1.0, "metres gained in height", climb),
-        Term("energy", 0.2, "minus the electrical energy drawn, over the weight m g: metres", energy),
+        Term("energy", 0.2, "minus the electrical energy drawn, divided by the weight m g: metres", energy),
         Term("end", 1.0, "minus one on the step in which an event ends the drive", end),
         Term("goal", 1.0, "one on the step that reaches the goal", goal),
-        Term("speed_error", 1.0, "minus the distance between speed and target, integrated: metres", speed_error),
-        Term("slip_excess", 1.0, "minus the mean of |slip| beyond the limit over the wheels, integrated: seconds", slip_excess),
+        Term("speed_error", 1.0, "minus the absolute difference between speed and target, integrated over time: metres", speed_error),
+        Term("slip_excess", 1.0, "minus the mean over the wheels of |slip| beyond the limit, integrated over time: seconds", slip_excess),
     )
 }
 """Terms by name, with the weights that `bekker/Rover-v0` gives them."""

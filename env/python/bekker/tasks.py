@@ -33,7 +33,7 @@ class Task:
     name: str
     """The part of the id between ``bekker/`` and the version."""
     purpose: str
-    """What it is for, sentences."""
+    """What is to be done and why, in sentences."""
     physics: str
     """Why this vehicle, ground and soil, sentences."""
     success: str
@@ -59,7 +59,7 @@ class Task:
     randomise: Mapping[str, Distribution] = field(default_factory=dict)
     """What is drawn at every reset."""
     grades: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    """Values at the levels 0 and 1 of the curriculum, straight between."""
+    """Values at the levels 0 and 1 of the curriculum, linear between them."""
 
     @property
     def id(self) -> str:
@@ -72,11 +72,11 @@ class Task:
         return round(self.seconds / PERIOD)
 
 
-# The thesis's sand with a shear modulus of 1 cm, as Wong measured on dry sand, in place of 3 cm: with 3 cm this rover needs some 40 % slip on
-# level ground and every climb ends in a dig.
+# The thesis's sand with a shear modulus of 1 cm, as Wong measured on dry sand, instead of 3 cm: with 3 cm this rover needs about 40 % slip on
+# level ground, and on every climb it digs itself in.
 SAND = {"soil.shear_modulus": 0.01}
 
-# Soils about it: half to twice the cohesion, friction angles of loose to dense dry sand.
+# Variations of this sand: half to twice the cohesion, friction angles of loose to dense dry sand.
 SANDS: dict[str, Distribution] = {
     "soil.cohesion": LogUniform(500.0, 2000.0),
     "soil.friction_angle": Uniform(radians(27.0), radians(33.0)),
@@ -95,21 +95,22 @@ TASKS: dict[str, Task] = {
     for task in (
         Task(
             name="Rover",
-            purpose="The general environment: any vehicle, soil, ground, effects, sensors and control, any terms of the "
-            "reward. By default the two-wheeled rover is to get far along x with little energy.",
-            physics="Whatever the arguments say; by default the 10 kg rover of Iagnemma's thesis on its flat sand.",
-            success="Never: there is no goal.",
+            purpose="The general environment: any vehicle, soil, ground, effects, sensors, control and terms of the reward. "
+            "By default the reward of the two-wheeled rover grows with distance along x and falls with the energy used.",
+            physics="As the arguments say; by default the 10 kg rover of Iagnemma's thesis on its flat sand.",
+            success="Never: this environment has no goal.",
             goal=Open(),
             seconds=20.0,
             rewards=tuple(TERMS[name] for name in ("progress", "energy", "end")),
         ),
         Task(
             name="SpeedHold",
-            purpose="Hold a speed over rolling sand, by the torques of two wheels. The first task to try: dense reward, "
-            "hard to fail, and a velocity controller to compare with.",
-            physics="The two-wheeled rover on waves of up to 5 degrees. Sand resists by sinkage and slip, so the torque for "
-            "a speed changes along each wave and with the soil, which the policy does not see.",
-            success="After the first 3 s, the mean distance between speed and target since then is at most 10 % of the target.",
+            purpose="Hold a speed over rolling sand with the torques of two wheels. A good task to start with: its reward is "
+            "dense, failures are rare, and there is a velocity controller to compare with.",
+            physics="The two-wheeled rover on waves of up to 5 degrees. Sinkage and slip resist the motion, so the torque that a "
+            "speed needs changes along each wave and with the soil, which the policy does not observe.",
+            success="The mean absolute difference between speed and target, from 3 s after the start on, is at most 10 % of "
+            "the target.",
             goal=Hold(share=0.1, after=3.0),
             seconds=20.0,
             rewards=_weighted(speed_error=10.0, energy=0.2, end=5.0),
@@ -122,11 +123,12 @@ TASKS: dict[str, Task] = {
         ),
         Task(
             name="SlopeClimb",
-            purpose="Climb three metres of slope on sand within the time, and do not dig in: where the sand is weak and the "
-            "slope steep, wheels that all turn at one constant speed get stuck.",
-            physics="The two-wheeled rover on a plane, its drives holding wheel speeds. Uphill the rear wheel carries more, so "
-            "that equal speeds waste the front wheel's grip; the steepest slopes come close to what this sand carries.",
-            success="Three metres along x, which ends the episode.",
+            purpose="Climb three metres of a sand slope within the time limit without digging in. Where the sand is weak and "
+            "the slope steep, wheels that all turn at one constant speed get stuck.",
+            physics="The two-wheeled rover on an inclined plane; its drives control the wheel speeds. Uphill the rear wheel "
+            "carries more load, so that equal speeds leave traction of the front wheel unused. The steepest slopes are close to "
+            "the limit of this sand.",
+            success="The rover has moved three metres along x, which ends the episode.",
             goal=Reach(3.0),
             seconds=20.0,
             control="speed_loop",
@@ -138,12 +140,12 @@ TASKS: dict[str, Task] = {
         ),
         Task(
             name="DitchCrossing",
-            purpose="Cross a ditch of loose sand with six wheels: a question of how to share the torque among wheels "
-            "whose loads change all the way.",
-            physics="One side of the FSRL rover of Iagnemma's thesis (appendix C; 4.4.2) before a ditch three wheel "
-            "diameters wide. Its sand has half the stiffness and a sixth of the cohesion of that around, as loose sand "
-            "has; its walls are at most 14 degrees steep. An action of one is the limit of the drives, 0.706 N m.",
-            success="All wheels beyond the far rim: 1.6 m along x, which ends the episode.",
+            purpose="Cross a ditch of loose sand with six wheels. The policy has to distribute the torque among wheels whose "
+            "loads change throughout the crossing.",
+            physics="One side of the FSRL rover of Iagnemma's thesis (appendix C; 4.4.2) in front of a ditch three wheel "
+            "diameters wide. The sand in the ditch is loose: it has half the stiffness and a sixth of the cohesion of the sand "
+            "around it. The walls are at most 14 degrees steep. An action of 1 is the torque limit of the drives, 0.706 N m.",
+            success="All wheels are beyond the far rim, 1.6 m along x, which ends the episode.",
             goal=Reach(_DITCH + _RIM + 0.2 + 0.208),
             seconds=30.0,
             rewards=_weighted(progress=2.0, energy=0.2, end=3.0, goal=3.0),
@@ -168,11 +170,12 @@ TASKS: dict[str, Task] = {
         ),
         Task(
             name="EnergyTraverse",
-            purpose="Cross random rough ground with as little energy a metre as possible.",
-            physics="One side of a six-wheeled rocker-bogie on dry sand (Wong). A new ground every episode, with the "
-            "spectrum k^-3, smoother than the k^-2 of ISO 8608; energy goes into slip, sinkage and the windings, so "
-            "smooth, even driving pays.",
-            success="Four metres along x, which ends the episode; `electrical_energy` over `distance` tells how well.",
+            purpose="Cross random rough ground with as little energy per metre as possible.",
+            physics="One side of a six-wheeled rocker-bogie on dry sand (Wong). Every episode has a new ground with a "
+            "spectrum of k^-3, which is smoother than the k^-2 of ISO 8608. Slip, sinkage and the windings dissipate energy, "
+            "so a smooth drive at even speed needs least.",
+            success="The rover has moved four metres along x, which ends the episode; `electrical_energy` over `distance` "
+            "measures the quality of the drive.",
             goal=Reach(4.0),
             seconds=40.0,
             rewards=_weighted(progress=1.0, energy=1.0, end=3.0, goal=3.0),
@@ -185,11 +188,12 @@ TASKS: dict[str, Task] = {
         ),
         Task(
             name="SlipLimited",
-            purpose="Travel without slip: wheels that slip dig, wear the soil and spoil the odometry, so that each step of a "
-            "wheel beyond 30 % slip counts against the drive.",
-            physics="The two-wheeled rover on rolling, weak sand (cohesion 200 to 800 Pa), where a little more torque "
-            "than needed slips. The slip itself is no sensor's: it follows from wheel speed and velocity.",
-            success="Three metres along x, which ends the episode, with a wheel beyond 30 % slip in at most 10 % of the steps.",
+            purpose="Drive with little slip. Wheels that slip dig in, loosen the soil and falsify the odometry, so every step "
+            "of a wheel beyond 30 % slip reduces the reward.",
+            physics="The two-wheeled rover on rolling, weak sand (cohesion 200 to 800 Pa), where slightly more torque than "
+            "needed makes the wheels slip. No sensor measures the slip; it follows from wheel speed and velocity.",
+            success="The rover has moved three metres along x, which ends the episode, with a wheel beyond 30 % slip in at "
+            "most 10 % of the steps.",
             goal=ReachWithinSlip(3.0, 0.1),
             seconds=30.0,
             rewards=_weighted(progress=1.0, slip_excess=10.0, end=3.0, goal=3.0),

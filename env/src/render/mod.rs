@@ -11,7 +11,7 @@ mod text;
 mod vehicle;
 
 use crate::error::InputError;
-use crate::model::Model;
+use crate::model::PyModel;
 use bekker::modeldescription::Parameters;
 use bekker::signals::Signals;
 use canvas::Canvas;
@@ -36,7 +36,7 @@ impl Renderer {
     /// Frames of `model` of so many pixels.
     #[new]
     #[pyo3(signature = (model, width = 960, height = 540))]
-    fn new(model: &Model, width: u32, height: u32) -> PyResult<Self> {
+    fn new(model: &PyModel, width: u32, height: u32) -> PyResult<Self> {
         for (name, pixels) in [("width", width), ("height", height)] {
             if !(64..=8192).contains(&pixels) {
                 return Err(InputError::new_err(format!("{name} = {pixels}: expected 64 to 8192 pixels")));
