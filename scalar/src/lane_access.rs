@@ -2,7 +2,7 @@
 
 use crate::{Arch, Lanes, Plain};
 
-/// A part of eight rovers in SIMD lanes, and the same part of one of them. [`derive@LaneAccess`] implements it for a struct
+/// A part of eight rovers in SIMD lanes, and the same part of one of them. The derive of the same name implements it for a struct
 /// over a scalar.
 pub trait LaneAccess<One> {
     /// Puts one rover's part into lane `k`.
