@@ -3,6 +3,7 @@
 use bekker::model::Model;
 use bekker_fmu::fmi2::*;
 use bekker_fmu::fmi3::Status;
+use bekker_modeldescription::xml::{Entry, Kind};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::ffi::{CStr, CString, c_char, c_void};
@@ -74,6 +75,8 @@ pub struct Fuzz {
     pub uri: CString,
     pub callbacks: Callbacks,
     pub variables: u32,
+    /// References of all variables but the enumerations.
+    pub reals: Vec<u32>,
     pub two: Vec<Instance>,
     pub three: Vec<Instance>,
     pub states: Vec<*mut c_void>,
@@ -101,7 +104,10 @@ impl Fuzz {
             step_finished: null(),
             environment: null_mut(),
         };
+        let real = |entry: &Entry| !matches!(entry.kind, Kind::Enumeration { .. });
+        let reals = (0..).zip(&description.entries).filter(|(_, entry)| real(entry)).map(|(k, _)| k).collect();
         Self {
+            reals,
             random: ChaCha8Rng::seed_from_u64(seed),
             token: CString::new(description.token().unwrap()).unwrap(),
             path: CString::new(path).unwrap(),
@@ -169,16 +175,14 @@ impl Fuzz {
 
     /// A new instance drives as ever: the bits after a few steps.
     pub fn drive(&self) -> Vec<u64> {
-        let mut values = vec![0.0; self.variables as usize - 1];
-        // All but the last, which is an enumeration.
-        let references: Vec<u32> = (0..self.variables - 1).collect();
+        let mut values = vec![0.0; self.reals.len()];
         // SAFETY: valid texts and places.
         unsafe {
             let c = fmi2Instantiate(c"b".as_ptr(), 1, self.token.as_ptr(), self.uri.as_ptr(), &self.callbacks, 0, 1);
             assert_eq!(fmi2EnterInitializationMode(c), Status::Ok);
             assert_eq!(fmi2ExitInitializationMode(c), Status::Ok);
             assert_eq!(fmi2DoStep(c, 0.0, 0.02, 1), Status::Ok);
-            assert_eq!(fmi2GetReal(c, references.as_ptr(), references.len(), values.as_mut_ptr()), Status::Ok);
+            assert_eq!(fmi2GetReal(c, self.reals.as_ptr(), self.reals.len(), values.as_mut_ptr()), Status::Ok);
             fmi2FreeInstance(c);
         }
         values.iter().map(|value| value.to_bits()).collect()
