@@ -11,7 +11,7 @@
 //!
 //! | module | what it holds | may use |
 //! |---|---|---|
-//! | [`snapshot`], `toml_text` | moving state as bytes; reading of TOML | for all |
+//! | [`scalar`], [`snapshot`], `toml_text` | numbers, plain, with derivatives or in SIMD lanes; moving state as bytes; reading of TOML | for all |
 //! | [`soil`], [`terrain`], [`wheel`] | what the wheel rolls on, and the wheel | |
 //! | `vehicle`, `linear` | a vehicle's data sheet; matrices over its coordinates | |
 //! | [`contact`] | the forces between wheel and soil | soil, wheel |
@@ -37,9 +37,9 @@
 //! A module uses what stands in its row, what stands before it in its row, and the first row; `tests/rooms.rs` holds the
 //! imports to that, so no circle runs through modules.
 //!
-//! The numbers that the physics computes with, plain, with derivatives or in SIMD lanes, are a crate below this one, known
-//! here as [`scalar`]. Two crates use this one as any other would: `bekker-reproduction` (the thesis's results beside ours) and
-//! `bekker-script` (drives written down with what they must give, for every door).
+//! Below this crate are `bekker-scalar` (what [`scalar`] gives on) and `bekker-modeldescription` (here [`modeldescription`]: the
+//! vocabulary of parameters and signals). Two crates use this one as any other would: `bekker-reproduction` (the thesis's
+//! results beside ours) and `bekker-script` (drives written down with what they must give, for every door).
 //!
 //! ```
 //! use bekker::model::Model;
@@ -82,6 +82,7 @@ pub mod report;
 #[cfg(feature = "rigid")]
 pub mod rigid;
 pub mod rover;
+pub mod scalar;
 pub mod sensors;
 pub mod signals;
 pub mod simulation;
@@ -95,4 +96,3 @@ mod vehicle;
 pub mod wheel;
 
 pub use bekker_modeldescription as modeldescription;
-pub use bekker_scalar as scalar;

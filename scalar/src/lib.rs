@@ -5,6 +5,9 @@
 //! ([`Scalar::select`]) instead of a branch; `f64` takes the same choices and calls the same elementary functions
 //! ([`functions`]), without fused multiply-adds, so a rover in a batch follows the single rover to the last bit, with
 //! any instruction set.
+//!
+//! This crate is for the crates of this workspace. Numbers over an instruction set (`Lanes`, `Arch`) may be made only where
+//! `Arch::there` says that the processor has it; the functions are not `unsafe`, because every operation of the physics would be.
 
 #[cfg(feature = "batch")]
 mod arch;

@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 use syn::visit_mut::{VisitMut, visit_expr_call_mut, visit_expr_method_call_mut, visit_local_mut};
 use syn::{
-    Attribute, Error, Expr, ExprCall, ExprMethodCall, ImplItem, ImplItemFn, Item, ItemFn, ItemImpl, ItemTrait, Local,
+    Attribute, Block, Error, Expr, ExprCall, ExprMethodCall, ImplItem, ImplItemFn, Item, ItemImpl, ItemTrait, Local,
     Result, TraitItem, parse_quote, parse2,
 };
 
@@ -14,22 +14,22 @@ pub fn expand(arguments: TokenStream, item: TokenStream) -> Result<TokenStream> 
         "entry" => true,
         _ => return Err(Error::new_spanned(arguments, "nothing or `entry` is expected")),
     };
-    // A function of an `impl` has a receiver, which a free function may not have.
+    // Free functions too: a function of an `impl` is one that may have a receiver.
     if let Ok(mut function) = parse2::<ImplItemFn>(item.clone()) {
-        mark_method(&mut function, entry);
+        mark_body(&mut function.block);
+        if !entry {
+            function.attrs.push(inlined());
+        }
         return Ok(function.into_token_stream());
     }
     match parse2::<Item>(item)? {
+        item if entry => Err(Error::new_spanned(item, "`entry` is for a function")),
         Item::Impl(mut item) => {
-            mark_impl(&mut item, entry);
+            mark_impl(&mut item);
             Ok(item.into_token_stream())
         }
         Item::Trait(mut item) => {
-            mark_trait(&mut item, entry);
-            Ok(item.into_token_stream())
-        }
-        Item::Fn(mut item) => {
-            mark_function(&mut item, entry);
+            mark_trait(&mut item);
             Ok(item.into_token_stream())
         }
         other => Err(Error::new_spanned(other, "a function, an `impl` or a trait is expected")),
@@ -40,46 +40,34 @@ fn inlined() -> Attribute {
     parse_quote!(#[cfg_attr(feature = "inlined", inline(always))])
 }
 
-fn mark_function(function: &mut ItemFn, entry: bool) {
-    if !entry {
-        function.attrs.push(inlined());
-    }
-    Closures.visit_block_mut(&mut function.block);
-}
-
-fn mark_method(function: &mut ImplItemFn, entry: bool) {
-    if !entry {
-        function.attrs.push(inlined());
-    }
-    Closures.visit_block_mut(&mut function.block);
-}
-
-fn mark_impl(item: &mut ItemImpl, entry: bool) {
+fn mark_impl(item: &mut ItemImpl) {
     for member in &mut item.items {
         if let ImplItem::Fn(function) = member
-            && !function.attrs.iter().any(decides)
+            && !function.attrs.iter().any(says_how_it_is_inlined)
         {
-            mark_method(function, entry);
+            mark_body(&mut function.block);
+            function.attrs.push(inlined());
         }
     }
 }
 
-/// Whether a function says by itself how it is inlined.
-fn decides(attribute: &Attribute) -> bool {
+fn says_how_it_is_inlined(attribute: &Attribute) -> bool {
     attribute.path().is_ident("lanes") || attribute.path().is_ident("inline")
 }
 
-fn mark_trait(item: &mut ItemTrait, entry: bool) {
+fn mark_trait(item: &mut ItemTrait) {
     for member in &mut item.items {
         if let TraitItem::Fn(function) = member
             && let Some(body) = &mut function.default
         {
-            Closures.visit_block_mut(body);
-            if !entry {
-                function.attrs.push(inlined());
-            }
+            mark_body(body);
+            function.attrs.push(inlined());
         }
     }
+}
+
+fn mark_body(body: &mut Block) {
+    Closures.visit_block_mut(body);
 }
 
 /// Marks the closures that stand as an argument or as the value of `let`. Rust takes an attribute before an argument, not

@@ -1,8 +1,8 @@
-//! What Bekker's physics says once for all numbers: which code runs in SIMD lanes, which fields of a struct hold a number for
-//! each rover, and which of them a saved state needs.
+//! Macros of Bekker's physics: an attribute for code that runs in SIMD lanes, and derives that write what would otherwise be
+//! a list of a struct's fields (numbers of one rover of several, numbers that a saved state holds, numbers to convert).
 //!
-//! These are for the crates of this workspace: what is generated names `bekker_scalar`, and the module `snapshot` of the crate
-//! in which it stands.
+//! They are for the crates of this workspace: the code that they write names `bekker_scalar`, and the module `snapshot` of the
+//! crate in which it stands.
 
 mod fields;
 mod lane_access;
@@ -13,15 +13,17 @@ mod moving;
 use proc_macro::TokenStream;
 use syn::{DeriveInput, parse_macro_input};
 
-/// Marks physics that runs in SIMD lanes too: a function, all functions of an `impl`, or the bodies that a trait gives.
+/// Marks code that must be inlined to run in SIMD lanes: a function, all functions of an `impl`, or the default functions of a
+/// trait, each with the closures in it.
 ///
-/// Eight rovers are stepped at once with the instructions that this processor has (`Scalar::wide`). The compiler uses them
-/// only in what it inlines there, whatever its size; so every function that `Scalar::wide` leads to is marked, with the
-/// closures in it. A single rover is faster by it too (feature `inlined`, which `batch` implies); without that feature, as in the
-/// library of an FMU, which must be small, the attribute changes nothing.
+/// Eight rovers are stepped at once with the instructions that this processor has (`Scalar::wide`). The compiler uses these
+/// instructions only in code that it inlines into the function with those target features, so all that `Scalar::wide` calls,
+/// directly or not, is marked. A single rover is faster when inlined, too; so the feature `inlined`, which `batch` implies, turns
+/// the mark into `inline(always)`. Without that feature the attribute has no effect: the library of an FMU is built so, because
+/// it must be small.
 ///
-/// `#[lanes(entry)]` marks a function that calls `Scalar::wide` itself: the closures in it, not the function. A function of a
-/// marked `impl` that has this attribute, or `inline`, is left to it.
+/// `#[lanes(entry)]` is for a function that calls `Scalar::wide` itself: the closures in it are marked, the function is not.
+/// In a marked `impl`, a function that has this attribute or `inline` of its own is not marked again.
 #[proc_macro_attribute]
 pub fn lanes(arguments: TokenStream, item: TokenStream) -> TokenStream {
     lanes::expand(arguments.into(), item.into()).unwrap_or_else(syn::Error::into_compile_error).into()

@@ -1,0 +1,14 @@
+//! The numbers that the physics computes with: plain, with exact derivatives, or of eight rovers in SIMD lanes.
+//!
+//! They are defined in the crate `bekker-scalar`. Its SIMD lanes are not given on: they may be used only on a processor that
+//! has their instructions, which the batch checks.
+
+pub use bekker_scalar::{Both, Dual, Mask, Part, PartDual, Plain, Scalar, functions, smooth_step, smooth_step_slope};
+
+#[cfg(feature = "batch")]
+pub(crate) use bekker_scalar::{Arch, Arrays, Lanes, WIDTH};
+#[cfg(all(feature = "batch", target_arch = "x86_64"))]
+pub(crate) use bekker_scalar::{Avx2, Avx512};
+#[cfg(all(feature = "batch", test))]
+pub(crate) use bekker_scalar::{Counted, Operations, operations};
+pub(crate) use bekker_scalar::{LaneAccess, MOST_LANES, MapScalar, Moving, lanes};
