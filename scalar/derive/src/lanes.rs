@@ -17,9 +17,7 @@ pub fn expand(arguments: TokenStream, item: TokenStream) -> Result<TokenStream> 
     // Free functions too: a function of an `impl` is one that may have a receiver.
     if let Ok(mut function) = parse2::<ImplItemFn>(item.clone()) {
         mark_body(&mut function.block);
-        if !entry {
-            function.attrs.push(inlined());
-        }
+        function.attrs.push(if entry { compiled_once() } else { inlined() });
         return Ok(function.into_token_stream());
     }
     match parse2::<Item>(item)? {
@@ -38,6 +36,11 @@ pub fn expand(arguments: TokenStream, item: TokenStream) -> Result<TokenStream> 
 
 fn inlined() -> Attribute {
     parse_quote!(#[cfg_attr(feature = "inlined", inline(always))])
+}
+
+/// An entry is large, and the compiler would copy it into each of its callers.
+fn compiled_once() -> Attribute {
+    parse_quote!(#[inline(never)])
 }
 
 fn mark_impl(item: &mut ItemImpl) {

@@ -22,7 +22,8 @@ use syn::{DeriveInput, parse_macro_input};
 /// the mark into `inline(always)`. Without that feature the attribute has no effect: the library of an FMU is built so, because
 /// it must be small.
 ///
-/// `#[lanes(entry)]` is for a function that calls `Scalar::wide` itself: the closures in it are marked, the function is not.
+/// `#[lanes(entry)]` is for a function that calls `Scalar::wide` itself: the closures in it are marked, and the function is
+/// compiled once for each number and never inlined into its callers.
 /// In a marked `impl`, a function that has this attribute or `inline` of its own is not marked again.
 #[proc_macro_attribute]
 pub fn lanes(arguments: TokenStream, item: TokenStream) -> TokenStream {

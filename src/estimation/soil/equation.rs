@@ -123,7 +123,8 @@ pub fn predict(wheel: &Wheel, soil: &Soil, strength: &StrengthParameters, readin
 }
 
 pub(super) fn predict_at(wheel: &Wheel, soil: &Soil, at: [f64; 3], reading: &Reading) -> Prediction {
-    let variable = |x: f64, k: usize| Dual::<6>::from(x).derivative(k);
+    // Six are used. The diagnosis has numbers with eight derivatives too, and each width is one more copy of the physics to compile.
+    let variable = |x: f64, k: usize| Dual::<8>::from(x).derivative(k);
     let phi = at[1].clamp(FRICTION_ANGLES.0, FRICTION_ANGLES.1);
     let strength = [variable(at[0], 0), variable(phi, 1), variable(at[2], 2)];
     let inputs = [variable(reading.load, 3), variable(reading.sinkage, 4), variable(reading.slip, 5)];

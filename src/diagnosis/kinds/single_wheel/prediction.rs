@@ -146,11 +146,10 @@ impl<'a> SingleWheelPrediction<'a> {
     }
 
     fn all_slopes(&self, free: &[f64], onward: bool) -> Result<(Vec<f64>, Vec<Vec<f64>>), PredictionError> {
-        // Derivatives that travel together. A baseline calibration has five free parameters, each effect one or two.
+        // Derivatives that travel together. Two widths only: each is one more copy of the physics to compile.
         match free.len() {
-            0..=6 => self.slopes_by::<6>(free, onward),
-            7..=8 => self.slopes_by::<8>(free, onward),
-            _ => self.slopes_by::<10>(free, onward),
+            0..=8 => self.slopes_by::<8>(free, onward),
+            _ => self.slopes_by::<12>(free, onward),
         }
     }
 }

@@ -186,10 +186,9 @@ impl<'a> TraversePrediction<'a> {
     }
 
     fn all_slopes(&self, free: &[f64]) -> Result<Slopes, PredictionError> {
-        // A pass with 6 derivatives costs about four plain replays, as one with 4 does; twice as many cost less than twice.
+        // A pass with 8 derivatives costs less than two with 4. Two widths only: each is one more copy of the physics to compile.
         match free.len() {
-            0..=6 => self.slopes_by::<6>(free),
-            7..=8 => self.slopes_by::<8>(free),
+            0..=8 => self.slopes_by::<8>(free),
             _ => self.slopes_by::<12>(free),
         }
     }
