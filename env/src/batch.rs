@@ -1,6 +1,7 @@
 //! Class `Batch`: many runs stepped together, through arrays that are bound once.
 
 use crate::error::{self, InputError, SimulationError};
+use crate::observation::PyObservedSignals;
 use crate::run::{PyRun, contiguous, row};
 use bekker::batch::{Batch, BatchError};
 use bekker::modeldescription::Parameters;
@@ -103,6 +104,22 @@ impl PyBatch {
                 copy(all, mine.clone(), &values);
                 self.read(index, &mut all[mine.clone()]);
             })?;
+        }
+        Ok(())
+    }
+
+    /// Writes a row of an observation for each run: of its signals, and of the readings of its sensors where the batch has
+    /// `measured`. Entries that are no signals stay as they are.
+    fn observe(&self, shown: &PyObservedSignals, out: &Bound<'_, PyArray2<f32>>) -> PyResult<()> {
+        check("out", out.as_any(), &[self.core.len(), shown.width])?;
+        let mut out = out.try_readwrite().map_err(|e| refuse("out", &e))?;
+        let rows = out.as_slice_mut().map_err(|e| refuse("out", &e))?.chunks_exact_mut(shown.width.max(1));
+        for (index, row) in rows.enumerate() {
+            shown.show(self.core.signals_of(index), row);
+            let readings = self.core.measurement(index);
+            if self.measured.is_some() && !readings.wheels.is_empty() {
+                shown.show_readings(readings, row);
+            }
         }
         Ok(())
     }

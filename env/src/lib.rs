@@ -14,6 +14,7 @@ mod experiment;
 mod export;
 mod finding;
 mod model;
+mod observation;
 mod record;
 mod render;
 mod run;
@@ -48,6 +49,8 @@ mod _bekker {
     use super::finding::NativeDiagnosis;
     #[pymodule_export]
     use super::model::PyModel;
+    #[pymodule_export]
+    use super::observation::PyObservedSignals;
     #[pymodule_export]
     use super::record::record;
     #[pymodule_export]

@@ -141,18 +141,16 @@ impl<A: Arch> SideBySide<A> {
         let (mut steps, mut changed) = (left, [false; WIDTH]);
         for k in 0..WIDTH {
             let Some(slot) = mover(&self.members, slots, movers, k) else { continue };
-            let command = match slot.run.decided(left) {
-                Ok((command, until)) => {
-                    steps = steps.min(until);
-                    command
-                }
+            match slot.run.decided(left) {
+                Ok(until) => steps = steps.min(until),
                 Err(error) => {
                     slot.error = Some(error);
                     movers[k] = false;
                     continue;
                 }
-            };
-            for (place, &value) in self.command.values.iter_mut().zip(&command.values) {
+            }
+            for (wheel, place) in self.command.values.iter_mut().enumerate() {
+                let value = slot.run.command_of(wheel);
                 if place.lane(k).to_bits() != value.to_bits() {
                     place.put(k, value);
                     changed[k] = true;

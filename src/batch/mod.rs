@@ -31,7 +31,7 @@ pub use error::BatchError;
 pub use kernel::Kernel;
 
 use crate::model::{Inputs, Run, RunError};
-use crate::signals::Measurement;
+use crate::signals::{Measurement, Signals};
 use crate::simulation::Status;
 use bekker_modeldescription::Parameters;
 use pool::Pool;
@@ -239,6 +239,12 @@ impl Batch {
                 }
             });
         }
+    }
+
+    /// Signals of the run at `index`, as a single run records them.
+    #[must_use]
+    pub fn signals_of(&self, index: usize) -> &Signals {
+        self.slot(index).run.signals()
     }
 
     /// Whether the runs go on.

@@ -115,6 +115,17 @@ impl Inputs {
     }
 }
 
+impl Inputs {
+    /// The command of wheel `k`, where the inputs name one for each wheel.
+    pub(super) fn of_wheel(&self, k: usize) -> Option<f64> {
+        match self {
+            Self::Torque(wheels) => wheels.get(k).map(|wheel| wheel.torque_command),
+            Self::Speed(wheels) => wheels.get(k).map(|wheel| wheel.speed_command),
+            Self::Velocity(_) | Self::Carriage(_) => None,
+        }
+    }
+}
+
 impl Parameters<f64> for Inputs {
     fn visit(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut f64)) {
         let wheel = |k: usize| join(prefix, &format!("wheel[{}]", k + 1));

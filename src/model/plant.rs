@@ -67,6 +67,16 @@ impl AnyPlant {
         of_plant!(self, plant => plant.advance(command, steps))
     }
 
+    /// Takes the command `value(k)` of each wheel k over, which must be finite; it holds from now on.
+    pub(super) fn hold(&mut self, drive: Drive, value: &dyn Fn(usize) -> f64) -> Result<(), StepError> {
+        of_plant!(self, plant => plant.hold(drive, value))
+    }
+
+    /// Makes `steps` inner steps with the command that holds.
+    pub(super) fn go_on(&mut self, steps: u64) -> Result<Status, StepError> {
+        of_plant!(self, plant => plant.go_on(steps))
+    }
+
     /// Signals at the present time: the true ones, but for the errors of sensors among the rover's effects.
     #[must_use]
     pub fn signals(&self) -> &Signals {

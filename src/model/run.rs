@@ -6,7 +6,7 @@ use super::{AnyPlant, ControlKind, Inputs, Model, ModelKind};
 use crate::control::{ControlError, Rtc};
 use crate::sensors::SensorSuite;
 use crate::signals::{Command, Drive, Measurement, Reference, Signals};
-use crate::simulation::{Simulation, Status, StepError};
+use crate::simulation::{Simulation, Status, StepError, check_command};
 use bekker_modeldescription::{Lookup, ParameterError};
 
 /// A control period must be a whole number of inner steps, to this relative tolerance (a decimal
@@ -112,6 +112,7 @@ pub struct Run {
     /// Inner steps between readings of the sensors, where they are read without a controller.
     sensing: Option<u64>,
     pub(super) inputs: Inputs,
+    /// What the controller commands; where there is none, the inputs are the command, see [`Run::command_of`].
     pub(super) command: Command,
     pub(super) measurement: Measurement,
     pub(super) origin: Origin,
@@ -158,7 +159,8 @@ impl Run {
                 self.decide()?;
             }
             let some = self.until_decision(left);
-            status = self.simulation.advance(&self.command, some)?;
+            self.apply_command()?;
+            status = self.simulation.go_on(some)?;
             left -= some;
             self.sense();
         }
@@ -172,24 +174,27 @@ impl Run {
         self.sensing.map_or(some, |every| some.min(every - ticks % every))
     }
 
-    /// The command that holds now, and for how many inner steps, of `left`: what [`Run::advance`] begins with.
-    pub(crate) fn decided(&mut self, left: u64) -> Result<(&Command, u64), RunError> {
+    /// Decides on the command ([`Run::command_of`]), and for how many inner steps, of `left`, it holds: what [`Run::advance`]
+    /// begins with.
+    pub(crate) fn decided(&mut self, left: u64) -> Result<u64, RunError> {
         if self.simulation.ticks().is_multiple_of(self.period) {
             self.decide()?;
         }
-        let until = self.until_decision(left);
-        Ok((&self.command, until))
+        Ok(self.until_decision(left))
+    }
+
+    /// The command that holds now for wheel `k`.
+    pub(crate) fn command_of(&self, k: usize) -> f64 {
+        command_of(&self.inputs, self.controller.as_ref(), &self.command, k)
     }
 
     /// Gives the plant the command that holds now.
     pub(crate) fn apply_command(&mut self) -> Result<(), RunError> {
-        match &mut self.simulation {
-            AnyPlant::JointCoordinates(simulation) => simulation.apply(&self.command)?,
-            // It takes the command with its steps.
-            #[cfg(feature = "rigid")]
-            AnyPlant::RigidBodies(_) => {}
+        let Self { simulation, inputs, controller, command, .. } = self;
+        if controller.is_some() {
+            check_command(command, simulation.rover().wheels.len())?;
         }
-        Ok(())
+        Ok(simulation.hold(command.drive, &|k| command_of(inputs, controller.as_ref(), command, k))?)
     }
 
     /// What is commanded: torques or speeds.
@@ -238,22 +243,15 @@ impl Run {
         }
     }
 
-    /// The command for the next control period.
+    /// The controller's command for the next control period.
     fn decide(&mut self) -> Result<(), RunError> {
-        let values = &mut self.command.values;
         match (&self.inputs, &mut self.controller) {
-            (Inputs::Torque(wheels), _) => {
-                values.iter_mut().zip(wheels).for_each(|(value, wheel)| *value = wheel.torque_command);
-            }
             (Inputs::Speed(wheels), Some(ActiveController::Velocity(controller))) => {
                 let time = self.simulation.time();
                 self.sensors.read(time, self.simulation.signals(), &mut self.measurement);
                 controller
                     .hold(&self.measurement, |k| wheels[k].speed_command, &mut self.command)
                     .map_err(|source| RunError::Control { time, source })?;
-            }
-            (Inputs::Speed(wheels), _) => {
-                values.iter_mut().zip(wheels).for_each(|(value, wheel)| *value = wheel.speed_command);
             }
             (Inputs::Velocity(input), Some(controller)) => {
                 let time = self.simulation.time();
@@ -263,7 +261,7 @@ impl Run {
                     .command(&self.measurement, self.simulation.signals(), &goal, &mut self.command)
                     .map_err(|source| RunError::Control { time, source })?;
             }
-            (Inputs::Velocity(_) | Inputs::Carriage(_), None) | (Inputs::Carriage(_), Some(_)) => {}
+            (Inputs::Torque(_) | Inputs::Speed(_) | Inputs::Velocity(_) | Inputs::Carriage(_), _) => {}
         }
         Ok(())
     }
@@ -320,6 +318,12 @@ impl Run {
     pub fn simulation(&self) -> &AnyPlant {
         &self.simulation
     }
+}
+
+/// The command of wheel `k`: the input itself where no controller makes one of it.
+fn command_of(inputs: &Inputs, controller: Option<&ActiveController>, command: &Command, k: usize) -> f64 {
+    let direct = if controller.is_none() { inputs.of_wheel(k) } else { None };
+    direct.unwrap_or_else(|| command.values[k])
 }
 
 impl Model {

@@ -124,9 +124,29 @@ impl RigidBodies {
     /// [`StepError`]; one of the dynamics leaves bodies that cannot go on.
     pub fn advance(&mut self, command: &Command, steps: u64) -> Result<Status, StepError> {
         check_command(command, self.rover.wheels.len())?;
-        if self.command != *command && self.status == Status::Running {
-            self.change_command(command).map_err(|source| StepError::Dynamics { time: self.time(), source })?;
+        self.hold(command.drive, &|k| command.values[k])?;
+        self.go_on(steps)
+    }
+
+    /// Takes the command `value(k)` of each wheel k over, which must be finite; it holds from now on.
+    ///
+    /// # Errors
+    /// [`StepError::Dynamics`], after which the bodies cannot go on.
+    pub(crate) fn hold(&mut self, drive: Drive, value: &dyn Fn(usize) -> f64) -> Result<(), StepError> {
+        let same = self.command.drive == drive && self.command.values.iter().enumerate().all(|(k, v)| *v == value(k));
+        if same || self.status != Status::Running {
+            return Ok(());
         }
+        self.command.drive = drive;
+        self.command.values.iter_mut().enumerate().for_each(|(k, place)| *place = value(k));
+        self.take_command_over().map_err(|source| StepError::Dynamics { time: self.time(), source })
+    }
+
+    /// Makes `steps` inner steps with the command that holds.
+    ///
+    /// # Errors
+    /// As [`RigidBodies::advance`].
+    pub(crate) fn go_on(&mut self, steps: u64) -> Result<Status, StepError> {
         for _ in 0..steps {
             if self.status != Status::Running {
                 break;
@@ -137,14 +157,12 @@ impl RigidBodies {
         Ok(self.status)
     }
 
-    /// Takes a new command over; where it imposes other speeds, the impulse counts as work of the drives.
-    fn change_command(&mut self, command: &Command) -> Result<(), DynamicsError> {
+    /// The new command acts; where it imposes other speeds, the impulse counts as work of the drives.
+    fn take_command_over(&mut self) -> Result<(), DynamicsError> {
         let before = self.integrator.now.mechanical_energy(&self.rover, &self.state);
-        self.integrator.impose(&self.rover, &mut self.state, command, true)?;
-        self.command.drive = command.drive;
-        self.command.values.copy_from_slice(&command.values);
+        self.integrator.impose(&self.rover, &mut self.state, &self.command, true)?;
         self.integrator.evaluate(&self.rover, &mut self.state, &self.command)?;
-        match command.drive {
+        match self.command.drive {
             Drive::Torque => self.world.impose(None),
             Drive::Speed => {
                 self.world.set_motion(&self.rover, &self.state);

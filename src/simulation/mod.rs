@@ -121,6 +121,14 @@ impl<S: Scalar> Simulation<S> {
     /// [`StepError`]; the state is then that of the last good step.
     pub fn advance(&mut self, command: &Command, steps: u64) -> Result<Status, StepError> {
         self.apply(command)?;
+        self.go_on(steps)
+    }
+
+    /// Makes `steps` inner steps with the command that holds.
+    ///
+    /// # Errors
+    /// As [`Simulation::advance`].
+    pub(crate) fn go_on(&mut self, steps: u64) -> Result<Status, StepError> {
         for _ in 0..steps {
             if self.status != Status::Running {
                 break;
@@ -135,18 +143,31 @@ impl<S: Scalar> Simulation<S> {
     ///
     /// # Errors
     /// [`StepError`].
-    pub(crate) fn apply(&mut self, command: &Command) -> Result<(), StepError> {
+    fn apply(&mut self, command: &Command) -> Result<(), StepError> {
         check_command(command, self.rover.wheels.len())?;
-        if self.command != *command && self.status == Status::Running {
-            self.change_command(command).map_err(|source| StepError::Dynamics { time: self.time(), source })?;
-        }
-        Ok(())
+        self.hold(command.drive, &|k| command.values[k])
     }
 
-    fn change_command(&mut self, command: &Command) -> Result<(), DynamicsError> {
-        self.motion.change_command(&self.rover, command, S::Mask::from_lanes(|_| true))?;
-        self.command.drive = command.drive;
-        self.command.values.copy_from_slice(&command.values);
+    /// Takes the command `value(k)` of each wheel k over, which must be finite; it holds from now on.
+    ///
+    /// # Errors
+    /// [`StepError::Dynamics`].
+    pub(crate) fn hold(&mut self, drive: Drive, value: &dyn Fn(usize) -> f64) -> Result<(), StepError> {
+        let same = self.command.drive == drive && self.command.values.iter().enumerate().all(|(k, v)| *v == value(k));
+        if same || self.status != Status::Running {
+            return Ok(());
+        }
+        let before = self.command.clone();
+        self.command.drive = drive;
+        self.command.values.iter_mut().enumerate().for_each(|(k, place)| *place = value(k));
+        self.take_command_over().map_err(|source| {
+            self.command = before;
+            StepError::Dynamics { time: self.time(), source }
+        })
+    }
+
+    fn take_command_over(&mut self) -> Result<(), DynamicsError> {
+        self.motion.change_command(&self.rover, &self.command, S::Mask::from_lanes(|_| true))?;
         self.observe(Recorder::jump);
         Ok(())
     }
@@ -174,8 +195,7 @@ impl<S: Scalar> Simulation<S> {
     #[cfg(feature = "experiments")]
     pub(crate) fn adjust(&mut self, change: impl FnOnce(&mut crate::effects::Effects<S>)) -> Result<(), StepError> {
         change(&mut self.rover.effects);
-        let command = self.command.clone();
-        self.change_command(&command).map_err(|source| StepError::Dynamics { time: self.time(), source })
+        self.take_command_over().map_err(|source| StepError::Dynamics { time: self.time(), source })
     }
 
     fn step(&mut self) -> Result<(), StepError> {

@@ -79,7 +79,7 @@ class Setup:
         level: level of the curriculum, 0 to 1, which the next resets use.
     """
 
-    def __init__(self, task: str | Task, model: ModelLike | None, count: int, given: Arguments) -> None:
+    def __init__(self, task: str | Task, model: ModelLike | None, given: Arguments) -> None:
         self.task = task_of(task)
         known = Arguments.__annotations__
         for name in given:
@@ -97,7 +97,7 @@ class Setup:
         self.action_scale = _number("action_scale", given.get("action_scale", own_scale), above=0.0)
         observed = given.get("observe", self.task.observe)
         scales = given.get("observation_scales", {})
-        self.observer = Observer(self.model, observed, scales, raw=given.get("raw", False), count=count)
+        self.observer = Observer(self.model, observed, scales, raw=given.get("raw", False))
         self._scatter(given)
         self.level = given.get("level", 1.0)
 

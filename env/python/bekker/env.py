@@ -61,7 +61,7 @@ class RoverEnv(Levelled, gymnasium.Env[Observation, Action]):
         render_mode: str | None = None,
         **arguments: Unpack[Arguments],
     ) -> None:
-        self.setup = Setup(task, model, 1, arguments)
+        self.setup = Setup(task, model, arguments)
         self.mechanics = Mechanics(self.setup, 1)
         self.observation_space, self.action_space = spaces_of(self.setup, self.mechanics)
         self.render_mode = render_mode

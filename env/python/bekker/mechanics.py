@@ -84,8 +84,10 @@ class Mechanics:
         self.inputs = np.zeros((count, len(model.inputs())))
         self._before = np.zeros((count, len(names)))
         self._numbers = self._fresh(count, len(names))
+        self._shown = setup.observer.shown()
         if setup.measured:
-            readable = set(self._begun(model).measured_names)
+            read = self._begun(model).measured_names
+            self._shown, readable = setup.observer.shown([self.places[name] for name in read]), set(read)
             for name in set(setup.observer.names) & set(names) - readable:
                 raise InputError(f"observe `{name}`: no sensor reads it; expected {', '.join(sorted(readable))}")
 
@@ -275,12 +277,15 @@ class Mechanics:
             total += row
         return total
 
-    def observations(self) -> NDArray[np.float32]:
-        """A row a rover, a new array."""
-        numbers, goal = self._numbers, self.setup.goal.way()
+    def observations(self, out: NDArray[np.float32] | None = None) -> NDArray[np.float32]:
+        """A row a rover, in ``out`` or in a new array."""
+        numbers, observer = self._numbers, self.setup.observer
+        seen = np.empty((self.count, len(observer.names)), np.float32) if out is None else out
+        self.batch.observe(self._shown, seen)
+        goal = self.setup.goal.way()
         left = 1.0 - self.distance / goal if goal > 0.0 else self._zeros
-        seen = numbers.measured if self.setup.measured else numbers.signals
-        return self.setup.observer(seen, target_velocity=numbers.target_velocity, goal_distance=left)
+        observer.add_extras(seen, target_velocity=numbers.target_velocity, goal_distance=left)
+        return seen
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """What ``info`` has but for the values drawn, one entry or row a rover, new arrays."""

@@ -25,7 +25,7 @@ from math import pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from ._bekker import Model
+from ._bekker import Model, ObservedSignals
 from .errors import InputError
 from .vocabulary import unknown
 
@@ -94,9 +94,7 @@ class Observer:
         limit: bound of the entries: 1 where they are normalised, RAW_LIMIT scales in SI where they are not.
     """
 
-    def __init__(
-        self, model: Model, observed: Sequence[str], changed: Mapping[str, float], *, raw: bool, count: int
-    ) -> None:
+    def __init__(self, model: Model, observed: Sequence[str], changed: Mapping[str, float], *, raw: bool) -> None:
         scales = natural_scales(model) | {name: 1.0 for name in EXTRAS}
         scales["target_velocity"] = scales["velocity"]
         for name, scale in changed.items():
@@ -116,28 +114,22 @@ class Observer:
             values += [scales[kind]] * (len(self.names) - len(values))
         self.scales = np.array(values)
         self.limit = RAW_LIMIT * self.scales if raw else np.ones(len(values))
-        self._least = -self.limit
-        self._divide = not raw
-        places = range(len(self.names))
-        self._extras = {self.names[k]: k for k in places if self.names[k] in EXTRAS}
-        self._own = np.array([k for k in places if self.names[k] not in EXTRAS], dtype=np.intp)
-        self._index = indices(model, [self.names[k] for k in self._own])
-        self._values = np.zeros((count, len(values)))
+        self._raw = raw
+        self._extras = {name: k for k, name in enumerate(self.names) if name in EXTRAS}
+        columns = [k for k, name in enumerate(self.names) if name not in EXTRAS]
+        self._own = (indices(model, [self.names[k] for k in columns]).tolist(), columns)
 
-    def __call__(self, signals: NDArray[np.float64], **extras: NDArray[np.float64]) -> NDArray[np.float32]:
-        """The observations that belong to ``signals``, rows in the vocabulary's order."""
-        values = self._values
-        if self._extras:
-            values[:, self._own] = signals[:, self._index]
-        else:
-            np.take(signals, self._index, axis=1, out=values, mode="clip")
+    def shown(self, measured: Sequence[int] = ()) -> ObservedSignals:
+        """The entries that are signals; ``measured`` are the places of the signals that sensors read."""
+        places, columns = self._own
+        scales = np.ones(len(columns)) if self._raw else self.scales[columns]
+        return ObservedSignals(len(self.names), places, columns, scales, self.limit[columns], measured)
+
+    def add_extras(self, observations: NDArray[np.float32], **extras: NDArray[np.float64]) -> None:
+        """Writes the entries that are no signals."""
         for name, place in self._extras.items():
-            values[:, place] = extras[name]
-        if self._divide:
-            values /= self.scales
-        np.maximum(values, self._least, out=values)
-        np.minimum(values, self.limit, out=values)
-        return values.astype(np.float32)
+            values = extras[name] if self._raw else extras[name] / self.scales[place]
+            observations[:, place] = np.clip(values, -self.limit[place], self.limit[place])
 
 
 def _entries(kind: str, model: Model) -> list[str]:

@@ -71,7 +71,7 @@ class RoverVectorEnv(Levelled, VectorEnv[Array, Array, Array]):
         self.autoreset_mode = AutoresetMode(autoreset_mode)
         self.render_mode = render_mode
         self.copy = copy
-        self.setup = Setup(task, model, num_envs, arguments)
+        self.setup = Setup(task, model, arguments)
         self.mechanics = Mechanics(self.setup, num_envs, threads)
         self._gallery = Gallery(render_mode, self.setup.period)
         self.metadata = self._gallery.metadata | {"autoreset_mode": self.autoreset_mode}
@@ -164,10 +164,7 @@ class RoverVectorEnv(Levelled, VectorEnv[Array, Array, Array]):
         return seed
 
     def _observed(self) -> Array:
-        if self.copy:
-            return self.mechanics.observations()
-        np.copyto(self._observations, self.mechanics.observations())
-        return self._observations
+        return self.mechanics.observations(None if self.copy else self._observations)
 
     def _ended(self, done: Bools) -> dict[str, Any]:
         """What is known of episodes at their ends, before they start anew."""
