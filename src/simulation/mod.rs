@@ -77,6 +77,9 @@ pub struct Simulation<S: Scalar = f64> {
     rover: Rover<S>,
     motion: StepState<S>,
     command: Command,
+    /// The command before the last change, to which a change that fails goes back.
+    #[not_moving]
+    before: Command,
     #[not_moving]
     step_size: f64,
     ticks: u64,
@@ -108,8 +111,17 @@ impl<S: Scalar> Simulation<S> {
             StepState::new(&rover, state, &command).map_err(|source| StepError::Dynamics { time: 0.0, source })?;
         let signals = Signals::of(rover.wheels.len(), rover.links.len());
         let recorder = Recorder::new(&rover.effects, &signals, step_size);
-        let mut simulation =
-            Self { rover, motion, command, step_size, ticks: 0, status: Status::Running, recorder, signals };
+        let mut simulation = Self {
+            rover,
+            motion,
+            before: command.clone(),
+            command,
+            step_size,
+            ticks: 0,
+            status: Status::Running,
+            recorder,
+            signals,
+        };
         simulation.observe(Recorder::step);
         simulation.refresh();
         Ok(simulation)
@@ -157,11 +169,11 @@ impl<S: Scalar> Simulation<S> {
         if same || self.status != Status::Running {
             return Ok(());
         }
-        let before = self.command.clone();
+        std::mem::swap(&mut self.command, &mut self.before);
         self.command.drive = drive;
         self.command.values.iter_mut().enumerate().for_each(|(k, place)| *place = value(k));
         self.take_command_over().map_err(|source| {
-            self.command = before;
+            std::mem::swap(&mut self.command, &mut self.before);
             StepError::Dynamics { time: self.time(), source }
         })
     }
