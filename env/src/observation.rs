@@ -9,14 +9,18 @@ use pyo3::prelude::*;
 /// Entry k is the signal at `places[k]` of the vocabulary's order, divided by `scales[k]` and clipped to -`limits[k]` ..
 /// `limits[k]`; it stands in column `columns[k]` of a row of `width` entries. `readings` are the places of the signals that
 /// sensors read, in the order of `Run.measured_names`.
-#[pyclass(module = "bekker", name = "ObservedSignals", frozen)]
+#[pyclass(module = "bekker._bekker", name = "ObservedSignals", frozen)]
 pub struct PyObservedSignals {
     pub width: usize,
     /// By place among the signals.
     truth: Vec<Entry>,
     /// Those that sensors read, by place among the readings.
     read: Vec<Entry>,
+    readings: Vec<usize>,
 }
+
+/// Width, places, columns, scales, limits and readings.
+type Arguments = (usize, Vec<usize>, Vec<usize>, Vec<f64>, Vec<f64>, Vec<usize>);
 
 #[derive(Clone, Copy)]
 struct Entry {
@@ -57,7 +61,15 @@ impl PyObservedSignals {
             shown.into_iter().map(move |entry| Entry { place, ..entry })
         };
         let read = readings.iter().enumerate().flat_map(of_reading).collect();
-        Ok(Self { width, truth, read })
+        Ok(Self { width, truth, read, readings })
+    }
+
+    /// The arguments of one that is the same, for copies and pickles.
+    fn __getnewargs__(&self) -> Arguments {
+        let of = |number: fn(&Entry) -> f64| self.truth.iter().map(number).collect();
+        let places = self.truth.iter().map(|entry| entry.place).collect();
+        let columns = self.truth.iter().map(|entry| entry.column).collect();
+        (self.width, places, columns, of(|entry| entry.scale), of(|entry| entry.limit), self.readings.clone())
     }
 }
 

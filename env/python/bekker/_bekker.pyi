@@ -109,6 +109,7 @@ class ObservedSignals:
         limits: Sequence[float] | NDArray[np.float64],
         readings: Sequence[int],
     ) -> ObservedSignals: ...
+    def __getnewargs__(self) -> tuple[int, list[int], list[int], list[float], list[float], list[int]]: ...
 
 @final
 class NativeDiagnosis:
