@@ -3,6 +3,7 @@
 import numpy as np
 
 import carriage
+import conditions
 import contact
 import soils
 import terrain
@@ -41,24 +42,32 @@ def commands(first, second, rows, row_time):
 
 class RoverBench:
     kind = "traverse"
-    signals = traverse.SIGNALS
 
-    def __init__(self, seed, size="full", poor=False):
+    def __init__(self, seed, size="full", poor=False, names=()):
+        self.names = conditions.check(names)
+        self.signals = conditions.recorded(traverse.SIGNALS, names)
+        self.columns = [traverse.SIGNALS.index(name) for name in self.signals]
+        self.own_noise = conditions.own_noise(self.signals, names)
         self.size_name, self.replicates = size, REPLICATES[size]
         self.duration, self.row_time = TIMES[size]
         self.conditions = POOR if poor else FULL if size == "full" else REDUCED
         self.skip = round(SKIP / self.row_time)
         self.rows = round(self.duration / self.row_time) + 1
+        self.between = conditions.between_rows(self.rows, self.row_time, seed, names)
+        self.waves = conditions.waves(seed, names)
         slope, height, length, added, first, second = np.array(self.conditions).T
         self.slope, self.height, self.length = np.tan(np.radians(slope)), height, length
         self.mass = VEHICLE["mass"] + added
         one = np.stack([commands(a, b, self.rows, self.row_time) for a, b in zip(first, second)], axis=1)
+        one *= conditions.directions(len(self.conditions), names)
         self.commands = np.repeat(one[..., None], 2, axis=-1)
         rng = np.random.default_rng([seed, 1])
         self.extra = {"patch_at": 1.2, "patch_half": 0.3, "hump_at": 0.12, "hump_width": 0.03}
+        if "delay" in names:
+            self.extra["body_delay"] = conditions.DELAY
         for _ in range(200):
             self.soil_name, self.soil = soils.draw(rng, VEHICLE["width"], firm=True)
-            if self.climbs():
+            if self.climbs() and (not self.waves or np.all(np.isfinite(self.simulate([{}], coarse=True)))):
                 return
         raise RuntimeError("no soil carries the rover over these slopes")
 
@@ -70,27 +79,35 @@ class RoverBench:
         return bool(pull > load * rise)
 
     def way(self):
-        """What the rims roll, m."""
+        """What the rims roll, m; negative backwards."""
         return VEHICLE["radius"] * self.row_time * self.commands[:, :, 0].sum(axis=0)
+
+    def time(self):
+        """Time of each row, s."""
+        if "jitter" in self.names:
+            return np.concatenate([[0.0], np.cumsum(self.between[: self.rows - 1])])
+        return self.row_time * np.arange(self.rows)
 
     def simulate(self, changes, coarse=False, parts=None):
         """Clean signals for each dict of changed parameters: (change, run, row, signal); NaN in runs that get stuck.
 
-        `coarse` takes larger steps and fewer nodes, for differences between simulations."""
+        A parameter is a number, or one for each run. `coarse` takes larger steps and fewer nodes, for differences between simulations."""
         runs, tries = len(self.conditions), len(changes)
         nodes = NODES if coarse else contact.NODES
         parts = parts or (COARSE if coarse else PARTS[self.size_name])
         repeat = lambda value: np.tile(value, tries)
         p = {**VEHICLE, **self.soil, **self.extra, "mass": repeat(self.mass)}
         for name in {name for change in changes for name in change}:
-            p[name] = np.repeat([change.get(name, self.soil.get(name, 0.0)) for change in changes], runs)
-        profile = terrain.Profile(repeat(self.slope), repeat(self.height), repeat(self.length))
+            default = self.soil.get(name, self.extra.get(name, 0.0))
+            p[name] = np.concatenate([np.broadcast_to(change.get(name, default), runs) for change in changes])
+        profile = terrain.Profile(repeat(self.slope), repeat(self.height), repeat(self.length), self.waves)
         orders = np.tile(self.commands, (1, tries, 1))
         with np.errstate(all="ignore"):
-            y = traverse.drive_runs(p, profile, orders, self.row_time, parts, nodes)
-        stuck = ~(y[-1, :, 0] > LEAST_WAY * repeat(self.way())) | np.any(y[..., 7:9] > DEEPEST, axis=(0, 2))
+            y = traverse.drive_runs(p, profile, orders, self.between[: self.rows - 1], parts, nodes)
+        way = repeat(self.way())
+        stuck = ~(y[-1, :, 0] * np.sign(way) > LEAST_WAY * np.abs(way)) | np.any(y[..., 7:9] > DEEPEST, axis=(0, 2))
         y[:, stuck] = np.nan
-        return y.reshape(self.rows, tries, runs, -1).transpose(1, 2, 0, 3)
+        return y[..., self.columns].reshape(self.rows, tries, runs, -1).transpose(1, 2, 0, 3)
 
     def size(self, clean):
         """RMS of each signal over the experiment."""
@@ -103,25 +120,27 @@ class RoverBench:
         """Writes the CSV files; `runs` is (group, replicate, signals). Gives the lines of experiment.toml."""
         lines, grounds = [], {}
         (folder / "runs").mkdir(parents=True, exist_ok=True)
-        time = self.row_time * np.arange(self.rows)
-        profile = terrain.Profile(self.slope, self.height, self.length)
+        time, way = self.time(), self.way()
+        profile = terrain.Profile(self.slope, self.height, self.length, self.waves)
+        level = not self.waves
         for group, replicate, measured in runs:
             slope, height, length, added, first, second = self.conditions[group]
             label = f"slope{slope:g}_hill{100 * height:g}_add{added:g}_speed{first:g}_{second:g}"
             ground = f"slope{slope:g}_hill{100 * height:g}.csv"
-            if ground not in grounds and (slope or height):
-                x, z = profile.rows(group, -2.0, self.way().max() + 2.0)
+            flat = level and not slope and not height
+            if ground not in grounds and not flat:
+                x, z = profile.rows(group, min(way.min(), 0.0) - 2.0, way.max() + 2.0)
                 rows = ["x,z"] + [f"{a:.4f},{b:.9f}" for a, b in zip(x, z)]
                 (folder / ground).write_text("\n".join(rows) + "\n", encoding="ascii", newline="\n")
                 grounds[ground] = True
             rows = [",".join(("time", "wheel[1].speed_command", "wheel[2].speed_command") + self.signals)]
             for t, (rear, front), values in zip(time, self.commands[:, group], measured):
-                cells = [f"{v:.{traverse.DECIMALS[name]}f}" for name, v in zip(self.signals, values)]
+                cells = ["" if np.isnan(v) else f"{v:.{traverse.DECIMALS[name]}f}" for name, v in zip(self.signals, values)]
                 rows.append(",".join([f"{t:.3f}", f"{rear:.6g}", f"{front:.6g}"] + cells))
             name = f"runs/{label}_{'abcdef'[replicate]}.csv"
             (folder / name).write_text("\n".join(rows) + "\n", encoding="ascii", newline="\n")
             lines += ["", "[[run]]", f'file = "{name}"', f'group = "{label}"', "x0 = 0.0"]
-            if slope or height:
+            if not flat:
                 lines.append(f'terrain = "{ground}"')
             if added:
                 lines.append(f'parameters = {{ "rover.mass" = {VEHICLE["mass"] + added:g} }}')

@@ -10,7 +10,9 @@ SLIPS = (0.02, 0.06, 0.12, 0.20, 0.30, 0.40, 0.50, 0.60, 0.70)
 
 class WheelBench:
     kind = "single_wheel"
+    names = ()  # of conditions, which only a traverse has
     signals = carriage.SIGNALS
+    own_noise = np.zeros(len(signals))
     skip = 0  # rows of a run that do not count for what can be detected
 
     def __init__(self, seed, poor=False):

@@ -10,12 +10,14 @@ import copy
 
 import numpy as np
 
+import conditions
 import noise
 from soils import CALIBRATED
 
 DETECTABLE = 5.0  # standard deviations
 TIE = 0.8  # cosine from which two effects are an honest tie
 STEP = 1e-3  # of a soil parameter, relative
+DELAY_STEP = 0.02  # s
 SEARCHES = 8  # strengths tried
 REFITS = 8
 SMALL_SHIFT = 0.01  # of a soil parameter, relative, for which the projection is exact enough
@@ -31,27 +33,60 @@ class Detector:
         self.bench, self.rivals, self.level = bench, rivals, noise_level
         soil = [{name: bench.soil[name] * (1.0 + STEP)} for name in CALIBRATED]
         effects = [{f.key: f.probe} for f in rivals]
-        clean, *changed = bench.simulate([{}] + soil + effects, coarse=True)
+        late = [{"body_delay": conditions.DELAY + DELAY_STEP}] if "delay" in bench.names else []
+        self.nuisances = len(late)
+        clean, *changed = bench.simulate([{}] + soil + effects + late, coarse=True)
         self.clean = clean
         self.deviation = noise_level * bench.size(clean)
-        self.weight = np.sqrt(replicates) * noise.whitener(clean.shape[1] - bench.skip)
-        soil_part = [self.white(y - clean) / STEP for y in changed[: len(soil)]]
-        self.slopes = np.stack(soil_part, axis=1)
-        self.basis = orthonormal(self.slopes)
-        self.signatures = [self.free(self.white(y - clean)) for y in changed[len(soil) :]]
+        self.changed, self.replicates = changed, replicates
+        self.prepare()
+
+    def prepare(self):
+        """Weights, slopes and signatures at the present level of noise."""
+        count, rows = len(CALIBRATED), self.clean.shape[1] - self.bench.skip
+        # Cells that are not recorded tell nothing.
+        told = np.sqrt(self.replicates * (1.0 - (conditions.GAPS if "gaps" in self.bench.names else 0.0)))
+        self.weight, self.scatter = told * noise.whitener(rows), None
+        self.own_weights = {
+            k: told * self.deviation[k] * noise.whitener(rows, self.deviation[k], own)
+            for k, own in enumerate(self.bench.own_noise)
+            if own > 0.0
+        }
+        soil = [(y - self.clean) / STEP for y in self.changed[:count]]
+        if "soil_scatter" in self.bench.names:
+            shares = [conditions.SCATTER.get(name, 0.0) for name in CALIBRATED]
+            self.scatter = [run_scatter(columns) for columns in self.by_run(soil, shares)]
+        self.slopes = np.stack([self.white(y) for y in soil], axis=1)
+        # A delay that nobody states is free to take up what it can.
+        late = [self.white(y - self.clean) for y in self.changed[len(self.changed) - self.nuisances :]]
+        self.basis = orthonormal(np.column_stack([self.slopes, *late]))
+        rivals = self.changed[count : len(self.changed) - self.nuisances]
+        self.signatures = [self.free(self.white(y - self.clean)) for y in rivals]
+
+    def by_run(self, soil, shares):
+        """Slopes of one run's whitened signals in its own soil, by one standard deviation of its scatter; for each run."""
+        columns = [share * self.white(y).reshape(len(self.clean), -1) for y, share in zip(soil, shares)]
+        return np.stack(columns, axis=2) / np.sqrt(self.replicates)
 
     def with_noise(self, level):
         """The same bench under another level of noise."""
+        if level == self.level:
+            return self
         other = copy.copy(self)
-        factor = level / self.level
-        other.level, other.deviation = level, self.deviation * factor
-        other.signatures = [s / factor for s in self.signatures]
-        other.slopes = self.slopes / factor
+        other.level, other.deviation = level, self.deviation * (level / self.level)
+        other.prepare()
         return other
 
     def white(self, difference):
         """Whitened and flat; runs, rows, signals in."""
-        return np.einsum("ij,gjs->gis", self.weight, difference[:, self.bench.skip :] / self.deviation).ravel()
+        scaled = difference[:, self.bench.skip :] / self.deviation
+        white = np.einsum("ij,gjs->gis", self.weight, scaled)
+        for k, weight in self.own_weights.items():
+            white[..., k] = scaled[..., k] @ weight.T
+        if self.scatter is not None:
+            runs = white.reshape(len(white), -1)
+            white = np.stack([run - u @ (shrink * (u.T @ run)) for run, (u, shrink) in zip(runs, self.scatter)])
+        return white.ravel()
 
     def free(self, signature):
         """Without what the soil parameters take up."""
@@ -146,6 +181,12 @@ class Detector:
             cosine = float(rival @ signature / (size * length)) if size > 0.0 and length > 0.0 else 0.0
             cosines[form.case] = max(cosine, cosines.get(form.case, -1.0))
         return cosines
+
+
+def run_scatter(columns):
+    """Directions of a run's whitened signals in which its soil scatters, and by how much these are to be shortened to be white."""
+    u, size, _ = np.linalg.svd(columns, full_matrices=False)
+    return u, 1.0 - 1.0 / np.sqrt(1.0 + size**2)
 
 
 def orthonormal(columns):

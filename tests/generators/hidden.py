@@ -18,6 +18,7 @@ import numpy as np
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
 import cases  # noqa: E402
+import conditions  # noqa: E402
 import noise as noises  # noqa: E402
 from bench_wheel import WheelBench  # noqa: E402
 from detect import DETECTABLE, Detector, ties  # noqa: E402
@@ -25,12 +26,12 @@ from detect import DETECTABLE, Detector, ties  # noqa: E402
 REPLICATES = 3
 
 
-def make_bench(kind, seed, size, poor):
+def make_bench(kind, seed, size, poor, names=()):
     if kind == cases.WHEEL:
         return WheelBench(seed, poor)
     from bench_rover import RoverBench
 
-    return RoverBench(seed, size, poor)
+    return RoverBench(seed, size, poor, names)
 
 
 def hidden_forms(kind, case, form):
@@ -91,11 +92,11 @@ def describe(detector, chosen):
     return effects
 
 
-def make(folder, kind, case, form=None, level=0.02, seed=17, multiple=None, size="full", detector=None):
-    """Writes the experiment and returns the truth. `level` 0 gives clean signals."""
+def make(folder, kind, case, form=None, level=0.02, seed=17, multiple=None, size="full", detector=None, names=()):
+    """Writes the experiment and returns the truth. `level` 0 gives clean signals; `names` are conditions of a traverse."""
     folder = pathlib.Path(folder)
     poor = case == "poor"
-    bench = detector.bench if detector else make_bench(kind, seed, size, poor)
+    bench = detector.bench if detector else make_bench(kind, seed, size, poor, names)
     replicates = 1 if case in ("noise_half", "noise_double") else REPLICATES if kind == cases.WHEEL else bench.replicates
     rng = np.random.default_rng([seed, 2, zlib.crc32(f"{case}/{form}/{level}".encode())])
     forms = hidden_forms(kind, case, form)
@@ -113,6 +114,8 @@ def make(folder, kind, case, form=None, level=0.02, seed=17, multiple=None, size
     groups, rows, signals = clean.shape
     error = noises.draw(rng, groups * replicates, rows, signals) * deviation
     runs = [(g, r, clean[g] + error[g * replicates + r]) for g in range(groups) for r in range(replicates)]
+    if bench.names and level:
+        runs = under_conditions(bench, runs, error, strengths, replicates, np.random.default_rng([seed, 6]))
     folder.mkdir(parents=True, exist_ok=True)
     truth = {
         "kind": kind,
@@ -123,12 +126,30 @@ def make(folder, kind, case, form=None, level=0.02, seed=17, multiple=None, size
         "effects": describe(detector, chosen) if chosen else [],
         "soil": {f"soil.{name}": value for name, value in bench.soil.items()},
         "soil_name": bench.soil_name,
-        "deviation": dict(zip(bench.signals, map(float, deviation))),
+        "deviation": dict(zip(bench.signals, map(float, np.hypot(deviation, bench.own_noise)))),
     }
+    if bench.names:
+        truth["conditions"] = list(bench.names)
     write_settings(folder, bench, truth, case, rng, bench.write(folder, runs))
     text = json.dumps(truth, indent=1, sort_keys=True)
     (folder / "truth.json").write_text(text + "\n", encoding="ascii", newline="\n")
     return truth
+
+
+def under_conditions(bench, runs, error, strengths, replicates, rng):
+    """The runs as the conditions of the bench leave them: their own soil, noise of single sensors, empty cells."""
+    groups = len(bench.conditions)
+    other = [conditions.scattered(bench.soil, groups, rng, bench.names) for _ in range(replicates)]
+    if any(other):
+        clean = bench.simulate([{**strengths, **soil} for soil in other])
+        if not np.all(np.isfinite(clean)):
+            raise ValueError("the rig does not run on the soil of every run")
+        runs = [(g, r, clean[r, g] + error[g * replicates + r]) for g in range(groups) for r in range(replicates)]
+    changed = []
+    for group, replicate, signals in runs:
+        signals = signals + bench.own_noise * rng.standard_normal(signals.shape)
+        changed.append((group, replicate, np.where(conditions.kept(signals.shape, rng, bench.names), signals, np.nan)))
+    return changed
 
 
 def write_settings(folder, bench, truth, case, rng, run_lines):
@@ -162,9 +183,11 @@ def main():
     parser.add_argument("--seed", type=int, default=17)
     parser.add_argument("--multiple", type=float, help="of the smallest detectable strength; default: drawn, at least 1.5")
     parser.add_argument("--size", choices=("full", "reduced"), default="full", help="of a traverse experiment")
+    parser.add_argument("--condition", action="append", default=[], help=f"of a traverse, may be repeated: {', '.join(conditions.CONDITIONS)}")
     parser.add_argument("folder", metavar="FOLDER")
     a = parser.parse_args()
-    truth = make(a.folder, a.kind, a.case, a.form, a.noise, a.seed, a.multiple, a.size)
+    level = 0.05 if "noise_5" in a.condition else a.noise
+    truth = make(a.folder, a.kind, a.case, a.form, level, a.seed, a.multiple, a.size, names=a.condition)
     for effect in truth["effects"]:
         seen = "" if effect["visible"] else " (this experiment cannot see it)"
         tied = f"; may be taken for {', '.join(effect['allowed_ties'])}" if effect["allowed_ties"] else ""

@@ -21,6 +21,7 @@ def covariance(rows):
     return RUN_SHARE**2 + (1.0 - RUN_SHARE**2) * CORRELATION**lag
 
 
-def whitener(rows):
-    """The matrix that makes the noise along one run white."""
-    return np.linalg.inv(np.linalg.cholesky(covariance(rows)))
+def whitener(rows, deviation=1.0, own=0.0):
+    """The matrix that makes the noise along one run white: noise of this standard deviation, and of `own`, independent from row to
+    row, besides."""
+    return np.linalg.inv(np.linalg.cholesky(deviation**2 * covariance(rows) + own**2 * np.eye(rows)))

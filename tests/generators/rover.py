@@ -62,7 +62,7 @@ class Rover:
         ones = np.ones_like(np.asarray(p["mass"], float) + 0.0 * profile.slope)
         self.mass = np.stack([p["mass"] * ones, p["mass"] * ones, (p["inertia"] + 2.0 * p["wheel_inertia"]) * ones], axis=-1)
         self.start = np.zeros_like(ones)  # x of the reference point at the start
-        self.lead = np.full_like(ones, np.inf)  # where the front wheel's track begins
+        self.tracks = np.full(ones.shape + (2,), np.nan)  # where the tracks of the rear and the front wheel begin
 
     def geometry(self, q, u):
         """Reference point, wheel centres relative to the centre of mass, and their velocities."""
@@ -93,8 +93,10 @@ class Rover:
         load = 0.5 * p["mass"] * p["gravity"]
         nominal = contact.slip_of(travel, turn) * length
         passed = np.zeros_like(foot)
-        passed[..., 0] = smooth((foot[..., 0] - self.lead) / 0.02 + 0.5)
-        place = ground.place_at(nominal, along, p["radius"] - distance, load, angle, foot, passed, nominal[..., 1:2])
+        # Forwards the rear wheel follows the front wheel, backwards the other way round.
+        passed[..., 0] = smooth(np.nan_to_num((foot[..., 0] - self.tracks[..., 1]) / 0.02 + 0.5))
+        passed[..., 1] = smooth(np.nan_to_num((self.tracks[..., 0] - foot[..., 1]) / 0.02 + 0.5))
+        place = ground.place_at(nominal, along, p["radius"] - distance, load, angle, foot, passed, nominal[..., ::-1])
         soil = ground.local_soil(p, place)
         if soil["radius"] is not p["radius"]:
             # A true radius other than the nominal one: sinkage and rim follow it; a flexible wheel descends further.
@@ -158,7 +160,7 @@ class Rover:
         q = np.where(np.all(np.abs(residual[..., 1:]) < 1e-3, axis=-1)[..., None], q, np.nan)
         self.start = np.full(runs, float(x0))
         _, arm_x, *_ = self.geometry(q, still)
-        self.lead = q[..., 0] + arm_x[..., 1]
+        self.tracks = q[..., 0:1] + arm_x
         return q, still, hold
 
     def step(self, q, u, hold, command, dt, slopes):

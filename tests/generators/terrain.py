@@ -1,6 +1,6 @@
 """Ground profiles by formula, for many runs at once, and the contact foot on them.
 
-h(x) = slope * ramp(x) + height * sum of hills; a run has a plane that starts level, or hills, or both. The files hold the
+h(x) = slope x + a row of hills + waves; a run has a plane, or hills, or both, and all runs share the waves. The files hold the
 profile sampled every 2 cm; a cubic through them differs from the formula by under 1 micrometre.
 """
 
@@ -11,9 +11,11 @@ FOOT_STEPS = 4
 
 
 class Profile:
-    """Arrays over runs: slope of the plane, height (m) and length (m) of the hills from x = 0 on."""
+    """Arrays over runs: slope of the plane, height (m) and length (m) of the hills from x = 0 on; waves as
+    (amplitude in m, wave number in 1/m, phase), the same for all runs."""
 
-    def __init__(self, slope, height, length):
+    def __init__(self, slope, height, length, waves=()):
+        self.waves = waves
         self.slope, self.height = np.asarray(slope, float), np.asarray(height, float)
         self.number = 2.0 * np.pi / np.asarray(length, float)
 
@@ -22,7 +24,12 @@ class Profile:
         fit = lambda a: a.reshape(a.shape + (1,) * (x.ndim > 1 and x.shape[-1] == 2))
         slope, height, number = fit(self.slope), fit(self.height), fit(self.number)
         z = slope * x + 0.5 * height * (1.0 - np.cos(number * x))
-        return z, slope + 0.5 * height * number * np.sin(number * x), 0.5 * height * number**2 * np.cos(number * x)
+        rise, bend = slope + 0.5 * height * number * np.sin(number * x), 0.5 * height * number**2 * np.cos(number * x)
+        for amplitude, k, phase in self.waves:
+            z = z + amplitude * np.sin(k * x + phase)
+            rise = rise + amplitude * k * np.cos(k * x + phase)
+            bend = bend - amplitude * k * k * np.sin(k * x + phase)
+        return z, rise, bend
 
     def foot(self, x, z):
         """The nearest point to (x, z): its x, distance along the normal, tangent (cos, sin)."""
@@ -39,4 +46,5 @@ class Profile:
         """Samples (x, z) of one run's ground."""
         x = np.arange(np.floor(low / SPACING), np.ceil(high / SPACING) + 1) * SPACING
         k = self.number[run]
-        return x, self.slope[run] * x + 0.5 * self.height[run] * (1.0 - np.cos(k * x))
+        z = self.slope[run] * x + 0.5 * self.height[run] * (1.0 - np.cos(k * x))
+        return x, z + sum(amplitude * np.sin(k * x + phase) for amplitude, k, phase in self.waves)

@@ -13,6 +13,7 @@ import bench_rover  # noqa: E402
 import bench_wheel  # noqa: E402
 import carriage  # noqa: E402
 import cases  # noqa: E402
+import conditions  # noqa: E402
 import contact  # noqa: E402
 import detect  # noqa: E402
 import ground  # noqa: E402
@@ -110,8 +111,8 @@ def test_property_each_form_is_neutral_at_zero_and_shows(form):
         assert np.max(np.abs(weak - plain) / bench.size(plain)) < HARDLY * np.max(np.abs(some - plain) / bench.size(plain))
 
 
-def short_rover(seed=3, rows=25):
-    bench = bench_rover.RoverBench(seed, "reduced")
+def short_rover(seed=3, rows=25, names=()):
+    bench = bench_rover.RoverBench(seed, "reduced", names=names)
     bench.rows, bench.commands = rows, bench.commands[:rows]
     return bench
 
@@ -161,6 +162,71 @@ def test_property_each_form_of_the_rover_is_neutral_at_zero_and_shows(form):
     plain, zero, some = bench.simulate([{}, {form.key: 0.0}, {form.key: form.probe}], coarse=True)
     assert np.array_equal(plain, zero)
     assert np.max(np.abs(plain - some) / bench.size(plain)) > 1e-6
+
+
+def test_property_conditions_come_in_a_fifth_of_the_seeds():
+    drawn = [conditions.drawn(seed) for seed in range(2000)]
+    for name in conditions.CONDITIONS:
+        # Four standard deviations of a share of 0.2 in 2000 draws.
+        assert np.mean([name in names for names in drawn]) == pytest.approx(conditions.SHARE, abs=0.036)
+
+
+def test_analytic_waves_and_their_derivatives():
+    profile = terrain.Profile([0.05], [0.08], [2.0], conditions.waves(3, ("random_ground",)))
+    x, step = np.linspace(-3.0, 5.0, 4001), 1e-5
+    (low, *_), (_, rise, bend), (high, *_) = (profile.at(x + d) for d in (-step, 0.0, step))
+    # Differences of doubles over 1e-5 m: 1e-10 in the slope, 1e-5 in the curvature.
+    assert np.max(np.abs((high - low) / (2 * step) - rise)) < 1e-8
+    assert np.max(np.abs((profile.at(x + step)[1] - profile.at(x - step)[1]) / (2 * step) - bend)) < 1e-6
+    at, z = profile.rows(0, -1.0, 1.0)
+    assert z == pytest.approx(profile.at(at)[0], abs=1e-12)  # the same sum in another order
+
+
+def test_property_backwards_is_the_mirror_image():
+    # On level ground with the centre of mass in the middle a rover drives backwards as it drives forwards.
+    level = [(0.0, 0.0, 1.0, 0.0, 2.0, 1.0)] * 2
+    bench = bench_rover.RoverBench(3, "reduced", names=("backwards",))
+    bench.conditions, bench.mass = level, bench.mass[:2]
+    bench.slope, bench.height, bench.length = np.zeros(2), np.zeros(2), np.ones(2)
+    bench.commands = bench.commands[:, [0, 0]] * np.array([1.0, -1.0])[None, :, None]
+    runs = bench.simulate([{"multi_pass.holm": 0.5}])[0].transpose(0, 2, 1)
+    forwards, back = (dict(zip(bench.signals, run)) for run in runs)
+    for name in ("x", "velocity", "pitch"):
+        assert back[name] == pytest.approx(-forwards[name], abs=1e-7)
+    assert back["wheel[1].torque"] == pytest.approx(-forwards["wheel[2].torque"], abs=1e-5)
+    assert back["wheel[2].sinkage"] == pytest.approx(forwards["wheel[1].sinkage"], abs=1e-7)
+
+
+def test_property_a_delay_shifts_the_body_only():
+    plain, late = (short_rover(rows=40, names=names) for names in ((), ("delay",)))
+    before, after = plain.simulate([{}])[0], late.simulate([{}])[0]
+    rows = round(conditions.DELAY / plain.row_time)
+    body = [plain.signals.index(name) for name in conditions.BODY]
+    rest = [k for k in range(len(plain.signals)) if k not in body]
+    assert np.array_equal(before[..., rest], after[..., rest])
+    assert after[:, rows:, body] == pytest.approx(before[:, :-rows, body], abs=1e-9)
+
+
+def test_property_what_is_not_recorded_tells_nothing(tmp_path):
+    bare = short_rover(names=("current_only", "no_sinkage"))
+    assert bare.signals == ("x", "pitch", "velocity", "wheel[1].current", "wheel[2].current")
+    assert bare.simulate([{}]).shape[-1] == 5
+    names = ("gaps", "jitter", "gps", "soil_scatter")
+    truth = hidden.make(tmp_path, cases.ROVER, "clean", None, 0.02, 3, size="reduced", names=names)
+    assert truth["conditions"] == list(names) and truth["deviation"]["x"] > conditions.GPS_NOISE
+    cells = [row.split(",")[3:] for path in (tmp_path / "runs").iterdir() for row in path.read_text().splitlines()[1:]]
+    empty = np.mean([cell == "" for row in cells for cell in row])
+    assert empty == pytest.approx(conditions.GAPS, abs=0.01)  # of 7280 cells: four standard deviations
+    assert any(t.stem.endswith("_a") for t in (tmp_path / "runs").iterdir())
+
+
+def test_analytic_scatter_of_the_soil_is_whitened_away():
+    # One signal direction with a standard deviation of 3 beside white noise of 1: its length shrinks by sqrt(10).
+    direction = np.array([[0.6], [0.8], [0.0]])
+    u, shrink = detect.run_scatter(3.0 * direction)
+    white = lambda run: run - u @ (shrink * (u.T @ run))
+    assert white(direction[:, 0]) == pytest.approx(direction[:, 0] / np.sqrt(10.0))
+    assert white(np.array([0.8, -0.6, 2.0])) == pytest.approx([0.8, -0.6, 2.0])
 
 
 def test_property_foot_is_the_nearest_point():

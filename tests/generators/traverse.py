@@ -26,7 +26,8 @@ DECIMALS = dict.fromkeys(SIGNALS, 6)
 
 
 def drive_runs(p, profile, commands, row_time, parts, nodes, x0=0.0):
-    """Signals (rows, runs, signals) of runs that start at rest and follow `commands` (rows, runs, wheels).
+    """Signals (rows, runs, signals) of runs that start at rest and follow `commands` (rows, runs, wheels). `row_time` is the time
+    from row to row, s: a number, or one for each row but the first.
 
     `parts` are the steps from row to row as shares of the time between them: short ones first, since the slip settles
     within milliseconds after a command. Signals of a row are read before its command acts. NaN from where a run cannot go on.
@@ -37,9 +38,10 @@ def drive_runs(p, profile, commands, row_time, parts, nodes, x0=0.0):
     turned = np.zeros(u.shape[:-1] + (2,))
     states, slopes, time, at = [], {}, [0.0], []
     command = np.zeros_like(turned)
+    between = np.broadcast_to(row_time, len(commands) - 1)
     for row in range(len(commands)):
         for part in () if row == 0 else FIRST if row <= FIRST_ROWS else parts:
-            dt = part * row_time
+            dt = part * between[row - 1]
             time.append(time[-1] + dt)
             q, u, a, hold = rover.step(q, u, hold, command, dt, slopes)
             turned = turned + dt * command
@@ -90,5 +92,7 @@ def sensors(p, states, time):
         body[..., 1] += s
     if (s := ground.on(p, "pitch_bias.drifting")) is not None:  # an inclinometer that also creeps while it warms up
         body[..., 1] += s * (1.0 + 0.2 * time[:, None] / time[-1])
+    if (s := ground.on(p, "body_delay")) is not None:  # a condition of the study: one clock is late
+        body = drive.delayed(body, np.broadcast_to(np.asarray(s, float).ravel(), body.shape[1:2]), time)
     signals = np.concatenate([body, shown, current, sinkage, power], axis=-1)
     return drive.sensor_lag(per_wheel, time, signals)

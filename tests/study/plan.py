@@ -7,6 +7,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "generators"))
 
 import cases  # noqa: E402
+import conditions  # noqa: E402
 
 FIRST_SEED = {"development": 1000, "report": 50000}
 
@@ -37,11 +38,13 @@ class Job:
     form: str
     noise: float
     seed: int
+    conditions: tuple = ()
 
     @property
     def name(self):
         size = "" if self.kind == cases.WHEEL else f"_{self.size}"
-        return f"{self.set_name}_{self.kind}{size}_{self.case}_{self.form or 'none'}_{self.noise:g}_{self.seed}"
+        under = "_drawn" if self.conditions else ""
+        return f"{self.set_name}_{self.kind}{size}_{self.case}_{self.form or 'none'}_{self.noise:g}_{self.seed}{under}"
 
 
 def form_for(set_name, kind, case):
@@ -60,16 +63,19 @@ def all_cases(kind):
     return ["clean", *cases.cases_of(kind), *PAIRS[kind], *cases.CAUTION]
 
 
-def jobs(set_name, kinds, size, wanted, noises, seeds, first_seed=None):
+def jobs(set_name, kinds, size, wanted, noises, seeds, first_seed=None, drawn=False):
+    """All experiments; where `drawn`, those of a traverse are under the conditions that their seed has drawn."""
     first = FIRST_SEED[set_name] if first_seed is None else first_seed
-    return [
-        Job(set_name, kind, size, case, form_for(set_name, kind, case), noise, seed)
-        for kind in kinds
-        for seed in range(first, first + seeds)
-        for case in (wanted or all_cases(kind))
-        if case in all_cases(kind)
-        for noise in noises
-    ]
+    made = []
+    for kind in kinds:
+        for seed in range(first, first + seeds):
+            names = conditions.drawn(seed) if drawn and kind == cases.ROVER else ()
+            levels = [0.05] if "noise_5" in names else [0.02] if drawn else noises
+            for case in wanted or all_cases(kind):
+                if case in all_cases(kind):
+                    form = form_for(set_name, kind, case)
+                    made += [Job(set_name, kind, size, case, form, level, seed, names) for level in levels]
+    return made
 
 
 def quick():

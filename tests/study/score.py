@@ -2,6 +2,8 @@
 
 # A tie of more effects than this helps nobody.
 MOST_TIED = 3
+# What a condition of the experiment is besides an effect: to name it is not wrong (tests/generators/conditions.py).
+ALSO_TRUE = {"delay": {"sensor_lag"}}
 # A true model that removes at least this share of the removable left-out error asks the named effect for as much.
 WHOLE = 0.9
 CAUTION = ("wrong_prior", "noise_half", "noise_double", "poor")
@@ -17,9 +19,19 @@ def tied(result):
     return {c["effect"] for c in result.get("candidates", []) if c.get("tied")}
 
 
+def without(result, also_true):
+    """The diagnosis without the names of what is also true; where nothing else is named, it has explained the measurements."""
+    others = [name for name in result.get("effects", []) if name not in also_true]
+    if result.get("verdict") != "effect_missing" or len(others) == len(result["effects"]):
+        return result
+    return result | ({"effects": others} if others else {"effects": [], "verdict": "explained"})
+
+
 def outcome(truth, result):
     """One word. Good are right, right_tie and cautious; bad are wrong and false_alarm; the rest says too little."""
     case, effects = truth["case"], truth["effects"]
+    also_true = set().union(*(ALSO_TRUE.get(name, set()) for name in truth.get("conditions", [])))
+    result = without(result, also_true - {e["case"] for e in effects})
     if "error" in result:
         return "error"
     verdict = result["verdict"]

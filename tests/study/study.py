@@ -43,11 +43,12 @@ def make(job, folder, detectors):
         key = (job.kind, job.size, job.seed)
         if key not in detectors:
             detectors.clear()
-            bench = hidden.make_bench(job.kind, job.seed, job.size, False)
+            bench = hidden.make_bench(job.kind, job.seed, job.size, False, job.conditions)
             replicates = hidden.REPLICATES if job.kind == cases.WHEEL else bench.replicates
             detectors[key] = Detector(bench, job.noise, replicates, cases.library(job.kind))
         detector = detectors[key].with_noise(job.noise)
-    return hidden.make(folder, job.kind, job.case, job.form or None, job.noise, job.seed, size=job.size, detector=detector)
+    form, names = job.form or None, job.conditions
+    return hidden.make(folder, job.kind, job.case, form, job.noise, job.seed, size=job.size, detector=detector, names=names)
 
 
 def diagnose(bekker, extra, folder, threads):
@@ -132,6 +133,7 @@ def parse():
     parser.add_argument("--set", choices=tuple(plan.FIRST_SEED), default="development")
     parser.add_argument("--kind", choices=(cases.WHEEL, cases.ROVER, "both"), default=cases.WHEEL)
     parser.add_argument("--size", choices=("full", "reduced"), default="reduced", help="of a traverse experiment")
+    parser.add_argument("--conditions", action="store_true", help="traverses under the conditions that each seed draws")
     parser.add_argument("--cases", help="only these, separated by commas")
     parser.add_argument("--seeds", type=int, default=50)
     parser.add_argument("--noise", type=float, nargs="+", default=[0.02, 0.05])
@@ -158,7 +160,8 @@ def main():
     else:
         kinds = (cases.WHEEL, cases.ROVER) if arguments.kind == "both" else (arguments.kind,)
         wanted = arguments.cases.split(",") if arguments.cases else None
-        jobs = plan.jobs(arguments.set, kinds, arguments.size, wanted, arguments.noise, arguments.seeds, arguments.first_seed)
+        first, drawn = arguments.first_seed, arguments.conditions
+        jobs = plan.jobs(arguments.set, kinds, arguments.size, wanted, arguments.noise, arguments.seeds, first, drawn)
     if not arguments.report_only:
         run(jobs, arguments)
     rows = report(jobs, arguments)

@@ -21,6 +21,16 @@ def said(verdict, *effects, tied=(), confused=()):
     return {"verdict": verdict, "effects": list(effects), "candidates": candidates, "confused_with": [list(c) for c in confused]}
 
 
+def test_analytic_what_a_condition_is_besides_is_not_wrong():
+    late = {"conditions": ["delay"]}
+    assert score.outcome({"case": "clean", "effects": [], **late}, said("effect_missing", "sensor_lag")) == "right"
+    assert score.outcome({"case": "clean", "effects": []}, said("effect_missing", "sensor_lag")) == "false_alarm"
+    assert score.outcome({"case": "a", "effects": [effect("a")], **late}, said("effect_missing", "a", "sensor_lag")) == "right"
+    assert score.outcome({"case": "a", "effects": [effect("a")], **late}, said("effect_missing", "b", "sensor_lag")) == "wrong"
+    hidden = {"case": "sensor_lag", "effects": [effect("sensor_lag")], **late}
+    assert score.outcome(hidden, said("effect_missing", "sensor_lag")) == "right"
+
+
 CASES = [
     ("clean", [], said("explained"), "right"),
     ("clean", [], said("effect_missing", "drag"), "false_alarm"),
