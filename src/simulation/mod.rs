@@ -1,6 +1,7 @@
 //! The simulation: a rover in motion, stepped with a fixed inner step.
 
 mod energies;
+mod moving;
 mod settle;
 mod status;
 mod step_state;
@@ -176,6 +177,12 @@ impl<S: Scalar> Simulation<S> {
         change(&mut self.rover.effects);
         let command = self.command.clone();
         self.change_command(&command).map_err(|source| StepError::Dynamics { time: self.time(), source })
+    }
+
+    /// Goes on after an event: the rest of a recorded drive on which the simulated rover got stuck.
+    #[cfg(feature = "experiments")]
+    pub(crate) fn go_on(&mut self) {
+        self.status = Status::Running;
     }
 
     fn step(&mut self) -> Result<(), StepError> {
