@@ -169,6 +169,17 @@ impl Command {
     pub fn speed(values: Vec<f64>) -> Self {
         Self { drive: Drive::Speed, values }
     }
+
+    /// Whether it commands `value(k)` to each wheel k.
+    pub(crate) fn is(&self, drive: Drive, value: &dyn Fn(usize) -> f64) -> bool {
+        self.drive == drive && self.values.iter().enumerate().all(|(k, own)| *own == value(k))
+    }
+
+    /// Commands `value(k)` to each wheel k from now on.
+    pub(crate) fn set(&mut self, drive: Drive, value: &dyn Fn(usize) -> f64) {
+        self.drive = drive;
+        self.values.iter_mut().enumerate().for_each(|(k, own)| *own = value(k));
+    }
 }
 
 /// What the rover is asked to do.

@@ -4,10 +4,8 @@ use crate::error::{self, InputError, SimulationError};
 use crate::observation::PyObservedSignals;
 use crate::run::{PyRun, contiguous, row};
 use bekker::batch::{Batch, BatchError};
-use bekker::modeldescription::Parameters;
-use bekker::signals::Measurement;
 use bekker::simulation::Status;
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
@@ -18,17 +16,13 @@ const FREE_FROM: u64 = 25;
 /// Many runs of models of one structure, stepped together.
 ///
 /// `inputs` (a row of input values a run) is read and `signals` (a row of signals a run) and `codes` (a place of
-/// `statuses` a run) are written by every step. So is `measured`, where it is given: as `signals`, with the readings of
-/// the sensors in the places of `Run.measured_names`; the runs then have to sense, see `Run.sense_every`.
+/// `statuses` a run) are written by every step.
 #[pyclass(module = "bekker", name = "Batch")]
 pub struct PyBatch {
     core: Batch,
     inputs: Py<PyArray2<f64>>,
     signals: Py<PyArray2<f64>>,
     codes: Py<PyArray1<u8>>,
-    measured: Option<Py<PyArray2<f64>>>,
-    /// Places of the readings in a row of signals.
-    readings: Vec<usize>,
     /// A panic left the core in an unknown state.
     broken: bool,
 }
@@ -45,27 +39,23 @@ const FAILED: usize = Status::WORDS.len();
 #[pymethods]
 impl PyBatch {
     #[new]
-    #[pyo3(signature = (runs, inputs, signals, codes, threads = 1, measured = None))]
+    #[pyo3(signature = (runs, inputs, signals, codes, threads = 1))]
     fn new(
         runs: Vec<PyRef<'_, PyRun>>,
         inputs: Bound<'_, PyArray2<f64>>,
         signals: Bound<'_, PyArray2<f64>>,
         codes: Bound<'_, PyArray1<u8>>,
         threads: usize,
-        measured: Option<Bound<'_, PyArray2<f64>>>,
     ) -> PyResult<Self> {
         let py = inputs.py();
-        let readings = runs.first().map_or_else(Vec::new, |run| Measurement::measured_signals(run.truth()));
         let runs = runs.iter().map(|run| run.taken()).collect::<PyResult<Vec<_>>>()?;
         let core = Batch::new(runs, threads).map_err(|refused| failed(&refused))?;
         let (wide, long) = ([core.len(), core.input_count()], [core.len(), core.signal_count()]);
         check("inputs", inputs.as_any(), &wide)?;
         check("signals", signals.as_any(), &long)?;
         check("codes", codes.as_any(), &[core.len()])?;
-        measured.iter().try_for_each(|array| check("measured", array.as_any(), &long))?;
         let (inputs, signals, codes) = (inputs.unbind(), signals.unbind(), codes.unbind());
-        let measured = measured.map(Bound::unbind);
-        let batch = Self { core, inputs, signals, codes, measured, readings, broken: false };
+        let batch = Self { core, inputs, signals, codes, broken: false };
         batch.write(py)?;
         Ok(batch)
     }
@@ -99,26 +89,24 @@ impl PyBatch {
         written(py, "codes", &self.codes, |codes| {
             codes.iter_mut().skip(index).take(1).for_each(|c| *c = status as u8)
         })?;
-        if let Some(measured) = &self.measured {
-            written(py, "measured", measured, |all| {
-                copy(all, mine.clone(), &values);
-                self.read(index, &mut all[mine.clone()]);
-            })?;
-        }
         Ok(())
     }
 
-    /// Writes a row of an observation for each run: of its signals, and of the readings of its sensors where the batch has
-    /// `measured`. Entries that are no signals stay as they are.
-    fn observe(&self, shown: &PyObservedSignals, out: &Bound<'_, PyArray2<f32>>) -> PyResult<()> {
-        check("out", out.as_any(), &[self.core.len(), shown.width])?;
+    /// Writes a row of an observation for each run: of its signals, and over them of what its sensors have read, where
+    /// `observed` has readings. Entries that are no signals stay as they are.
+    fn observe(&self, observed: &PyObservedSignals, out: &Bound<'_, PyArray2<f32>>) -> PyResult<()> {
+        let expected = [self.core.len(), observed.width];
+        // Every step of an environment comes here: `check`, which asks Python for each flag, is for arrays that are refused.
+        if out.shape() != expected || !out.is_c_contiguous() {
+            check("out", out.as_any(), &expected)?;
+        }
         let mut out = out.try_readwrite().map_err(|e| refuse("out", &e))?;
-        let rows = out.as_slice_mut().map_err(|e| refuse("out", &e))?.chunks_exact_mut(shown.width.max(1));
+        let rows = out.as_slice_mut().map_err(|e| refuse("out", &e))?.chunks_exact_mut(observed.width.max(1));
         for (index, row) in rows.enumerate() {
-            shown.show(self.core.signals_of(index), row);
+            observed.show(self.core.signals_of(index), row);
             let readings = self.core.measurement(index);
-            if self.measured.is_some() && !readings.wheels.is_empty() {
-                shown.show_readings(readings, row);
+            if !readings.wheels.is_empty() {
+                observed.show_readings(readings, row);
             }
         }
         Ok(())
@@ -188,27 +176,7 @@ impl PyBatch {
             for (index, (code, status)) in codes.iter_mut().zip(self.core.statuses()).enumerate() {
                 *code = if self.core.error(index).is_some() { FAILED } else { status.place() } as u8;
             }
-        })?;
-        let Some(measured) = &self.measured else { return Ok(()) };
-        written(py, "measured", measured, |all| {
-            self.core.signals(all);
-            let rows = all.chunks_exact_mut(self.core.signal_count()).enumerate();
-            rows.for_each(|(index, row)| self.read(index, row));
         })
-    }
-
-    /// Puts the readings of the run at a place into a row of signals; where sensors have not been read yet the row stays.
-    fn read(&self, index: usize, row: &mut [f64]) {
-        let measurement = self.core.measurement(index);
-        if measurement.wheels.is_empty() {
-            return;
-        }
-        let mut places = self.readings.iter();
-        measurement.values(&mut |reading| {
-            if let Some(entry) = places.next().and_then(|place| row.get_mut(*place)) {
-                *entry = reading;
-            }
-        });
     }
 }
 

@@ -133,12 +133,10 @@ impl RigidBodies {
     /// # Errors
     /// [`StepError::Dynamics`], after which the bodies cannot go on.
     pub(crate) fn hold(&mut self, drive: Drive, value: &dyn Fn(usize) -> f64) -> Result<(), StepError> {
-        let same = self.command.drive == drive && self.command.values.iter().enumerate().all(|(k, v)| *v == value(k));
-        if same || self.status != Status::Running {
+        if self.command.is(drive, value) || self.status != Status::Running {
             return Ok(());
         }
-        self.command.drive = drive;
-        self.command.values.iter_mut().enumerate().for_each(|(k, place)| *place = value(k));
+        self.command.set(drive, value);
         self.take_command_over().map_err(|source| StepError::Dynamics { time: self.time(), source })
     }
 

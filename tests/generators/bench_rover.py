@@ -43,27 +43,27 @@ def commands(first, second, rows, row_time):
 class RoverBench:
     kind = "traverse"
 
-    def __init__(self, seed, size="full", poor=False, names=()):
-        self.names = conditions.check(names)
-        self.signals = conditions.recorded(traverse.SIGNALS, names)
+    def __init__(self, seed, size="full", poor=False, under=()):
+        self.conditions = conditions.check(under)
+        self.signals = conditions.recorded(traverse.SIGNALS, under)
         self.columns = [traverse.SIGNALS.index(name) for name in self.signals]
-        self.own_noise = conditions.own_noise(self.signals, names)
+        self.own_noise = conditions.own_noise(self.signals, under)
         self.size_name, self.replicates = size, REPLICATES[size]
         self.duration, self.row_time = TIMES[size]
-        self.conditions = POOR if poor else FULL if size == "full" else REDUCED
+        self.set_points = POOR if poor else FULL if size == "full" else REDUCED
         self.skip = round(SKIP / self.row_time)
         self.rows = round(self.duration / self.row_time) + 1
-        self.between = conditions.between_rows(self.rows, self.row_time, seed, names)
-        self.waves = conditions.waves(seed, names)
-        slope, height, length, added, first, second = np.array(self.conditions).T
+        self.between = conditions.between_rows(self.rows, self.row_time, seed, under)
+        self.waves = conditions.waves(seed, under)
+        slope, height, length, added, first, second = np.array(self.set_points).T
         self.slope, self.height, self.length = np.tan(np.radians(slope)), height, length
         self.mass = VEHICLE["mass"] + added
         one = np.stack([commands(a, b, self.rows, self.row_time) for a, b in zip(first, second)], axis=1)
-        one *= conditions.directions(len(self.conditions), names)
+        one *= conditions.directions(len(self.set_points), under)
         self.commands = np.repeat(one[..., None], 2, axis=-1)
         rng = np.random.default_rng([seed, 1])
         self.extra = {"patch_at": 1.2, "patch_half": 0.3, "hump_at": 0.12, "hump_width": 0.03}
-        if "delay" in names:
+        if "delay" in under:
             self.extra["body_delay"] = conditions.DELAY
         for _ in range(200):
             self.soil_name, self.soil = soils.draw(rng, VEHICLE["width"], firm=True)
@@ -79,12 +79,12 @@ class RoverBench:
         return bool(pull > load * rise)
 
     def way(self):
-        """What the rims roll, m; negative backwards."""
+        """What the rims roll, m; negative backwards. Uneven rows count as even ones, which is close enough for a limit."""
         return VEHICLE["radius"] * self.row_time * self.commands[:, :, 0].sum(axis=0)
 
     def time(self):
         """Time of each row, s."""
-        if "jitter" in self.names:
+        if "jitter" in self.conditions:
             return np.concatenate([[0.0], np.cumsum(self.between[: self.rows - 1])])
         return self.row_time * np.arange(self.rows)
 
@@ -92,7 +92,7 @@ class RoverBench:
         """Clean signals for each dict of changed parameters: (change, run, row, signal); NaN in runs that get stuck.
 
         A parameter is a number, or one for each run. `coarse` takes larger steps and fewer nodes, for differences between simulations."""
-        runs, tries = len(self.conditions), len(changes)
+        runs, tries = len(self.set_points), len(changes)
         nodes = NODES if coarse else contact.NODES
         parts = parts or (COARSE if coarse else PARTS[self.size_name])
         repeat = lambda value: np.tile(value, tries)
@@ -124,7 +124,7 @@ class RoverBench:
         profile = terrain.Profile(self.slope, self.height, self.length, self.waves)
         level = not self.waves
         for group, replicate, measured in runs:
-            slope, height, length, added, first, second = self.conditions[group]
+            slope, height, length, added, first, second = self.set_points[group]
             label = f"slope{slope:g}_hill{100 * height:g}_add{added:g}_speed{first:g}_{second:g}"
             ground = f"slope{slope:g}_hill{100 * height:g}.csv"
             flat = level and not slope and not height

@@ -1,4 +1,4 @@
-"""The single-wheel bench: a rig, a soil, and the conditions at which steady points are taken."""
+"""The single-wheel bench: a rig, a soil, and the set-points at which steady points are taken."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ SLIPS = (0.02, 0.06, 0.12, 0.20, 0.30, 0.40, 0.50, 0.60, 0.70)
 
 class WheelBench:
     kind = "single_wheel"
-    names = ()  # of conditions, which only a traverse has
+    conditions = ()  # only a traverse has them (conditions.py)
     signals = carriage.SIGNALS
     own_noise = np.zeros(len(signals))
     skip = 0  # rows of a run that do not count for what can be detected
@@ -31,9 +31,9 @@ class WheelBench:
         speeds, slips = (0.2, 0.8), SLIPS
         if poor:
             loads, speeds, slips = loads[1:2], speeds[:1], SLIPS[1:8:2]
-        self.conditions = [(load, speed) for load in loads for speed in speeds]
+        self.set_points = [(load, speed) for load in loads for speed in speeds]
         self.slips = np.array(slips)
-        groups, rows = len(self.conditions), len(slips)
+        groups, rows = len(self.set_points), len(slips)
         order = rng.permutation(groups) if groups > 1 else np.zeros(1)
         self.extra = {
             "hump_at": 0.35,
@@ -50,8 +50,8 @@ class WheelBench:
         p = {**self.rig, **self.soil, **self.extra}
         for name in names:
             p[name] = np.array([change.get(name, p.get(name, 0.0)) for change in changes])[:, None, None]
-        load = np.array([load for load, _ in self.conditions])[:, None]
-        speed = np.array([speed for _, speed in self.conditions])[:, None]
+        load = np.array([load for load, _ in self.set_points])[:, None]
+        speed = np.array([speed for _, speed in self.set_points])[:, None]
         shape = (len(changes), len(load), len(self.slips))
         grids = (np.broadcast_to(v, shape) for v in (load, self.slips[None, :], speed))
         return carriage.steady_points(p, *grids)
@@ -68,7 +68,7 @@ class WheelBench:
         lines = []
         (folder / "runs").mkdir(parents=True, exist_ok=True)
         for group, replicate, measured in runs:
-            load, speed = self.conditions[group]
+            load, speed = self.set_points[group]
             label = f"load{load:g}_speed{speed:g}"
             rows = [",".join(("load", "slip", "wheel_speed") + self.signals)]
             for slip, values in zip(self.slips, measured):

@@ -20,11 +20,12 @@ CONDITIONS = {
     "delay": "position, pitch and velocity are recorded later than the rest, by the same time throughout",
 }
 
+USUAL_NOISE, STRONG_NOISE = 0.02, 0.05  # share of each signal's RMS
 GPS_NOISE = 0.02  # m
 GAPS = 0.05  # share of the cells
 DELAY = 0.1  # s
 JITTER = 0.3  # of the time between rows, at most
-# Standard deviation of a run's soil about the set's, relative: about what repeated plate tests in one prepared bed show.
+# Standard deviation of a run's soil about the set's, relative; chosen, not taken from measurements.
 SCATTER = {"k_phi": 0.05, "cohesion": 0.05, "friction_angle": 0.01, "shear_modulus": 0.05}
 WAVES = 6
 WAVE_HEIGHT = 0.003  # m, of one wave, standard deviation
@@ -45,6 +46,11 @@ def check(names):
         if name not in CONDITIONS:
             raise SystemExit(f"no condition `{name}`; known are {', '.join(CONDITIONS)}")
     return tuple(names)
+
+
+def noise(names, level=USUAL_NOISE):
+    """Share of each signal's RMS that its noise has: `level` where no condition says otherwise."""
+    return STRONG_NOISE if "noise_5" in names else level
 
 
 def recorded(signals, names):

@@ -33,7 +33,7 @@ class Detector:
         self.bench, self.rivals, self.level = bench, rivals, noise_level
         soil = [{name: bench.soil[name] * (1.0 + STEP)} for name in CALIBRATED]
         effects = [{f.key: f.probe} for f in rivals]
-        late = [{"body_delay": conditions.DELAY + DELAY_STEP}] if "delay" in bench.names else []
+        late = [{"body_delay": conditions.DELAY + DELAY_STEP}] if "delay" in bench.conditions else []
         self.nuisances = len(late)
         clean, *changed = bench.simulate([{}] + soil + effects + late, coarse=True)
         self.clean = clean
@@ -45,7 +45,7 @@ class Detector:
         """Weights, slopes and signatures at the present level of noise."""
         count, rows = len(CALIBRATED), self.clean.shape[1] - self.bench.skip
         # Cells that are not recorded tell nothing.
-        told = np.sqrt(self.replicates * (1.0 - (conditions.GAPS if "gaps" in self.bench.names else 0.0)))
+        told = np.sqrt(self.replicates * (1.0 - (conditions.GAPS if "gaps" in self.bench.conditions else 0.0)))
         self.weight, self.scatter = told * noise.whitener(rows), None
         self.own_weights = {
             k: told * self.deviation[k] * noise.whitener(rows, self.deviation[k], own)
@@ -53,7 +53,7 @@ class Detector:
             if own > 0.0
         }
         soil = [(y - self.clean) / STEP for y in self.changed[:count]]
-        if "soil_scatter" in self.bench.names:
+        if "soil_scatter" in self.bench.conditions:
             shares = [conditions.SCATTER.get(name, 0.0) for name in CALIBRATED]
             self.scatter = [run_scatter(columns) for columns in self.by_run(soil, shares)]
         self.slopes = np.stack([self.white(y) for y in soil], axis=1)
@@ -64,7 +64,8 @@ class Detector:
         self.signatures = [self.free(self.white(y - self.clean)) for y in rivals]
 
     def by_run(self, soil, shares):
-        """Slopes of one run's whitened signals in its own soil, by one standard deviation of its scatter; for each run."""
+        """For each run the change of its whitened signals by one standard deviation of each soil parameter's scatter from run
+        to run: (runs, values, parameters)."""
         columns = [share * self.white(y).reshape(len(self.clean), -1) for y, share in zip(soil, shares)]
         return np.stack(columns, axis=2) / np.sqrt(self.replicates)
 

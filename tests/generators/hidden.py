@@ -26,12 +26,12 @@ from detect import DETECTABLE, Detector, ties  # noqa: E402
 REPLICATES = 3
 
 
-def make_bench(kind, seed, size, poor, names=()):
+def make_bench(kind, seed, size, poor, under=()):
     if kind == cases.WHEEL:
         return WheelBench(seed, poor)
     from bench_rover import RoverBench
 
-    return RoverBench(seed, size, poor, names)
+    return RoverBench(seed, size, poor, under)
 
 
 def hidden_forms(kind, case, form):
@@ -92,11 +92,14 @@ def describe(detector, chosen):
     return effects
 
 
-def make(folder, kind, case, form=None, level=0.02, seed=17, multiple=None, size="full", detector=None, names=()):
-    """Writes the experiment and returns the truth. `level` 0 gives clean signals; `names` are conditions of a traverse."""
+def make(folder, kind, case, form=None, level=0.02, seed=17, multiple=None, size="full", detector=None, under=()):
+    """Writes the experiment and returns the truth; `under` are conditions of a traverse.
+
+    `level` 0 gives clean signals: those conditions that disturb the record (soil_scatter, gps, gaps) are then left out.
+    """
     folder = pathlib.Path(folder)
     poor = case == "poor"
-    bench = detector.bench if detector else make_bench(kind, seed, size, poor, names)
+    bench = detector.bench if detector else make_bench(kind, seed, size, poor, under)
     replicates = 1 if case in ("noise_half", "noise_double") else REPLICATES if kind == cases.WHEEL else bench.replicates
     rng = np.random.default_rng([seed, 2, zlib.crc32(f"{case}/{form}/{level}".encode())])
     forms = hidden_forms(kind, case, form)
@@ -114,7 +117,7 @@ def make(folder, kind, case, form=None, level=0.02, seed=17, multiple=None, size
     groups, rows, signals = clean.shape
     error = noises.draw(rng, groups * replicates, rows, signals) * deviation
     runs = [(g, r, clean[g] + error[g * replicates + r]) for g in range(groups) for r in range(replicates)]
-    if bench.names and level:
+    if bench.conditions and level:
         runs = under_conditions(bench, runs, error, strengths, replicates, np.random.default_rng([seed, 6]))
     folder.mkdir(parents=True, exist_ok=True)
     truth = {
@@ -128,8 +131,8 @@ def make(folder, kind, case, form=None, level=0.02, seed=17, multiple=None, size
         "soil_name": bench.soil_name,
         "deviation": dict(zip(bench.signals, map(float, np.hypot(deviation, bench.own_noise)))),
     }
-    if bench.names:
-        truth["conditions"] = list(bench.names)
+    if bench.conditions:
+        truth["conditions"] = list(bench.conditions)
     write_settings(folder, bench, truth, case, rng, bench.write(folder, runs))
     text = json.dumps(truth, indent=1, sort_keys=True)
     (folder / "truth.json").write_text(text + "\n", encoding="ascii", newline="\n")
@@ -138,8 +141,8 @@ def make(folder, kind, case, form=None, level=0.02, seed=17, multiple=None, size
 
 def under_conditions(bench, runs, error, strengths, replicates, rng):
     """The runs as the conditions of the bench leave them: their own soil, noise of single sensors, empty cells."""
-    groups = len(bench.conditions)
-    other = [conditions.scattered(bench.soil, groups, rng, bench.names) for _ in range(replicates)]
+    groups = len(bench.set_points)
+    other = [conditions.scattered(bench.soil, groups, rng, bench.conditions) for _ in range(replicates)]
     if any(other):
         clean = bench.simulate([{**strengths, **soil} for soil in other])
         if not np.all(np.isfinite(clean)):
@@ -148,7 +151,7 @@ def under_conditions(bench, runs, error, strengths, replicates, rng):
     changed = []
     for group, replicate, signals in runs:
         signals = signals + bench.own_noise * rng.standard_normal(signals.shape)
-        changed.append((group, replicate, np.where(conditions.kept(signals.shape, rng, bench.names), signals, np.nan)))
+        changed.append((group, replicate, np.where(conditions.kept(signals.shape, rng, bench.conditions), signals, np.nan)))
     return changed
 
 
@@ -186,8 +189,8 @@ def main():
     parser.add_argument("--condition", action="append", default=[], help=f"of a traverse, may be repeated: {', '.join(conditions.CONDITIONS)}")
     parser.add_argument("folder", metavar="FOLDER")
     a = parser.parse_args()
-    level = 0.05 if "noise_5" in a.condition else a.noise
-    truth = make(a.folder, a.kind, a.case, a.form, level, a.seed, a.multiple, a.size, names=a.condition)
+    level = conditions.noise(a.condition, a.noise)
+    truth = make(a.folder, a.kind, a.case, a.form, level, a.seed, a.multiple, a.size, under=a.condition)
     for effect in truth["effects"]:
         seen = "" if effect["visible"] else " (this experiment cannot see it)"
         tied = f"; may be taken for {', '.join(effect['allowed_ties'])}" if effect["allowed_ties"] else ""

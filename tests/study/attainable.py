@@ -52,8 +52,8 @@ class Coordinates:
 
 def measured(folder, bench, replicates):
     """Signals as written: group, replicate, row, signal."""
-    data = np.full((len(bench.conditions), replicates, len(bench.slips), len(bench.signals)), np.nan)
-    for g, (load, speed) in enumerate(bench.conditions):
+    data = np.full((len(bench.set_points), replicates, len(bench.slips), len(bench.signals)), np.nan)
+    for g, (load, speed) in enumerate(bench.set_points):
         for r in range(replicates):
             path = folder / "runs" / f"load{load:g}_speed{speed:g}_{'abcdef'[r]}.csv"
             with open(path, encoding="ascii") as file:
@@ -70,8 +70,8 @@ def heldout_rmse(folder, bench, forms, strengths, deviation, replicates):
     white = noise.whitener(data.shape[2])
     residual_of = lambda signals: (data - signals[:, None]) / deviation
     squares, count = np.zeros(len(bench.signals)), 0
-    for left_out in range(len(bench.conditions)):
-        kept = [g for g in range(len(bench.conditions)) if g != left_out]
+    for left_out in range(len(bench.set_points)):
+        kept = [g for g in range(len(bench.set_points)) if g != left_out]
         whitened = lambda signals: np.einsum("ij,grjs->gris", white, residual_of(signals)[kept]).ravel()
         fitted = fit(bench, coordinates, start, whitened)
         if fitted is None:

@@ -64,17 +64,17 @@ def all_cases(kind):
 
 
 def jobs(set_name, kinds, size, wanted, noises, seeds, first_seed=None, drawn=False):
-    """All experiments; where `drawn`, those of a traverse are under the conditions that their seed has drawn."""
+    """All experiments; where `drawn`, those of a traverse are under the conditions, the noise among them, that their seed draws."""
     first = FIRST_SEED[set_name] if first_seed is None else first_seed
     made = []
     for kind in kinds:
         for seed in range(first, first + seeds):
-            names = conditions.drawn(seed) if drawn and kind == cases.ROVER else ()
-            levels = [0.05] if "noise_5" in names else [0.02] if drawn else noises
+            under = conditions.drawn(seed) if drawn and kind == cases.ROVER else ()
+            levels = [conditions.noise(under)] if drawn and kind == cases.ROVER else noises
             for case in wanted or all_cases(kind):
                 if case in all_cases(kind):
                     form = form_for(set_name, kind, case)
-                    made += [Job(set_name, kind, size, case, form, level, seed, names) for level in levels]
+                    made += [Job(set_name, kind, size, case, form, level, seed, under) for level in levels]
     return made
 
 

@@ -47,8 +47,8 @@ def make(job, folder, detectors):
             replicates = hidden.REPLICATES if job.kind == cases.WHEEL else bench.replicates
             detectors[key] = Detector(bench, job.noise, replicates, cases.library(job.kind))
         detector = detectors[key].with_noise(job.noise)
-    form, names = job.form or None, job.conditions
-    return hidden.make(folder, job.kind, job.case, form, job.noise, job.seed, size=job.size, detector=detector, names=names)
+    form, under = job.form or None, job.conditions
+    return hidden.make(folder, job.kind, job.case, form, job.noise, job.seed, size=job.size, detector=detector, under=under)
 
 
 def diagnose(bekker, extra, folder, threads):

@@ -33,7 +33,6 @@ class Numbers:
     """What moves besides the runs themselves, one entry or row a rover."""
 
     signals: Floats
-    measured: Floats
     codes: NDArray[np.uint8]
     states: NDArray[np.uint8]
     """As ``codes``, and GOAL where the goal was reached."""
@@ -84,12 +83,11 @@ class Mechanics:
         self.inputs = np.zeros((count, len(model.inputs())))
         self._before = np.zeros((count, len(names)))
         self._numbers = self._fresh(count, len(names))
-        self._shown = setup.observer.shown()
+        read = self._begun(model).measured_names if setup.measured else []
         if setup.measured:
-            read = self._begun(model).measured_names
-            self._shown, readable = setup.observer.shown([self.places[name] for name in read]), set(read)
-            for name in set(setup.observer.names) & set(names) - readable:
-                raise InputError(f"observe `{name}`: no sensor reads it; expected {', '.join(sorted(readable))}")
+            for name in set(setup.observer.names) & set(names) - set(read):
+                raise InputError(f"observe `{name}`: no sensor reads it; expected {', '.join(sorted(read))}")
+        self._observed = setup.observer.signals([self.places[name] for name in read])
 
     def _fresh(self, count: int, width: int) -> Numbers:
         def zeros() -> Floats:
@@ -97,7 +95,6 @@ class Mechanics:
 
         return Numbers(
             signals=np.zeros((count, width)),
-            measured=np.zeros((count, width)),
             codes=np.zeros(count, np.uint8),
             states=np.zeros(count, np.uint8),
             steps=np.zeros(count, np.int64),
@@ -163,8 +160,7 @@ class Mechanics:
 
     def _bind(self, runs: list[Run]) -> None:
         numbers = self._numbers
-        measured = numbers.measured if self.setup.measured else None
-        self._batch = Batch(runs, self.inputs, numbers.signals, numbers.codes, self.threads, measured)
+        self._batch = Batch(runs, self.inputs, numbers.signals, numbers.codes, self.threads)
 
     def step(self, actions: ArrayLike, active: Bools | None = None) -> None:
         """Holds a row of ``actions`` in each rover for one period, or in those that are ``active``.
@@ -281,7 +277,7 @@ class Mechanics:
         """A row a rover, in ``out`` or in a new array."""
         numbers, observer = self._numbers, self.setup.observer
         seen = np.empty((self.count, len(observer.names)), np.float32) if out is None else out
-        self.batch.observe(self._shown, seen)
+        self.batch.observe(self._observed, seen)
         goal = self.setup.goal.way()
         left = 1.0 - self.distance / goal if goal > 0.0 else self._zeros
         observer.add_extras(seen, target_velocity=numbers.target_velocity, goal_distance=left)

@@ -119,11 +119,11 @@ class Observer:
         columns = [k for k, name in enumerate(self.names) if name not in EXTRAS]
         self._own = (indices(model, [self.names[k] for k in columns]).tolist(), columns)
 
-    def shown(self, measured: Sequence[int] = ()) -> ObservedSignals:
-        """The entries that are signals; ``measured`` are the places of the signals that sensors read."""
+    def signals(self, readings: Sequence[int] = ()) -> ObservedSignals:
+        """The entries that are signals; where sensors are to be seen, ``readings`` are the places of the signals that they read."""
         places, columns = self._own
         scales = np.ones(len(columns)) if self._raw else self.scales[columns]
-        return ObservedSignals(len(self.names), places, columns, scales, self.limit[columns], measured)
+        return ObservedSignals(len(self.names), places, columns, scales, self.limit[columns], readings)
 
     def add_extras(self, observations: NDArray[np.float32], **extras: NDArray[np.float64]) -> None:
         """Writes the entries that are no signals."""

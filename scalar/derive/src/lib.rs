@@ -1,5 +1,5 @@
 //! Macros of Bekker's physics: an attribute for code that runs in SIMD lanes, and derives that write what would otherwise be
-//! a list of a struct's fields (numbers of one rover of several, numbers that a saved state holds, numbers to convert).
+//! a list of a struct's fields (to put one rover's numbers into a SIMD lane, to save and load a state, to convert numbers).
 //!
 //! They are for the crates of this workspace: the code that they write names `bekker_scalar`, and the module `snapshot` of the
 //! crate in which it stands.
