@@ -21,12 +21,12 @@ FULL = (
 )
 REDUCED = (FULL[0], FULL[2], FULL[5], FULL[1])
 POOR = ((0.0, 0.0, 1.0, 0.0, 2.0, 2.0),)
-TIMES = {"full": (24.0, 0.2), "reduced": (9.0, 0.1)}  # s a run, s a row
-PARTS = {"full": (0.05, 0.1, 0.2, 0.3, 0.35), "reduced": (0.1, 0.2, 0.3, 0.4)}  # steps from row to row
+TIMES = {"full": (24.0, 0.2), "long": (30.0, 0.1), "reduced": (9.0, 0.1)}  # s a run, s a row
+PARTS = {"full": (0.05, 0.1, 0.2, 0.3, 0.35), "long": (0.1, 0.2, 0.3, 0.4), "reduced": (0.1, 0.2, 0.3, 0.4)}  # steps from row to row
 COARSE = (0.3, 0.7)  # while signatures are compared
-REPLICATES = {"full": 3, "reduced": 2}
+REPLICATES = {"full": 3, "long": 3, "reduced": 2}
 RISE = 2.0  # s, over which a speed is reached
-SKIP = 0.6  # s at the start of a run, where contacts break loose: recorded, but not counted as detectable
+ROLLED_IN = 1.0  # rad that a wheel turns until its contact is established; before that nothing counts as detectable
 LEAST_WAY = 0.25  # of what the rims roll: a rover that slips more is stuck
 DEEPEST = 0.05  # m, sinkage: beyond it the belly comes near the ground
 NODES = 8  # a zone while signatures are compared
@@ -50,8 +50,7 @@ class RoverBench:
         self.own_noise = conditions.own_noise(self.signals, under)
         self.size_name, self.replicates = size, REPLICATES[size]
         self.duration, self.row_time = TIMES[size]
-        self.set_points = POOR if poor else FULL if size == "full" else REDUCED
-        self.skip = round(SKIP / self.row_time)
+        self.set_points = POOR if poor else REDUCED if size == "reduced" else FULL
         self.rows = round(self.duration / self.row_time) + 1
         self.between = conditions.between_rows(self.rows, self.row_time, seed, under)
         self.waves = conditions.waves(seed, under)
@@ -61,6 +60,8 @@ class RoverBench:
         one = np.stack([commands(a, b, self.rows, self.row_time) for a, b in zip(first, second)], axis=1)
         one *= conditions.directions(len(self.set_points), under)
         self.commands = np.repeat(one[..., None], 2, axis=-1)
+        turned = np.abs(np.cumsum(one, axis=0)) * self.row_time
+        self.skip = int(np.max(np.argmax(turned >= ROLLED_IN, axis=0))) + 1
         rng = np.random.default_rng([seed, 1])
         self.extra = {"patch_at": 1.2, "patch_half": 0.3, "hump_at": 0.12, "hump_width": 0.03}
         if "delay" in under:

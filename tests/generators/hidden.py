@@ -185,7 +185,7 @@ def main():
     parser.add_argument("--noise", type=float, default=0.02, help="share of a signal's RMS; 0 is none")
     parser.add_argument("--seed", type=int, default=17)
     parser.add_argument("--multiple", type=float, help="of the smallest detectable strength; default: drawn, at least 1.5")
-    parser.add_argument("--size", choices=("full", "reduced"), default="full", help="of a traverse experiment")
+    parser.add_argument("--size", choices=("full", "long", "reduced"), default="full", help="of a traverse experiment: 18 runs of 24 s at 5 Hz, of 30 s at 10 Hz, 8 of 9 s")
     parser.add_argument("--condition", action="append", default=[], help=f"of a traverse, may be repeated: {', '.join(conditions.CONDITIONS)}")
     parser.add_argument("folder", metavar="FOLDER")
     a = parser.parse_args()
