@@ -276,7 +276,7 @@ fn property_a_led_rover_does_not_get_stuck() {
         .iter()
         .zip(deviations)
         .map(|(signal, deviation)| ((*signal).to_owned(), NoiseModel { deviation, run_share: 0.0, correlation: 0.0 }));
-    let noise = Noise { models: models.collect(), robust: None };
+    let noise = Noise::new(models.collect());
     let calibrated = ["cohesion", "friction_angle", "k_phi", "exponent", "shear_modulus", "c1", "c2"];
     let given = calibrated.map(|name| weak.get(&format!("soil.{name}")).unwrap()).to_vec();
     let task = Task {

@@ -191,7 +191,7 @@ fn finished(
 ) -> Calibration {
     let free = weighted.free;
     let at_bound = put_on_bounds(weighted, problem, &mut best);
-    let degrees_of_freedom = weighted.rows().saturating_sub(free.len());
+    let degrees_of_freedom = weighted.freedom().saturating_sub(free.len());
     let chi_square = 2.0 * best.cost;
     let deviations = deviations(weighted, &best.x, &at_bound, chi_square, degrees_of_freedom);
     let values = weighted.values(&best.x);

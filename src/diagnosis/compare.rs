@@ -195,6 +195,7 @@ fn as_given(problem: &Problem, given: Answers) -> Result<Comparison, CompareErro
 fn calibrated(problem: Problem, given: Result<Answers, PredictionError>) -> Result<Comparison, CompareError> {
     let mut posed = problem.clone();
     posed.coarsen();
+    posed.cut();
     let prepared = calibrated_baseline(&mut posed)?;
     let experiment = &*problem.experiment;
     let values = prepared.baseline.values();

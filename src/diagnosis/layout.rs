@@ -1,8 +1,11 @@
 //! All measured values of an experiment as one vector.
 
 use super::kinds::strategy;
+use super::windows::free::FreeStart;
 use crate::measurement::Experiment;
+use std::collections::BTreeSet;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// One signal of one run within the vector: one entry a row, missing or not.
 #[derive(Clone, Debug)]
@@ -24,14 +27,25 @@ pub(crate) struct Layout {
     pub starts: Vec<usize>,
     /// Rows (run, row) that are left out since the model has no answer there, in rising order.
     left_out: Vec<(usize, usize)>,
+    /// Rows (run, row) behind a gap, where the motion has not settled yet: no fit counts them either.
+    unsettled: BTreeSet<(usize, usize)>,
+    /// What is open of the starts of windows, by run.
+    pub free_starts: Vec<Arc<FreeStart>>,
 }
 
 impl Layout {
     pub fn new(experiment: &Experiment) -> Self {
         let strategy = strategy(experiment.kind);
         let starts = experiment.runs.iter().map(|run| strategy.uncounted_rows(run)).collect();
-        let mut layout =
-            Self { blocks: Vec::new(), measured: Vec::new(), recorded: Vec::new(), starts, left_out: vec![] };
+        let mut layout = Self {
+            blocks: Vec::new(),
+            measured: Vec::new(),
+            recorded: Vec::new(),
+            starts,
+            left_out: Vec::new(),
+            unsettled: BTreeSet::new(),
+            free_starts: Vec::new(),
+        };
         for (run, data) in experiment.runs.iter().enumerate() {
             for signal in &data.measured {
                 let start = layout.measured.len();
@@ -48,7 +62,22 @@ impl Layout {
         let mut part = Self::new(experiment);
         let place = |(run, row): &(usize, usize)| Some((runs.iter().position(|kept| kept == run)?, *row));
         part.leave_out(&self.left_out.iter().filter_map(place).collect::<Vec<_>>());
+        part.unsettled = self.unsettled.iter().filter_map(place).collect();
+        for (k, run) in runs.iter().enumerate() {
+            let own = self.free_starts.iter().filter(|start| start.run == *run);
+            part.free_starts.extend(own.map(|start| Arc::new(FreeStart { run: k, ..(**start).clone() })));
+        }
         part
+    }
+
+    /// Marks rows (run, row) whose motion has not settled yet.
+    pub fn unsettle(&mut self, rows: impl IntoIterator<Item = (usize, usize)>) {
+        self.unsettled.extend(rows);
+    }
+
+    /// Whether no fit counts a row since the motion has not settled there: at the start of a run, or behind a gap.
+    pub fn is_unsettled(&self, run: usize, row: usize) -> bool {
+        row < self.starts[run] || self.unsettled.contains(&(run, row))
     }
 
     /// Leaves rows (run, row) out of everything that follows.

@@ -37,6 +37,7 @@ mod separate;
 mod thresholds;
 mod unanswered;
 mod weighted;
+mod windows;
 
 pub use crate::carriage::{Rig, SteadyError, SteadyPoint, steady_point};
 pub use calibrate::{CalibratedParameter, Calibration, STANDARD_ERROR};
@@ -65,3 +66,4 @@ pub use separate::{
     SmallestStrength, Suggestion, separate,
 };
 pub use unanswered::UnansweredRows;
+pub use windows::{Moving, Window};

@@ -3,7 +3,7 @@
 
 use super::bounds::believable;
 use super::compare::CompareError;
-use super::diagnose::Task;
+use super::diagnose::{Noise, Task};
 use super::free::Free;
 use super::given::Given;
 use super::halt::Halt;
@@ -11,6 +11,8 @@ use super::kinds::{Strategy, strategy};
 use super::layout::Layout;
 use super::precedence::{Resolved, resolve};
 use super::prediction::{Predict, PredictionError};
+use super::windows::free::carried_over;
+use super::windows::{Windows, cut, displaced};
 use crate::carriage::Rig;
 use crate::measurement::{Experiment, Prior};
 use crate::model::{ControlKind, Model};
@@ -18,6 +20,7 @@ use crate::soil_class::SoilClass;
 use bekker_modeldescription::{Lookup, Parameters, Role, Variable};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 /// An effect that is not in the baseline, with its free parameters at their neutral values.
 #[derive(Clone, Debug)]
@@ -35,6 +38,8 @@ pub(crate) struct Problem<'a> {
     pub known: Model,
     /// The same with what is known of each run.
     pub(super) models: Vec<Model>,
+    /// How runs are cut into windows; empty where they are replayed as a whole.
+    pub windows: Windows,
     /// Whether rovers are led at the measured velocity, for a first look.
     pub guided: bool,
     /// When simulations end early.
@@ -82,6 +87,7 @@ impl<'a> Problem<'a> {
             layout: Layout::new(experiment),
             known,
             models,
+            windows: Windows::new(),
             guided: false,
             halt: Halt::default(),
             base,
@@ -104,6 +110,43 @@ impl<'a> Problem<'a> {
         for model in self.models.iter_mut().filter(|model| model.control.kind != ControlKind::SpeedLoop) {
             model.stepping.step_size = model.stepping.step_size.max(step);
         }
+    }
+
+    /// Cuts the runs into windows whose starts are free, where they are long or do not begin at rest.
+    pub fn cut(&mut self) {
+        let windows = self.strategy().windows(&self.experiment, &self.models);
+        let unsettled = cut::unsettled(&self.experiment, &windows);
+        self.layout.unsettle(unsettled);
+        self.layout.free_starts = carried_over(&self.layout, &windows).into_iter().map(Arc::new).collect();
+        self.windows = windows;
+    }
+
+    /// Whether any run is cut.
+    pub fn is_cut(&self) -> bool {
+        self.windows.iter().any(|windows| !windows.is_empty())
+    }
+
+    /// Takes these windows, whose starts are free as the baseline at `values` depends on them.
+    ///
+    /// # Errors
+    /// [`PredictionError`] where the model gives nothing there.
+    pub fn begin_windows(&mut self, windows: Windows, values: &[f64]) -> Result<(), PredictionError> {
+        self.windows = windows;
+        let starts = self.strategy().free_starts(self, &self.base, values)?;
+        self.layout.free_starts = starts.into_iter().map(Arc::new).collect();
+        Ok(())
+    }
+
+    /// Begins the windows where the baseline at `values` brings them nearest to the measurements.
+    ///
+    /// # Errors
+    /// [`PredictionError`] where the model gives nothing there.
+    pub fn refine_starts(&mut self, noise: &Noise, values: &[f64]) -> Result<(), PredictionError> {
+        self.begin_windows(self.windows.clone(), values)?;
+        let Some(whitening) = noise.whitening(self, &|_, _| true) else { return Ok(()) };
+        let modelled = self.predict(&self.base, |predict| predict.values_onward(values))??;
+        let residual: Vec<f64> = modelled.iter().zip(&self.layout.measured).map(|(m, y)| m - y).collect();
+        self.begin_windows(displaced(&self.windows, &whitening.best_starts(&residual)), values)
     }
 
     /// Keeps only the candidates named.
@@ -197,6 +240,7 @@ impl<'a> Problem<'a> {
             layout: self.layout.of_runs(&experiment, runs),
             experiment: Cow::Owned(experiment),
             known: self.known.clone(),
+            windows: runs.iter().filter_map(|run| self.windows.get(*run).cloned()).collect(),
             guided: self.guided,
             halt: self.halt,
             models: runs.iter().map(|run| self.models[*run].clone()).collect(),

@@ -5,13 +5,15 @@ use super::halt::Halt;
 use super::layout::Block;
 use super::prediction::PredictionError;
 use super::replay::{Replay, ReplayError};
+use super::windows::{Moving, OPEN, Window};
 use crate::measurement::{Run as Measured, summands};
 use crate::model::{ControlKind, Model, RunError};
-use crate::rover::Rover;
+use crate::rover::{Rover, State};
 use crate::scalar::Scalar;
 use crate::signals::{Drive, Signals};
-use crate::simulation::{Event, Status};
+use crate::simulation::{Event, Simulation, Status, StepError};
 use bekker_modeldescription::{Lookup, Parameters};
+use std::ops::Range;
 
 /// How a run is driven.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,8 +29,8 @@ pub(super) enum Drives {
 pub(super) struct Traced<S> {
     /// The recorded signals, row by row; as at the last row reached, where the run ended.
     pub values: Vec<S>,
-    /// The row, counted from 0, that the run did not reach, and how it ended.
-    pub ended: Option<(usize, PredictionError)>,
+    /// Rows, counted from 0, that the run did not reach, and how it ended: those of a window, or all to the run's end.
+    pub ended: Vec<(Range<usize>, PredictionError)>,
 }
 
 /// A recorded run, and those that repeat it.
@@ -40,6 +42,8 @@ pub(super) struct Recorded {
     pub drives: Drives,
     /// Not compared between runs: those that repeat each other are led as the first of them was.
     guide: Option<Guide>,
+    /// How it is cut; empty where it is replayed as a whole.
+    pub windows: Vec<Window>,
     /// Times of the rows, s.
     time: Vec<f64>,
     /// Free parameters that the run does not set itself.
@@ -61,7 +65,9 @@ impl Recorded {
         blocks: impl Iterator<Item = &'a Block>,
         felt: Vec<usize>,
         guide: Option<Guide>,
+        windows: &[Window],
     ) -> Result<Self, PredictionError> {
+        let windows = windows.to_vec();
         let mut signals = Signals::<f64>::of(run.inputs.len(), model.rover.links.len());
         let names: Vec<String> = signals.list().into_iter().map(|(variable, _)| variable.name).collect();
         let target = |block: &Block| {
@@ -80,9 +86,14 @@ impl Recorded {
         };
         let columns = vec![None; names.len()];
         let mut recorded =
-            Self { name: run.name.clone(), model, drives, guide, time, felt, columns, traced: 0, targets: vec![] };
+            Self { name: run.name.clone(), model, drives, guide, windows, time, felt, columns, traced: 0, targets: vec![] };
         recorded.add_targets(&targets);
         Ok(recorded)
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.time.len()
     }
 
     fn add_targets(&mut self, targets: &[(Summed, usize)]) {
@@ -107,6 +118,7 @@ impl Recorded {
         let open = matches!(self.drives, Drives::Open(_));
         same_model
             && self.drives == other.drives
+            && self.windows == other.windows
             && (open || self.time == other.time)
             && self.felt == other.felt
             && parameters(a) == parameters(b)
@@ -127,7 +139,7 @@ impl Recorded {
     ) -> Result<Traced<S>, PredictionError> {
         let mut trace = vec![S::from(f64::NAN); self.time.len() * self.traced];
         match replay.run_led(self.guide.as_ref(), halt, rover, x0, |row, signals| self.read(signals, row, &mut trace)) {
-            Ok(()) => Ok(Traced { values: trace, ended: None }),
+            Ok(()) => Ok(Traced { values: trace, ended: Vec::new() }),
             Err(ReplayError::Ended { row, event }) => Ok(self.ended(trace, row, event)),
             Err(ReplayError::Interrupted) => Err(PredictionError::Interrupted),
             Err(ReplayError::Step(source)) => Err(self.failed(source.into())),
@@ -154,7 +166,7 @@ impl Recorded {
             let command = &commands[row * wheels..(row + 1) * wheels];
             run.inputs_mut().set_all(command).map_err(|source| self.failed(source))?;
         }
-        Ok(Traced { values: trace, ended: None })
+        Ok(Traced { values: trace, ended: Vec::new() })
     }
 
     /// A trace whose rows from `row` on repeat the one before: the first row is the start, which cannot end.
@@ -164,7 +176,92 @@ impl Recorded {
             values[at] = values[at - self.traced];
         }
         let error = PredictionError::Ended { run: self.name.clone(), time: self.time[row], event };
-        Traced { values, ended: Some((row, error)) }
+        Traced { values, ended: vec![(row..self.time.len(), error)] }
+    }
+
+    /// The traced signals of an open-loop replay window by window, row by row, unless `halt` asks to end. `open` makes the
+    /// place and the velocity in which a window begins of their values.
+    pub fn windowed<S: Scalar>(
+        &self,
+        replay: &Replay,
+        rover: &Rover<S>,
+        x0: S,
+        open: &dyn Fn([f64; OPEN]) -> [S; OPEN],
+        halt: Halt,
+    ) -> Result<Traced<S>, PredictionError> {
+        let mut trace = vec![S::from(f64::NAN); self.time.len() * self.traced];
+        let mut ended = Vec::new();
+        // How warm the windings are where the next window begins.
+        let mut warm: Vec<S> = Vec::new();
+        for (k, window) in self.windows.iter().enumerate() {
+            let next = self.windows.get(k + 1).map(|next| next.begin);
+            let mut last = window.rows.start;
+            let state = self.state(rover, x0, window, open, &warm).map_err(|error| self.failed(error.into()))?;
+            let mut record = |row: usize, simulation: &Simulation<S>| {
+                last = row;
+                if Some(row) == next {
+                    warm = simulation.state().wheels.iter().map(|wheel| wheel.winding_rise).collect();
+                }
+                if window.rows.contains(&row) {
+                    self.read(simulation.signals(), row, &mut trace);
+                }
+            };
+            match replay.run_window(self.guide.as_ref(), halt, (rover.clone(), state), window, &mut record) {
+                Ok(()) => {}
+                Err(ReplayError::Interrupted) => return Err(PredictionError::Interrupted),
+                Err(ReplayError::Step(source)) => return Err(self.failed(source.into())),
+                Err(ReplayError::Ended { row, event }) => {
+                    let from = row.max(window.rows.start);
+                    let error = PredictionError::Ended { run: self.name.clone(), time: self.time[row], event };
+                    self.stay(&mut trace, from..window.rows.end);
+                    ended.push((from..window.rows.end, error));
+                }
+            }
+        }
+        Ok(Traced { values: trace, ended })
+    }
+
+    /// How a window begins.
+    fn state<S: Scalar>(
+        &self,
+        rover: &Rover<S>,
+        x0: S,
+        window: &Window,
+        open: &dyn Fn([f64; OPEN]) -> [S; OPEN],
+        warm: &[S],
+    ) -> Result<State<S>, StepError> {
+        let Some(start) = &window.start else { return Ok(rover.settled_at(x0)?) };
+        let [x, velocity] = open([start.x, start.velocity]);
+        let radius = rover.true_wheel().radius;
+        // Without known speeds the wheels roll; an open velocity takes the wheels along.
+        let speeds: Vec<S> = (0..rover.wheels.len())
+            .map(|k| match start.speeds.get(k) {
+                Some(speed) => (velocity - start.velocity) / radius + *speed,
+                None => velocity / radius,
+            })
+            .collect();
+        let mut state = rover.moving_at(x, velocity, &speeds)?;
+        self.remember(rover, start, &mut state);
+        state.wheels.iter_mut().zip(warm).for_each(|(wheel, warm)| wheel.winding_rise = *warm);
+        Ok(state)
+    }
+
+    /// Ground that was passed since the run began.
+    fn remember<S: Scalar>(&self, rover: &Rover<S>, start: &Moving, state: &mut State<S>) {
+        state.start_x = S::from(start.origin);
+        for (wheel, mount) in state.wheels.iter_mut().zip(&rover.wheels) {
+            wheel.track.low = mount.mount.x + start.covered[0];
+            wheel.track.high = mount.mount.x + start.covered[1];
+        }
+    }
+
+    /// Repeats the row before `rows`; where there is none, nothing is known.
+    fn stay<S: Scalar>(&self, trace: &mut [S], rows: Range<usize>) {
+        for at in rows.start * self.traced..rows.end * self.traced {
+            if at >= self.traced {
+                trace[at] = trace[at - self.traced];
+            }
+        }
     }
 
     fn read<S: Scalar>(&self, signals: &Signals<S>, row: usize, trace: &mut [S]) {

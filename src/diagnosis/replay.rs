@@ -2,7 +2,8 @@
 
 use super::guide::Guide;
 use super::halt::Halt;
-use crate::rover::Rover;
+use super::windows::Window;
+use crate::rover::{Rover, State};
 use crate::scalar::Scalar;
 use crate::signals::{Command, Drive, Signals};
 use crate::simulation::{Event, Simulation, Status, StepError};
@@ -89,24 +90,54 @@ impl Replay {
         x0: S,
         mut record: impl FnMut(usize, &Signals<S>),
     ) -> Result<(), ReplayError> {
-        let wheels = rover.wheels.len();
-        let mut command = Command { drive: self.drive, values: vec![0.0; wheels] };
         let mut simulation = Simulation::new(rover, x0, self.step_size)?;
-        for (row, due) in self.due.iter().enumerate() {
+        self.follow((guide, halt), &mut simulation, 0..self.due.len(), false, &mut |row, simulation| {
+            record(row, simulation.signals());
+        })
+    }
+
+    /// Replays the rows from where a window begins to its end, from `state`; a rover that gets stuck goes on turning its wheels.
+    pub(super) fn run_window<S: Scalar>(
+        &self,
+        guide: Option<&Guide>,
+        halt: Halt,
+        (rover, state): (Rover<S>, State<S>),
+        window: &Window,
+        record: &mut dyn FnMut(usize, &Simulation<S>),
+    ) -> Result<(), ReplayError> {
+        let mut simulation = Simulation::from_state(rover, state, self.step_size)?;
+        self.follow((guide, halt), &mut simulation, window.begin..window.rows.end, true, record)
+    }
+
+    /// Goes through `rows`, the first of which is where `simulation` stands; if it `goes_on` also where the rover is stuck.
+    fn follow<S: Scalar>(
+        &self,
+        (guide, halt): (Option<&Guide>, Halt),
+        simulation: &mut Simulation<S>,
+        rows: std::ops::Range<usize>,
+        goes_on: bool,
+        record: &mut dyn FnMut(usize, &Simulation<S>),
+    ) -> Result<(), ReplayError> {
+        let wheels = simulation.rover().wheels.len();
+        let mut command = Command { drive: self.drive, values: vec![0.0; wheels] };
+        let first = self.due.get(rows.start).copied().unwrap_or(0);
+        for row in rows {
             if halt.asked() {
                 return Err(ReplayError::Interrupted);
             }
-            let steps = due.saturating_sub(simulation.ticks());
-            if steps > 0
-                && let Status::Ended(event) = simulation.advance(&command, steps)?
-            {
-                return Err(ReplayError::Ended { row, event });
+            let due = self.due[row] - first;
+            while simulation.ticks() < due {
+                match simulation.advance(&command, due - simulation.ticks())? {
+                    Status::Ended(Event::Stuck) if goes_on => simulation.go_on(),
+                    Status::Ended(event) => return Err(ReplayError::Ended { row, event }),
+                    Status::Running => {}
+                }
             }
-            record(row, simulation.signals());
-            let values = self.commands.iter().skip(row * wheels);
+            record(row, simulation);
             if let Some(guide) = guide {
                 simulation.adjust(|effects| guide.lead(row, effects))?;
             }
+            let values = self.commands.iter().skip(row * wheels);
             command.values.iter_mut().zip(values).for_each(|(value, recorded)| *value = *recorded);
         }
         Ok(())

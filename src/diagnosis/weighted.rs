@@ -43,6 +43,11 @@ impl Weighted<'_> {
         self.whitening.len() + self.priors().count()
     }
 
+    /// Rows less the directions that the starts of windows take.
+    pub fn freedom(&self) -> usize {
+        self.rows() - self.whitening.taken()
+    }
+
     /// Whitened residuals (modelled minus measured) of a prediction, then those of the priors; not yet robust.
     pub fn whitened(&self, modelled: &[f64], values: &[f64]) -> Vec<f64> {
         let difference: Vec<f64> = modelled.iter().zip(&self.layout.measured).map(|(m, y)| m - y).collect();

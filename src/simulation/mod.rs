@@ -1,6 +1,7 @@
 //! The simulation: a rover in motion, stepped with a fixed inner step.
 
 mod energies;
+mod moving;
 mod settle;
 mod status;
 mod step_state;
@@ -206,6 +207,12 @@ impl<S: Scalar> Simulation<S> {
     pub(crate) fn adjust(&mut self, change: impl FnOnce(&mut crate::effects::Effects<S>)) -> Result<(), StepError> {
         change(&mut self.rover.effects);
         self.take_command_over().map_err(|source| StepError::Dynamics { time: self.time(), source })
+    }
+
+    /// Goes on after an event: the rest of a recorded drive on which the simulated rover got stuck.
+    #[cfg(feature = "experiments")]
+    pub(crate) fn go_on(&mut self) {
+        self.status = Status::Running;
     }
 
     fn step(&mut self) -> Result<(), StepError> {

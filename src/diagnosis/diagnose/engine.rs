@@ -49,6 +49,7 @@ impl DiagnoseOptions {
             problem.keep_candidates(candidates)?;
         }
         problem.coarsen();
+        problem.cut();
         Ok(problem)
     }
 }

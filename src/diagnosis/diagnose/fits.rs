@@ -10,6 +10,7 @@ use crate::diagnosis::noise::{NoiseModel, Whitening};
 use crate::diagnosis::prediction::Predict;
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::weighted::Weighted;
+use crate::diagnosis::windows::Window;
 use crate::measurement::Experiment;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -22,9 +23,21 @@ pub struct Noise {
     pub models: BTreeMap<String, NoiseModel>,
     /// Threshold of Huber's loss, in standard deviations; `None` for plain least squares.
     pub robust: Option<f64>,
+    /// Windows of each run with the starts that were found; none where runs are replayed as a whole.
+    #[serde(default)]
+    pub windows: Vec<Vec<Window>>,
+    /// Values of the baseline's parameters around which the windows' starts are free.
+    #[serde(default)]
+    pub around: Vec<f64>,
 }
 
 impl Noise {
+    /// Of so large noise, over runs that are not cut into windows.
+    #[must_use]
+    pub fn new(models: BTreeMap<String, NoiseModel>) -> Self {
+        Self { models, robust: None, windows: Vec::new(), around: Vec::new() }
+    }
+
     pub(crate) fn whitening(&self, problem: &Problem, keep: &dyn Fn(usize, usize) -> bool) -> Option<Whitening> {
         Whitening::new(&problem.layout, &self.models, keep)
     }
@@ -134,6 +147,9 @@ pub fn fit_task(
 ) -> Result<Option<Outcome>, CompareError> {
     let mut problem = options.problem(given, experiment)?;
     problem.layout.leave_out(&task.unanswered);
+    if problem.is_cut() && !noise.windows.is_empty() {
+        problem.begin_windows(noise.windows.clone(), &noise.around)?;
+    }
     Ok(outcome(&problem, noise, task))
 }
 

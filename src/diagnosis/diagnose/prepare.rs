@@ -66,10 +66,20 @@ pub(crate) fn calibrated_baseline(problem: &mut Problem) -> Result<Prepared, Com
     }
     let repeats = Repeats::new(&problem.experiment);
     let mut unanswered = Vec::new();
-    let guess = Noise { models: first_guess(problem, &repeats), robust: None };
-    let first = fitted(problem, &guess, &[], &mut unanswered)?;
-    let Found { noise, decided, flexible, modulations } = noise_about(problem, &repeats, &first)?;
-    let baseline = refitted(problem, &noise, first, &mut unanswered)?;
+    let guess = Noise::new(first_guess(problem, &repeats));
+    let mut first = fitted(problem, &guess, &[], &mut unanswered)?;
+    if problem.is_cut() {
+        problem.refine_starts(&guess, &first.values())?;
+        first = fitted(problem, &guess, &[first.values()], &mut unanswered)?;
+    }
+    let Found { mut noise, decided, flexible, modulations } = noise_about(problem, &repeats, &first)?;
+    let mut baseline = refitted(problem, &noise, first, &mut unanswered)?;
+    if problem.is_cut() {
+        noise.around = baseline.values();
+        problem.refine_starts(&noise, &noise.around)?;
+        noise.windows.clone_from(&problem.windows);
+        baseline = fitted(problem, &noise, &[baseline.values()], &mut unanswered)?;
+    }
     let modelled = modelled(problem, &baseline.values())?.values;
     let mut floors = noise_floors(&problem.experiment, &problem.layout, &modelled);
     floors.iter_mut().for_each(|(signal, floor)| floor.contradicted = decided.contradicted.contains(signal));
@@ -117,7 +127,7 @@ fn noise_about(problem: &Problem, repeats: &Repeats, first: &Calibration) -> Res
         flexible: &flexible,
         calibrated: problem.base.len(),
     });
-    let mut noise = Noise { models: decided.models.clone(), robust: None };
+    let mut noise = Noise::new(decided.models.clone());
     noise.robust = Some(threshold(problem, &noise, &residual));
     Ok(Found { noise, decided, flexible, modulations })
 }

@@ -19,6 +19,8 @@ use super::precedence::Choice;
 use super::prediction::{Predict, PredictionError};
 use super::problem::Problem;
 use super::separate::variation::Variation;
+use super::windows::Windows;
+use super::windows::free::FreeStart;
 use crate::measurement::{Experiment, Kind, Run};
 use crate::model::Model;
 use std::fmt::Debug;
@@ -90,6 +92,24 @@ pub(crate) trait Strategy: Debug + Sync {
     /// # Errors
     /// [`PredictionError`] where the model cannot be placed on the experiment's runs.
     fn prediction<'p>(&self, problem: &'p Problem, free: &'p [Free]) -> Result<Box<dyn Predict + 'p>, PredictionError>;
+
+    /// How the runs are cut into windows; `models` has what is known of each run.
+    fn windows(&self, _experiment: &Experiment, _models: &[Model]) -> Windows {
+        Windows::new()
+    }
+
+    /// How the modelled values depend on what is open of the starts of windows, with `free` at `values`.
+    ///
+    /// # Errors
+    /// [`PredictionError`] where the model gives nothing there.
+    fn free_starts(
+        &self,
+        _problem: &Problem,
+        _free: &[Free],
+        _values: &[f64],
+    ) -> Result<Vec<FreeStart>, PredictionError> {
+        Ok(Vec::new())
+    }
 
     /// Columns against which residuals are held.
     fn conditions(&self, experiment: &Experiment) -> Vec<String>;

@@ -173,8 +173,9 @@ impl FittedResidual<'_> {
     /// Where a signal has a residual that counts: not at the start of a run, which no fit counts.
     fn places(&self, signal: &str) -> impl Iterator<Item = usize> {
         let blocks = self.layout.blocks.iter().filter(move |block| block.signal == signal);
-        let rows = blocks.flat_map(|block| block.range.clone().skip(self.layout.starts[block.run]));
-        rows.filter(|at| !self.residual[*at].is_nan())
+        let rows = blocks.flat_map(|block| block.range.clone().enumerate().map(move |(row, at)| (block.run, row, at)));
+        let settled = rows.filter(move |(run, row, _)| !self.layout.is_unsettled(*run, *row));
+        settled.map(|(.., at)| at).filter(move |at| !self.residual[*at].is_nan())
     }
 
     /// Degrees of freedom of one signal that the calibration took.

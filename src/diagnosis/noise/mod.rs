@@ -12,5 +12,6 @@ pub(crate) use decide::{Decided, FittedResidual, decide};
 pub(crate) use estimate::{Repeats, estimate, estimate_alone, estimate_near};
 pub(crate) use floor::noise_floors;
 pub use floor::{FloorSource, NoiseFloor, Pooled};
+pub(crate) use model::LocalWhite;
 pub use model::NoiseModel;
 pub(crate) use whitening::Whitening;

@@ -44,6 +44,34 @@ impl NoiseModel {
         }
     }
 
+    /// The part that all `rows` of a run have in common, made white: v in the formula of [`whiten`](Self::whiten).
+    pub(crate) fn common_part(&self, rows: &[usize]) -> Vec<f64> {
+        let mut all = Vec::with_capacity(rows.len());
+        self.for_each_step(rows, |_, step| all.push(step.common));
+        all
+    }
+
+    /// Makes values white that stand in a run's `rows` from number `first` on and are zero elsewhere; `common` is the
+    /// [common part](Self::common_part) of these rows.
+    pub(crate) fn whiten_part(&self, rows: &[usize], first: usize, values: &[f64], common: &[f64]) -> LocalWhite {
+        let own = (self.deviation * (1.0 - self.run_share).sqrt()).recip();
+        // One row before, of zero, gives the first its place in the run; the row behind follows the last.
+        let (from, end) = (first.saturating_sub(1), (first + values.len() + 1).min(rows.len()));
+        let mut raw = vec![0.0; end - from];
+        raw[first - from..first - from + values.len()].copy_from_slice(values);
+        let mut previous = 0.0;
+        let mut white = vec![0.0; raw.len()];
+        self.for_each_step(&rows[from..end], |k, step| {
+            white[k] = (raw[k] - step.correlation * previous) * step.scale * own;
+            previous = raw[k];
+        });
+        white.drain(..first - from);
+        let sums = common.iter().map(|c| c * c).sum::<f64>();
+        let along: f64 = white.iter().zip(&common[first..]).map(|(w, c)| w * c).sum();
+        let factor = if sums > 0.0 { along * (1.0 - (1.0 + sums).sqrt().recip()) / sums } else { 0.0 };
+        LocalWhite { values: white, along: factor }
+    }
+
     /// Squared length of the whitened rows times `deviation^2`, and ln det of their covariance over `deviation^2`.
     pub(super) fn length_and_determinant(&self, rows: &[usize], values: &[f64]) -> (f64, f64) {
         let own = (1.0 - self.run_share).sqrt().recip();
@@ -87,6 +115,14 @@ impl NoiseModel {
             *value = self.deviation * (common + own * along);
         }
     }
+}
+
+/// Whitened values of a part of a run.
+pub(crate) struct LocalWhite {
+    /// Those of the part and of the row behind it.
+    pub values: Vec<f64>,
+    /// What of the run's common part has to be subtracted, in all rows.
+    pub along: f64,
 }
 
 /// How an entry of an AR(1) process of unit variance follows from the one before it.

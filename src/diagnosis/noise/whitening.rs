@@ -1,7 +1,8 @@
-//! The linear map that makes the noise of an experiment white.
+//! The linear map that makes the noise of an experiment white, and takes out what the starts of windows could bring about.
 
 use super::NoiseModel;
-use crate::diagnosis::layout::Layout;
+use crate::diagnosis::layout::{Block, Layout};
+use crate::diagnosis::windows::free::{Projector, StrandOf};
 use std::collections::BTreeMap;
 
 /// One signal of one run: the rows that count, and its noise.
@@ -19,6 +20,8 @@ struct Strand {
 pub(crate) struct Whitening {
     strands: Vec<Strand>,
     len: usize,
+    /// One a run with windows whose starts are free.
+    starts: Vec<Projector>,
 }
 
 impl Whitening {
@@ -29,15 +32,28 @@ impl Whitening {
         noise: &BTreeMap<String, NoiseModel>,
         keep: &dyn Fn(usize, usize) -> bool,
     ) -> Option<Self> {
-        let strand = |block: &crate::diagnosis::layout::Block| {
+        let strand = |block: &Block| {
             let measured = &layout.measured[block.range.clone()];
-            let rows = layout.starts[block.run]..measured.len();
-            let rows = rows.filter(|row| !measured[*row].is_nan() && keep(block.run, *row)).collect();
+            let counts = |row: &usize| !measured[*row].is_nan() && !layout.is_unsettled(block.run, *row);
+            let rows = (0..measured.len()).filter(|row| counts(row) && keep(block.run, *row)).collect();
             Some(Strand { start: block.range.start, rows, noise: *noise.get(&block.signal)? })
         };
         let strands = layout.blocks.iter().map(strand).collect::<Option<Vec<_>>>()?;
         let len = strands.iter().map(|strand| strand.rows.len()).sum();
-        Some(Self { strands, len })
+        let starts = projectors(layout, &strands);
+        Some(Self { strands, len, starts })
+    }
+
+    /// Number of directions that the starts of windows take.
+    pub fn taken(&self) -> usize {
+        self.starts.iter().map(Projector::rank).sum()
+    }
+
+    /// Changes of the windows' starts, by run, window and number, that bring a residual (modelled minus measured, in the
+    /// layout's order) nearest to zero.
+    pub fn best_starts(&self, residual: &[f64]) -> Vec<((usize, usize, usize), f64)> {
+        let white = self.white(residual);
+        self.starts.iter().flat_map(|starts| starts.best_starts(&white)).collect()
     }
 
     /// Place in the layout of every whitened value, in order.
@@ -50,8 +66,14 @@ impl Whitening {
         self.len
     }
 
-    /// Whitened values of a vector in the layout's order.
+    /// Whitened values of a vector in the layout's order, without what the starts of windows could bring about.
     pub fn apply(&self, values: &[f64]) -> Vec<f64> {
+        let mut out = self.white(values);
+        self.starts.iter().for_each(|starts| starts.remove_from(&mut out));
+        out
+    }
+
+    fn white(&self, values: &[f64]) -> Vec<f64> {
         let mut out = Vec::with_capacity(self.len);
         for strand in &self.strands {
             let from = out.len();
@@ -60,4 +82,24 @@ impl Whitening {
         }
         out
     }
+}
+
+/// Of each run with free starts. Strands of a run stand in the order of its signals.
+fn projectors(layout: &Layout, strands: &[Strand]) -> Vec<Projector> {
+    let mut projectors = Vec::new();
+    let mut runs: Vec<usize> = layout.free_starts.iter().map(|start| start.run).collect();
+    runs.dedup();
+    for run in runs {
+        let (mut at, mut signal, mut own) = (0, 0, Vec::new());
+        for (block, strand) in layout.blocks.iter().zip(strands) {
+            if block.run == run {
+                own.push(StrandOf { run, signal, at, rows: &strand.rows, noise: &strand.noise });
+                signal += 1;
+            }
+            at += strand.rows.len();
+        }
+        let starts = layout.free_starts.iter().filter(|start| start.run == run).map(AsRef::as_ref);
+        projectors.extend(Projector::new(starts, &own));
+    }
+    projectors
 }

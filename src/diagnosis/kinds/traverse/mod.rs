@@ -19,6 +19,8 @@ use crate::diagnosis::precedence::Choice;
 use crate::diagnosis::prediction::{Predict, PredictionError};
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::separate::variation::Variation;
+use crate::diagnosis::windows::free::FreeStart;
+use crate::diagnosis::windows::{Windows, cut};
 use crate::measurement::{Experiment, Run};
 use crate::model::{Model, ModelKind};
 
@@ -85,9 +87,20 @@ impl Strategy for Traverse {
     }
 
     fn prediction<'p>(&self, problem: &'p Problem, free: &'p [Free]) -> Result<Box<dyn Predict + 'p>, PredictionError> {
-        let models = problem.models.clone();
-        let prediction = TraversePrediction::new(&problem.experiment, &problem.layout, models, free, problem.guided)?;
-        Ok(Box::new(prediction.until(problem.halt)))
+        Ok(Box::new(prediction(problem, free)?))
+    }
+
+    fn windows(&self, experiment: &Experiment, models: &[Model]) -> Windows {
+        cut::cut(experiment, models)
+    }
+
+    fn free_starts(
+        &self,
+        problem: &Problem,
+        free: &[Free],
+        values: &[f64],
+    ) -> Result<Vec<FreeStart>, PredictionError> {
+        prediction(problem, free)?.free_starts(values)
     }
 
     fn conditions(&self, experiment: &Experiment) -> Vec<String> {
@@ -164,4 +177,11 @@ impl Strategy for Traverse {
     fn variations(&self, model: &Model, experiment: &Experiment, halt: Halt) -> Vec<Variation> {
         variations::variations(model, experiment, halt)
     }
+}
+
+fn prediction<'p>(problem: &'p Problem, free: &'p [Free]) -> Result<TraversePrediction<'p>, PredictionError> {
+    let (experiment, models) = (&problem.experiment, problem.models.clone());
+    let prediction =
+        TraversePrediction::new(experiment, &problem.layout, models, free, problem.guided, &problem.windows)?;
+    Ok(prediction.until(problem.halt))
 }

@@ -11,10 +11,12 @@
 use crate::diagnosis::free::Free;
 use crate::diagnosis::guide::Guide;
 use crate::diagnosis::halt::Halt;
-use crate::diagnosis::layout::Layout;
+use crate::diagnosis::layout::{Block, Layout};
 use crate::diagnosis::prediction::{Derivatives, Predict, PredictionError};
 use crate::diagnosis::recorded::{Drives, Recorded, Traced};
 use crate::diagnosis::unanswered::{Answers, Unanswered, all_answered};
+use crate::diagnosis::windows::free::FreeStart;
+use crate::diagnosis::windows::{OPEN, Windows};
 use crate::measurement::{Experiment, Run as Measured};
 use crate::model::{ControlKind, Model};
 use crate::parallel::map_in_order;
@@ -22,6 +24,7 @@ use crate::rover::Rover;
 use crate::scalar::{Dual, Scalar};
 use crate::terrain::{Profile, Samples};
 use bekker_modeldescription::Parameters;
+use std::ops::Range;
 
 /// Central differences, where there is a feedback loop, over this share of a parameter's range or value, whichever is
 /// smaller: the error of the integrator, about 1e-9, divided by it stays under 1e-4.
@@ -46,23 +49,28 @@ struct SlopeTask<'a> {
     covered: &'a [usize],
 }
 
+/// Rows that a run did not reach, and why.
+type Ended = Vec<(Range<usize>, PredictionError)>;
+
 /// What a task gives: the recorded signals, row by row, and their derivatives in the covered parameters.
 struct Traces {
     values: Vec<f64>,
     slopes: Vec<Vec<f64>>,
-    /// The row that the run did not reach, and how it ended.
-    ended: Option<(usize, PredictionError)>,
+    /// Rows that the run did not reach, and how it ended.
+    ended: Ended,
 }
 
 impl<'a> TraversePrediction<'a> {
     /// `models` has one model a run, with what is known of that run. A free parameter that a run sets itself stays as
     /// it is in that run. `guided` runs are led at the measured velocity, where it was measured and no loop drives them.
+    /// `windows` says how runs are cut, if any are.
     pub fn new(
         experiment: &'a Experiment,
         layout: &'a Layout,
         models: Vec<Model>,
         free: &'a [Free],
         guided: bool,
+        windows: &Windows,
     ) -> Result<Self, PredictionError> {
         let mut runs: Vec<Recorded> = Vec::new();
         let mut places = Vec::new();
@@ -75,7 +83,7 @@ impl<'a> TraversePrediction<'a> {
             let felt = (0..free.len()).filter(|at| !own(&free[*at])).collect();
             let mut model = place(model, run)?;
             let guide = if guided { Guide::of(run, &mut model) } else { None };
-            let recorded = Recorded::new(model, run, layout.of_run(k), felt, guide)?;
+            let recorded = Recorded::new(model, run, layout.of_run(k), felt, guide, windows.get(k).map_or(&[], Vec::as_slice))?;
             let first = runs.iter().position(|other| other.repeats(&recorded));
             places.push(Some(first.unwrap_or(runs.len())));
             match first {
@@ -112,7 +120,10 @@ impl<'a> TraversePrediction<'a> {
     fn trace(&self, run: &Recorded, free: &[f64]) -> Result<Traced<f64>, PredictionError> {
         let model = self.model(run, free)?;
         match &run.drives {
-            Drives::Open(replay) => run.replayed(replay, model.rover, model.start.x0, self.halt),
+            Drives::Open(replay) if run.windows.is_empty() => {
+                run.replayed(replay, model.rover, model.start.x0, self.halt)
+            }
+            Drives::Open(replay) => run.windowed(replay, &model.rover, model.start.x0, &|open| open, self.halt),
             Drives::Loop(commands) => run.driven(&model, commands, self.halt),
         }
     }
@@ -128,7 +139,11 @@ impl<'a> TraversePrediction<'a> {
         };
         let mut rover: Rover<Dual<N>> = model.rover.map(&Dual::<N>::from);
         rover.visit("", &mut |variable, value| *value = seeded(&variable.name, value.value()));
-        let traced = run.replayed(replay, rover, seeded("x0", model.start.x0), self.halt)?;
+        let x0 = seeded("x0", model.start.x0);
+        let traced = match run.windows.is_empty() {
+            true => run.replayed(replay, rover, x0, self.halt)?,
+            false => run.windowed(replay, &rover, x0, &|open| open.map(Dual::from), self.halt)?,
+        };
         let partial = |k: usize| traced.values.iter().map(|value| value.eps.0.map_or(0.0, |eps| eps[k])).collect();
         Ok(Traces {
             values: traced.values.iter().map(|value| value.re).collect(),
@@ -172,11 +187,11 @@ impl<'a> TraversePrediction<'a> {
         let tasks = self.tasks(N);
         let mut values = vec![f64::NAN; self.layout.len()];
         let mut slopes = vec![vec![0.0; self.layout.len()]; free.len()];
-        let mut ended = Vec::new();
+        let mut ended: Vec<(usize, Ended)> = Vec::new();
         for (task, traces) in tasks.iter().zip(map_in_order(&tasks, |task| self.traces::<N>(task, free))) {
             let traces = traces?;
             let run = self.runs.iter().position(|run| std::ptr::eq(run, task.run));
-            ended.extend(run.zip(traces.ended));
+            ended.extend(run.map(|run| (run, traces.ended)));
             task.run.store(&traces.values, &mut values);
             for (k, slope) in task.covered.iter().zip(&traces.slopes) {
                 task.run.store(slope, &mut slopes[*k]);
@@ -193,17 +208,67 @@ impl<'a> TraversePrediction<'a> {
         }
     }
 
-    /// The rows of the experiment's runs beyond the row that a run did not reach.
-    fn beyond(&self, ended: &[(usize, (usize, PredictionError))]) -> Vec<Unanswered> {
+    /// The rows of the experiment's runs that a run did not reach.
+    fn beyond(&self, ended: &[(usize, Ended)]) -> Vec<Unanswered> {
         let mut unanswered = Vec::new();
         for (run, place) in self.places.iter().enumerate() {
-            if let Some((_, (row, error))) = ended.iter().find(|(ended, _)| Some(*ended) == *place) {
-                let measured = &self.experiment.runs[run];
-                let error = error.clone().in_run(&measured.name);
-                unanswered.push(Unanswered { run, rows: *row..measured.data.rows(), error });
+            let own = ended.iter().find(|(ended, _)| Some(*ended) == *place);
+            for (rows, error) in own.into_iter().flat_map(|(_, ended)| ended) {
+                let error = error.clone().in_run(&self.experiment.runs[run].name);
+                unanswered.push(Unanswered { run, rows: rows.clone(), error });
             }
         }
         unanswered
+    }
+
+    /// How the modelled values depend on what is open of the starts of windows. The velocity is open where torques were
+    /// commanded: imposed speeds set it within milliseconds.
+    ///
+    /// # Errors
+    /// [`PredictionError`] where the model gives nothing at `free`.
+    pub fn free_starts(&self, free: &[f64]) -> Result<Vec<FreeStart>, PredictionError> {
+        let slopes = map_in_order(&self.runs, |run| self.slopes_of_starts(run, free));
+        let mut columns = vec![vec![0.0; self.layout.len()]; OPEN];
+        let mut open = Vec::new();
+        for (run, slopes) in self.runs.iter().zip(slopes) {
+            let slopes = slopes?;
+            open.push(slopes.len());
+            slopes.iter().zip(&mut columns).for_each(|(slope, column)| run.store(slope, column));
+        }
+        let mut starts = Vec::new();
+        for (k, place) in self.places.iter().enumerate() {
+            let Some(place) = *place else { continue };
+            for (number, column) in columns.iter().enumerate().take(open[place]) {
+                for (window, cut) in self.runs[place].windows.iter().enumerate().filter(|(_, cut)| cut.start.is_some()) {
+                    let own = |block: &Block| column[block.range.clone()][cut.rows.clone()].to_vec();
+                    let slopes = self.layout.of_run(k).map(own).collect();
+                    starts.push(FreeStart { run: k, window, number, rows: cut.rows.clone(), slopes });
+                }
+            }
+        }
+        Ok(starts)
+    }
+
+    /// Derivatives of a run's signals in place and, where torques were commanded, velocity in which its windows begin; none where
+    /// all of it is replayed as a whole.
+    fn slopes_of_starts(&self, run: &Recorded, free: &[f64]) -> Result<Vec<Vec<f64>>, PredictionError> {
+        let Drives::Open(replay) = &run.drives else { return Ok(Vec::new()) };
+        if run.windows.is_empty() {
+            return Ok(Vec::new());
+        }
+        let model = self.model(run, free)?;
+        let numbers = if model.control.kind == ControlKind::Torque { OPEN } else { 1 };
+        let rover: Rover<Dual<OPEN>> = model.rover.map(&Dual::from);
+        let open = |start: [f64; OPEN]| {
+            std::array::from_fn(|k| {
+                let value = Dual::<OPEN>::from(start[k]);
+                if k < numbers { value.derivative(k) } else { value }
+            })
+        };
+        let traced = run.windowed(replay, &rover, Dual::from(model.start.x0), &open, self.halt)?;
+        let slope = |value: &Dual<OPEN>, k: usize| value.eps.0.map_or(0.0, |eps| eps[k]);
+        let finite = |x: f64| if x.is_finite() { x } else { 0.0 };
+        Ok((0..numbers).map(|k| traced.values.iter().map(|value| finite(slope(value, k))).collect()).collect())
     }
 
     /// Takes what the model does not say out of values or derivatives.
@@ -265,10 +330,10 @@ impl Predict for TraversePrediction<'_> {
             match traced {
                 Ok(traced) => {
                     run.store(&traced.values, &mut values);
-                    ended.extend(traced.ended.map(|ended| (k, ended)));
+                    ended.push((k, traced.ended));
                 }
                 // Where the rover cannot stand or move at all, no row of the run has an answer.
-                Err(error) if error.is_of_the_motion() => ended.push((k, (0, error))),
+                Err(error) if error.is_of_the_motion() => ended.push((k, vec![(0..run.rows(), error)])),
                 Err(error) => return Err(error),
             }
         }
