@@ -19,6 +19,7 @@ pub fn print(diagnosis: &Diagnosis) -> Result<()> {
             say!("  - {caution}");
         }
     }
+    print_whole(diagnosis)?;
     print_partial(diagnosis)?;
     let mut suggestions = diagnosis.suggestions.iter();
     if let Some(first) = suggestions.next() {
@@ -27,6 +28,18 @@ pub fn print(diagnosis: &Diagnosis) -> Result<()> {
             say!("  or: {}", suggestion.text);
         }
     }
+    Ok(())
+}
+
+/// How a drive was cut, and what the final model does over the whole of it.
+fn print_whole(diagnosis: &Diagnosis) -> Result<()> {
+    let Some(whole) = &diagnosis.whole_drive else { return Ok(()) };
+    say!("\njudged in {} windows, each from the measured state", whole.windows);
+    if whole.rmse.is_empty() {
+        return Ok(());
+    }
+    let errors: Vec<String> = whole.rmse.iter().map(|(signal, rmse)| format!("{signal} {rmse:.3e}")).collect();
+    say!("the final model over the whole of {} runs, error (RMS, SI): {}", whole.runs.len(), errors.join(", "));
     Ok(())
 }
 

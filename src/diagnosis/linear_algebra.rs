@@ -73,6 +73,114 @@ pub(crate) fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }
 
+/// Triangular factor of the products of columns among themselves, of those that are independent of the ones before them.
+#[derive(Clone, Debug)]
+pub(crate) struct Factor {
+    /// Which columns are in it.
+    pub kept: Vec<usize>,
+    /// Lower triangle, row by row.
+    rows: Vec<Vec<f64>>,
+}
+
+/// Share of a column's square below which what is new of it is rounding of the products.
+const NEW_SQUARE: f64 = 1e-10;
+
+impl Factor {
+    /// Of the products `gram`; Cholesky's method, which leaves dependent columns out.
+    pub fn of(gram: &nalgebra::DMatrix<f64>) -> Self {
+        let mut factor = Self { kept: Vec::new(), rows: Vec::new() };
+        for i in 0..gram.nrows() {
+            let mut row = factor.forward(&|j| gram[(i, j)]);
+            let rest = gram[(i, i)] - dot(&row, &row);
+            if rest > NEW_SQUARE * gram[(i, i)] && rest.is_finite() {
+                row.push(rest.sqrt());
+                factor.kept.push(i);
+                factor.rows.push(row);
+            }
+        }
+        factor
+    }
+
+    /// The same where the others are taken out and the kept ones numbered anew.
+    pub fn numbered_anew(self) -> Self {
+        Self { kept: (0..self.kept.len()).collect(), ..self }
+    }
+
+    /// Number of independent columns.
+    pub fn rank(&self) -> usize {
+        self.kept.len()
+    }
+
+    /// L^-1 b, of products `along` of all columns with a vector.
+    pub fn forward(&self, along: &dyn Fn(usize) -> f64) -> Vec<f64> {
+        let mut y: Vec<f64> = Vec::with_capacity(self.rows.len() + 1);
+        for (row, k) in self.rows.iter().zip(&self.kept) {
+            let rest = along(*k) - dot(&row[..y.len()], &y);
+            y.push(rest / row[y.len()]);
+        }
+        y
+    }
+
+    /// Coefficients of the kept columns that bring a vector with these products nearest.
+    pub fn solve(&self, along: &dyn Fn(usize) -> f64) -> Vec<f64> {
+        let mut x = self.forward(along);
+        for i in (0..x.len()).rev() {
+            let sum: f64 = (i + 1..x.len()).map(|k| self.rows[k][i] * x[k]).sum();
+            x[i] = (x[i] - sum) / self.rows[i][i];
+        }
+        x
+    }
+}
+
+/// The span of many long columns, by their products: no orthonormal columns are made, which for hundreds of them takes longer than a fit.
+#[derive(Clone, Debug)]
+pub(crate) struct Span {
+    columns: nalgebra::DMatrix<f64>,
+    factor: Factor,
+}
+
+impl Span {
+    /// The span of `columns`, each of `rows` entries.
+    pub fn of(rows: usize, columns: &[Vec<f64>]) -> Self {
+        // Of unit length, so that products tell what is new in each.
+        let mut all = Vec::with_capacity(rows * columns.len());
+        for column in columns {
+            let size = norm(column);
+            let factor = if size > 0.0 && size.is_finite() { size.recip() } else { 0.0 };
+            all.extend(column.iter().map(|x| x * factor));
+        }
+        let columns = nalgebra::DMatrix::from_vec(rows, columns.len(), all);
+        let factor = Factor::of(&products(&columns));
+        Self { columns, factor }
+    }
+
+    /// Number of directions.
+    pub fn rank(&self) -> usize {
+        self.factor.rank()
+    }
+
+    /// Squared length of the part of a column within the span.
+    pub fn squares_within(&self, column: &[f64]) -> f64 {
+        let along = self.columns.tr_mul(&nalgebra::DVectorView::from_slice(column, column.len()));
+        self.factor.forward(&|k| along[k]).iter().map(|y| y * y).sum()
+    }
+
+    /// The same of several columns at once, for which the span is read once.
+    pub fn squares_within_each(&self, columns: &[Vec<f64>]) -> Vec<f64> {
+        let (rows, count) = (self.columns.nrows(), columns.len());
+        let mut beside = Vec::with_capacity(rows * count);
+        (0..rows).for_each(|row| beside.extend(columns.iter().map(|column| column[row])));
+        let along = nalgebra::DMatrix::from_vec(count, rows, beside) * &self.columns;
+        let squares = |j: usize| self.factor.forward(&|k| along[(j, k)]).iter().map(|y| y * y).sum();
+        (0..count).map(squares).collect()
+    }
+}
+
+/// Products of all columns with each other. By way of the transpose, for which the product of matrices is a fast one.
+pub(crate) fn products(columns: &nalgebra::DMatrix<f64>) -> nalgebra::DMatrix<f64> {
+    columns.transpose() * columns
+}
+
 /// Interval that a coefficient may not leave; it holds 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Reach {

@@ -47,7 +47,7 @@ pub(crate) use curves::set_points;
 pub use curves::{Axis, Curve, CurveGroup, Curves, ModelCurves};
 pub use diagnose::{
     CandidateResult, Control, DiagnoseOptions, Diagnosis, FinalParameter, LackOfFit, Noise, Outcome, PairResult,
-    ParameterResult, Progress, Share, Spread, Step, Task, Threads, Verdict, diagnose, fit_task,
+    ParameterResult, Progress, Share, Spread, Step, Task, Threads, Verdict, WholeDrive, diagnose, fit_task,
 };
 #[cfg(feature = "report")]
 pub(crate) use failure::levels_of;

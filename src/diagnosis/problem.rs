@@ -11,7 +11,7 @@ use super::kinds::{Strategy, strategy};
 use super::layout::Layout;
 use super::precedence::{Resolved, resolve};
 use super::prediction::{Predict, PredictionError};
-use super::windows::free::carried_over;
+use super::windows::free::{FreeStart, carried_over};
 use super::windows::{Windows, cut, displaced};
 use crate::carriage::Rig;
 use crate::measurement::{Experiment, Prior};
@@ -21,6 +21,9 @@ use bekker_modeldescription::{Lookup, Parameters, Role, Variable};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
+
+/// Different windows over which a search finds its way.
+const ROUGH_WINDOWS: usize = 16;
 
 /// An effect that is not in the baseline, with its free parameters at their neutral values.
 #[derive(Clone, Debug)]
@@ -38,6 +41,9 @@ pub(crate) struct Problem<'a> {
     pub known: Model,
     /// The same with what is known of each run.
     pub(super) models: Vec<Model>,
+    /// Inner steps that the rows allow, s, the longest first, which is taken; and those of each run's own model.
+    steps: Vec<f64>,
+    own_steps: Vec<f64>,
     /// How runs are cut into windows; empty where they are replayed as a whole.
     pub windows: Windows,
     /// Whether rovers are led at the measured velocity, for a first look.
@@ -87,6 +93,8 @@ impl<'a> Problem<'a> {
             layout: Layout::new(experiment),
             known,
             models,
+            steps: Vec::new(),
+            own_steps: Vec::new(),
             windows: Windows::new(),
             guided: false,
             halt: Halt::default(),
@@ -106,9 +114,27 @@ impl<'a> Problem<'a> {
     /// Steps simulations as coarsely as the rows allow, where the model's own step is finer. Drives with their own loop keep
     /// their step.
     pub fn coarsen(&mut self) {
-        let Some(step) = self.strategy().coarse_step(&self.experiment) else { return };
-        for model in self.models.iter_mut().filter(|model| model.control.kind != ControlKind::SpeedLoop) {
-            model.stepping.step_size = model.stepping.step_size.max(step);
+        self.steps = self.strategy().coarse_steps(&self.experiment);
+        self.own_steps = self.models.iter().map(|model| model.stepping.step_size).collect();
+        self.step_by_first();
+    }
+
+    /// Takes the next finer step; whether there is one.
+    pub fn refine_step(&mut self) -> bool {
+        if self.steps.is_empty() {
+            return false;
+        }
+        self.steps.remove(0);
+        self.step_by_first();
+        true
+    }
+
+    fn step_by_first(&mut self) {
+        let step = self.steps.first().copied().unwrap_or(0.0);
+        for (model, own) in self.models.iter_mut().zip(&self.own_steps) {
+            if model.control.kind != ControlKind::SpeedLoop {
+                model.stepping.step_size = own.max(step);
+            }
         }
     }
 
@@ -119,6 +145,59 @@ impl<'a> Problem<'a> {
         self.layout.unsettle(unsettled);
         self.layout.free_starts = carried_over(&self.layout, &windows).into_iter().map(Arc::new).collect();
         self.windows = windows;
+    }
+
+    /// The same over some of the windows, evenly spread, where there are many; `None` where there are not: near its end a search asks
+    /// for all of them, on its way there a few tell as well where to go.
+    pub fn thinned(&self) -> Option<Problem<'a>> {
+        let all: usize = self.windows.iter().map(Vec::len).sum();
+        let keep_one_of = all.div_ceil(ROUGH_WINDOWS * self.repeated());
+        if keep_one_of < 2 {
+            return None;
+        }
+        let mut thin = self.clone();
+        let mut dropped = Vec::new();
+        for (run, windows) in thin.windows.iter_mut().enumerate() {
+            if windows.is_empty() {
+                continue;
+            }
+            // Runs that repeat each other keep the same windows.
+            let mut number = 0;
+            let first = self.windows.iter().position(|other| *other == *windows).unwrap_or(run);
+            windows.retain(|window| {
+                number += 1;
+                let kept = (number + first) % keep_one_of == 0;
+                if !kept {
+                    dropped.extend(window.rows.clone().map(|row| (run, row)));
+                }
+                kept
+            });
+            if windows.is_empty() {
+                // A run without windows would be replayed as a whole.
+                let rows = 0..self.experiment.runs[run].data.rows();
+                dropped.extend(rows.map(|row| (run, row)));
+                windows.extend(self.windows[run].first().cloned());
+            }
+        }
+        let thin_windows = &thin.windows;
+        let number = |run: usize, window: usize| {
+            let cut = &self.windows[run][window];
+            thin_windows[run].iter().position(|kept| kept.rows == cut.rows)
+        };
+        let kept = self.layout.free_starts.iter().filter_map(|start| {
+            let window = number(start.run, start.window)?;
+            Some(Arc::new(FreeStart { window, ..(**start).clone() }))
+        });
+        thin.layout.free_starts = kept.collect();
+        thin.layout.unsettle(dropped);
+        Some(thin)
+    }
+
+    /// How many runs share a simulation, on average, since they repeat each other.
+    fn repeated(&self) -> usize {
+        let runs = self.windows.len();
+        let different = (0..runs).filter(|run| !self.windows[..*run].contains(&self.windows[*run])).count();
+        runs / different.max(1)
     }
 
     /// Whether any run is cut.
@@ -240,6 +319,8 @@ impl<'a> Problem<'a> {
             layout: self.layout.of_runs(&experiment, runs),
             experiment: Cow::Owned(experiment),
             known: self.known.clone(),
+            steps: self.steps.clone(),
+            own_steps: runs.iter().filter_map(|run| self.own_steps.get(*run).copied()).collect(),
             windows: runs.iter().filter_map(|run| self.windows.get(*run).cloned()).collect(),
             guided: self.guided,
             halt: self.halt,

@@ -46,6 +46,19 @@ pub(crate) const LEAST_ANSWERED: f64 = 0.5;
 /// Largest share of rows without an answer beside which a verdict is given in full: one row in twenty may be odd.
 pub(crate) const MAY_BE_UNANSWERED: f64 = 0.05;
 
+// --- Odd stretches of a drive. Argument. ---
+
+/// Mean square of a whitened residual from which a stretch may be odd, in units of the usual stretch: 100 and more values of
+/// noise alone do not come near it.
+pub(crate) const ODD: f64 = 3.0;
+/// Mean square elsewhere up to which the rest counts as well described.
+pub(crate) const ODD_ELSEWHERE: f64 = 1.3;
+/// Largest share of the values that may be odd; and where they are the starts of runs.
+pub(crate) const ODD_SHARE: f64 = 0.1;
+pub(crate) const ODD_START: f64 = 0.35;
+/// Share of what is missed there from which on an effect accounts for it.
+pub(crate) const ODD_EXPLAINED: f64 = 0.5;
+
 // --- Is it more than noise. MISFIT: argument; the shapes: development set. ---
 
 /// The baseline misses something up to this p-value; three tests share the risk of a false alarm.

@@ -27,6 +27,7 @@ from .findings import (
     Share,
     Step,
     Suggestion,
+    WholeDrive,
 )
 from .from_json import built, json_key, merged
 from .models import ModelLike, given, names_of, save_model
@@ -49,6 +50,7 @@ __all__ = [
     "Share",
     "Step",
     "Suggestion",
+    "WholeDrive",
     "diagnose",
 ]
 
@@ -128,6 +130,8 @@ class Diagnosis:
     """Which model :attr:`improved` is, in words."""
     unanswered: list[UnansweredRows]
     """Rows that are left out of everything, since the calibrated baseline has no answer there."""
+    whole_drive: WholeDrive | None
+    """The final model over the whole of each run, where runs were cut into windows; None where they were not."""
     cautions: list[str]
     """What the reader should beware of."""
     interrupted: bool
@@ -267,6 +271,9 @@ class Diagnosis:
         shares = [(c.effect + (" (tied)" if c.tied else ""), c.probability) for c in likely]
         shares += [("enough already", self.share.enough), ("something else", self.share.other)]
         lines.append("  probability: " + ", ".join(f"{name} {p:.2f}" for name, p in shares if p >= 0.01))
+        if self.whole_drive:
+            errors = ", ".join(f"{signal} {rmse:.3g}" for signal, rmse in self.whole_drive.rmse.items())
+            lines.append(f"  {self.whole_drive.windows} windows; as a whole: error {errors} rms")
         lines += [f"  caution: {caution}" for caution in self.cautions]
         if self.next_experiment:
             lines.append(f"  next: {self.next_experiment}")

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from .comparison import CalibratedParameter, Fit
+from .comparison import CalibratedParameter, Fit, UnansweredRows
 from .from_json import json_key
 
 __all__ = [
@@ -19,6 +19,7 @@ __all__ = [
     "Share",
     "Step",
     "Suggestion",
+    "WholeDrive",
 ]
 
 
@@ -137,6 +138,20 @@ class LackOfFit:
     """The part of chi-square along the conditions, less what noise puts there."""
     p_structure: float
     """Probability of as large a part along the conditions by noise alone."""
+
+
+@dataclass(frozen=True)
+class WholeDrive:
+    """The final model from the start of each run to its end, where a drive was judged window by window."""
+
+    windows: int
+    """Number of windows into which the runs were cut."""
+    runs: list[str]
+    """Runs that begin at rest and have no gap; the others cannot be driven as a whole."""
+    rmse: dict[str, float]
+    """Error of each signal over the rows that the model reaches."""
+    unanswered: list[UnansweredRows]
+    """Rows that it does not reach."""
 
 
 @dataclass(frozen=True)

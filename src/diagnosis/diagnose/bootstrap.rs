@@ -6,8 +6,9 @@
 
 use super::signature::{Column, Signature};
 use crate::diagnosis::layout::Layout;
-use crate::diagnosis::linear_algebra::{Basis, Reach, best_fall, dot};
+use crate::diagnosis::linear_algebra::{Basis, Factor, Reach, Span, best_fall, dot, products};
 use crate::diagnosis::noise::{NoiseModel, Repeats, Whitening, estimate_near};
+use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
@@ -26,7 +27,7 @@ pub(crate) struct Null<'a> {
     /// For every whitened value the set of repeats that it belongs to; values that nothing repeats are sets of one.
     pub sets: &'a [usize],
     /// Directions along the conditions, in whitened values of the given noise, outside the base.
-    pub flexible: &'a Basis,
+    pub flexible: &'a Span,
     /// Whether to draw pairs as well.
     pub pairs: bool,
 }
@@ -132,6 +133,99 @@ impl Projected {
     }
 }
 
+/// Whitened columns of the base and of all signatures, and their products.
+pub(crate) struct Products {
+    columns: DMatrix<f64>,
+    base: Factor,
+    /// Number of columns of the base, the first ones.
+    of_base: usize,
+    /// Products of the signatures' columns outside the base, row by row, and how many there are.
+    outside: DMatrix<f64>,
+    /// L^-1 of the products of the base with each column.
+    shared: Vec<Vec<f64>>,
+    /// By signature and view: its columns among those of the signatures, and their reaches.
+    views: Vec<Vec<(std::ops::Range<usize>, Vec<Reach>)>>,
+}
+
+impl Products {
+    fn new(whitening: &Whitening, base: &[(Vec<f64>, Vec<f64>)], signatures: &[Signature]) -> Self {
+        let extra = base.first().map_or(0, |(_, priors)| priors.len());
+        let (mut all, mut count) = (Vec::new(), 0);
+        for (column, priors) in base {
+            all.extend(whitening.apply(column));
+            all.extend_from_slice(priors);
+            count += 1;
+        }
+        let mut views = Vec::new();
+        for signature in signatures {
+            let mut own = Vec::new();
+            for view in &signature.views {
+                let first = count - base.len();
+                for column in &view.columns {
+                    all.extend(whitening.apply(&column.values));
+                    all.extend(std::iter::repeat_n(0.0, extra));
+                    count += 1;
+                }
+                own.push((first..count - base.len(), view.columns.iter().map(|column| column.reach).collect()));
+            }
+            views.push(own);
+        }
+        let columns = DMatrix::from_vec(all.len() / count.max(1), count, all);
+        let gram = products(&columns);
+        let of_base = base.len();
+        let factor = Factor::of(&gram.view((0, 0), (of_base, of_base)).into_owned());
+        let shared: Vec<Vec<f64>> = (of_base..count).map(|k| factor.forward(&|j| gram[(j, k)])).collect();
+        let outside = DMatrix::from_fn(count - of_base, count - of_base, |i, j| {
+            gram[(of_base + i, of_base + j)] - dot(&shared[i], &shared[j])
+        });
+        Self { columns, base: factor, of_base, outside, shared, views }
+    }
+
+    /// A residual outside the base, and the products of the signatures' columns (outside the base) with it.
+    fn outside(&self, mut residual: DVector<f64>) -> (DVector<f64>, Vec<f64>) {
+        let along = self.columns.tr_mul(&residual);
+        let own = self.base.forward(&|k| along[k]);
+        let outside = self.shared.iter().enumerate().map(|(k, shared)| along[self.of_base + k] - dot(shared, &own));
+        let outside = outside.collect();
+        for (k, size) in self.base.kept.iter().zip(self.base.solve(&|k| along[k])) {
+            residual.axpy(-size, &self.columns.column(*k), 1.0);
+        }
+        (residual, outside)
+    }
+
+    /// The largest gains of a single signature and of a pair.
+    fn gains(&self, along: &[f64], pairs: bool) -> (f64, f64) {
+        let fall = |parts: &[&(std::ops::Range<usize>, Vec<Reach>)]| {
+            let members: Vec<usize> = parts.iter().flat_map(|(range, _)| range.clone()).collect();
+            let reach: Vec<Reach> = parts.iter().flat_map(|(_, reach)| reach.iter().copied()).collect();
+            let products = |i: &usize| members.iter().map(move |j| self.outside[(*i, *j)]).collect::<Vec<_>>();
+            let gram: Vec<f64> = members.iter().flat_map(products).collect();
+            let along: Vec<f64> = members.iter().map(|k| -along[*k]).collect();
+            best_fall(&gram, &along, &reach).0
+        };
+        let (mut single, mut pair, mut best) = (0.0_f64, 0.0_f64, Vec::with_capacity(self.views.len()));
+        for views in &self.views {
+            let mut own = (0.0, 0);
+            for (v, view) in views.iter().enumerate() {
+                let fall = fall(&[view]);
+                if fall > own.0 {
+                    own = (fall, v);
+                }
+            }
+            single = single.max(own.0);
+            best.push(views.get(own.1));
+        }
+        for i in 0..if pairs { best.len() } else { 0 } {
+            for j in i + 1..best.len() {
+                if let (Some(a), Some(b)) = (best[i], best[j]) {
+                    pair = pair.max(fall(&[a, b]));
+                }
+            }
+        }
+        (single, pair)
+    }
+}
+
 /// Fall of |r + X d|^2 with the `columns` and the `freed` ones, and the coefficients of the former.
 fn fall(columns: &[&[f64]], reach: &[Reach], freed: &[(Vec<f64>, Reach)], residual: &[f64]) -> (f64, Vec<f64>) {
     let all: Vec<&[f64]> = columns.iter().copied().chain(freed.iter().map(|(column, _)| column.as_slice())).collect();
@@ -151,8 +245,18 @@ fn fall(columns: &[&[f64]], reach: &[Reach], freed: &[(Vec<f64>, Reach)], residu
 }
 
 impl Null<'_> {
-    /// Statistics of draw number `k`, which has its own seed: the same whatever the order of the draws.
-    pub fn draw(&self, k: u64) -> Statistics {
+    /// Statistics of these draws, each of which has its own seed: the same whatever the order of the draws.
+    /// `known` are the products where noise is not estimated again.
+    pub fn draws(&self, numbers: &[u64], known: Option<&Products>) -> Vec<Statistics> {
+        let (mut all, rests): (Vec<Statistics>, Vec<Vec<f64>>) =
+            numbers.iter().filter_map(|k| self.draw(*k, known)).unzip();
+        let structures = self.flexible.squares_within_each(&rests);
+        all.iter_mut().zip(structures).for_each(|(statistics, structure)| statistics.structure = structure);
+        all
+    }
+
+    /// One draw, its structure still open, and what is left outside the base.
+    fn draw(&self, k: u64, known: Option<&Products>) -> Option<(Statistics, Vec<f64>)> {
         let mut rng = ChaCha8Rng::seed_from_u64(SEED);
         rng.set_stream(k);
         let mut noise = vec![f64::NAN; self.layout.len()];
@@ -176,10 +280,30 @@ impl Null<'_> {
                 })
                 .collect(),
         };
-        let Some(whitening) = Whitening::new(self.layout, &models, &|_, _| true) else {
-            return Statistics { chi_square: 0.0, common: 0.0, structure: 0.0, single: 0.0, pair: 0.0 };
-        };
-        self.statistics(&whitening, &whitening.apply(&noise)).0
+        let whitening = Whitening::new(self.layout, &models, &|_, _| true)?;
+        let white = whitening.apply(&noise);
+        Some(match known {
+            Some(products) => self.by_products(products, white),
+            None => self.by_products(&self.products(&whitening), white),
+        })
+    }
+
+    /// Products of the columns, for draws that all have this whitening.
+    pub fn products(&self, whitening: &Whitening) -> Products {
+        Products::new(whitening, self.base, self.signatures)
+    }
+
+    /// The same as [`statistics`](Self::statistics), to rounding, without a column outside the base: hundreds of draws ask for
+    /// products alone.
+    fn by_products(&self, products: &Products, mut residual: Vec<f64>) -> (Statistics, Vec<f64>) {
+        let extra = self.base.first().map_or(0, |(_, priors)| priors.len());
+        residual.extend(std::iter::repeat_n(0.0, extra));
+        let residual = DVector::from_vec(residual);
+        let (rest, along) = products.outside(residual);
+        let (single, pair) = products.gains(&along, self.pairs);
+        let rest = rest.as_slice();
+        let (chi_square, common) = (dot(rest, rest), common(rest, self.sets));
+        (Statistics { chi_square, common, structure: 0.0, single, pair }, rest.to_vec())
     }
 
     /// Statistics for a whitened residual without the priors' rows, and the projected columns.

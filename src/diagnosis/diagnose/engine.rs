@@ -2,9 +2,11 @@
 
 use super::choose::choose;
 use super::control::Control;
+use super::drive::{WholeDrive, whole_drive};
 use super::evidence::Evidence;
 use super::finished::Finished;
 use super::judge::{Judged, judge};
+use super::odd::odd;
 use super::prepare::{Prepared, prepare};
 use super::result::Diagnosis;
 use super::search::Search;
@@ -15,6 +17,7 @@ use super::watch::{Phase, Watch};
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::given::Given;
 use crate::diagnosis::problem::Problem;
+use crate::diagnosis::thresholds::MAY_BE_UNANSWERED;
 use crate::diagnosis::unanswered::UnansweredRows;
 use crate::measurement::Experiment;
 
@@ -79,7 +82,13 @@ pub fn diagnose(
 
     // The noise, and the baseline calibrated under it.
     watch.begin(Phase::Baseline, &problem.names_of_base());
-    let prepared = prepare(&mut problem).map_err(nothing_yet)?;
+    let mut prepared = prepare(&mut problem).map_err(nothing_yet)?;
+    // What is wrong in a few places only is left out, and said.
+    if let Some(found) = odd(&problem, &prepared).map_err(nothing_yet)? {
+        problem.layout.unsettle(found.rows);
+        prepared = prepare(&mut problem).map_err(nothing_yet)?;
+        prepared.cautions.extend(found.words);
+    }
     let problem = problem;
     let whitening = prepared.noise.whitening(&problem, &|_, _| true).ok_or(CompareError::NoFit)?;
 
@@ -103,9 +112,14 @@ pub fn diagnose(
     watch.begin(Phase::Rivals, "");
     let Judged { mut judgement, chosen } = judge(&mut search, &stage, &prepared, &mut evidence, chosen)?;
     limit(&mut judgement, &search, &stage, &prepared);
+    let whole = whole_drive(&problem, &chosen, &search.fits.get(&chosen).unwrap_or(&prepared.baseline).values())?;
+    if let Some(whole) = &whole {
+        last_check(&mut judgement, whole, &problem.experiment);
+    }
 
     let finished = Finished { search: &search, stage: &stage, prepared: &prepared, evidence: &evidence };
     let mut diagnosis = finished.diagnosis(&judgement, &chosen, options)?;
+    diagnosis.whole_drive = whole;
 
     // The next experiment.
     watch.begin(Phase::Next, "");
@@ -126,6 +140,17 @@ fn limit(judgement: &mut Judgement, search: &Search, stage: &Stage, prepared: &P
         judgement.open("interrupted: not all that may speak against the name was looked for".to_owned());
     }
     incomplete(judgement, &search.watch.untried(), stage.draws.len(), search.context.draws);
+}
+
+/// A named model has to drive the whole log, as the measured rover did.
+fn last_check(judgement: &mut Judgement, whole: &WholeDrive, experiment: &Experiment) {
+    let Some(first) = whole.unanswered.first() else { return };
+    let words = format!("over the whole drive, not cut into windows, the final model fails: {first}");
+    if judgement.names() && whole.share_missed(experiment) > MAY_BE_UNANSWERED {
+        judgement.open(words);
+    } else {
+        judgement.cautions.push(words);
+    }
 }
 
 /// Share of an experiment's rows that the calibrated baseline cannot answer.

@@ -61,6 +61,7 @@ impl Finished<'_> {
             noise: prepared.noise.models.clone(),
             given,
             unanswered: prepared.unanswered.clone(),
+            whole_drive: None,
             pairs: pairs(self),
             invisible: prepared.invisible.clone(),
             share,

@@ -29,13 +29,16 @@ pub struct Noise {
     /// Values of the baseline's parameters around which the windows' starts are free.
     #[serde(default)]
     pub around: Vec<f64>,
+    /// How often the inner step was refined, since it showed beside the noise.
+    #[serde(default)]
+    pub refined: usize,
 }
 
 impl Noise {
     /// Of so large noise, over runs that are not cut into windows.
     #[must_use]
     pub fn new(models: BTreeMap<String, NoiseModel>) -> Self {
-        Self { models, robust: None, windows: Vec::new(), around: Vec::new() }
+        Self { models, robust: None, windows: Vec::new(), around: Vec::new(), refined: 0 }
     }
 
     pub(crate) fn whitening(&self, problem: &Problem, keep: &dyn Fn(usize, usize) -> bool) -> Option<Whitening> {
@@ -90,6 +93,20 @@ pub(crate) fn run_open(problem: &Problem, noise: &Noise, task: &Task) -> Option<
 }
 
 fn run_for(problem: &Problem, noise: &Noise, task: &Task, whole: bool) -> Option<Calibration> {
+    // From far away the way is found over a few windows; a fit that starts at its end needs none.
+    let far_away = task.starts.is_empty() || !task.effects.is_empty();
+    let thin = (far_away && task.left_out.is_empty()).then(|| problem.thinned()).flatten();
+    match thin.and_then(|thin| run_over(&thin, noise, task, false)) {
+        Some(rough) => {
+            let near = Task { starts: vec![rough.values()], ..task.clone() };
+            let fit = run_over(problem, noise, &near, whole)?;
+            Some(Calibration { searches: rough.searches, agreeing: rough.agreeing, ..fit })
+        }
+        None => run_over(problem, noise, task, whole),
+    }
+}
+
+fn run_over(problem: &Problem, noise: &Noise, task: &Task, whole: bool) -> Option<Calibration> {
     let effort = problem.strategy().budget().calibration;
     with_problem(problem, noise, task, whole, |weighted, weights| {
         if task.starts.is_empty() {
@@ -147,6 +164,7 @@ pub fn fit_task(
 ) -> Result<Option<Outcome>, CompareError> {
     let mut problem = options.problem(given, experiment)?;
     problem.layout.leave_out(&task.unanswered);
+    (0..noise.refined).for_each(|_| _ = problem.refine_step());
     if problem.is_cut() && !noise.windows.is_empty() {
         problem.begin_windows(noise.windows.clone(), &noise.around)?;
     }

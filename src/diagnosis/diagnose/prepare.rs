@@ -23,6 +23,9 @@ use std::collections::BTreeMap;
 /// Median of |x| of a normal variable with unit variance.
 const MEDIAN: f64 = 0.674_489_750_196_081_7;
 
+/// Share of a signal's noise by which the inner step may change it, RMS. Squares of what it changes add a thousandth to chi-square.
+const STEP_SHOWS: f64 = 0.03;
+
 /// What the search starts from.
 pub(crate) struct Prepared {
     pub noise: Noise,
@@ -68,11 +71,17 @@ pub(crate) fn calibrated_baseline(problem: &mut Problem) -> Result<Prepared, Com
     let mut unanswered = Vec::new();
     let guess = Noise::new(first_guess(problem, &repeats));
     let mut first = fitted(problem, &guess, &[], &mut unanswered)?;
+    let mut refined = 0;
+    while is_coarse(problem, &guess, &first.values())? && problem.refine_step() {
+        refined += 1;
+        first = fitted(problem, &guess, &[first.values()], &mut unanswered)?;
+    }
     if problem.is_cut() {
         problem.refine_starts(&guess, &first.values())?;
         first = fitted(problem, &guess, &[first.values()], &mut unanswered)?;
     }
     let Found { mut noise, decided, flexible, modulations } = noise_about(problem, &repeats, &first)?;
+    noise.refined = refined;
     let mut baseline = refitted(problem, &noise, first, &mut unanswered)?;
     if problem.is_cut() {
         noise.around = baseline.values();
@@ -248,6 +257,24 @@ fn led_baseline(problem: &Problem, noise: &Noise, baseline: Calibration) -> Cali
         Some(again) => Calibration { searches: baseline.searches + 1, ..again },
         None => baseline,
     }
+}
+
+/// Whether the inner step shows beside the noise: the next finer one changes some signal by more than a share of its noise.
+fn is_coarse(problem: &Problem, noise: &Noise, values: &[f64]) -> Result<bool, CompareError> {
+    let mut finer = problem.clone();
+    if !finer.refine_step() {
+        return Ok(false);
+    }
+    let (ours, theirs) = (modelled(problem, values)?.values, modelled(&finer, values)?.values);
+    let changed = minus(&ours, &theirs);
+    let shows = |signal: &String, model: &NoiseModel| {
+        let blocks = problem.layout.blocks.iter().filter(|block| block.signal == *signal);
+        let present: Vec<f64> =
+            blocks.flat_map(|block| changed[block.range.clone()].iter().copied()).filter(|x| !x.is_nan()).collect();
+        let square = present.iter().map(|x| x * x).sum::<f64>() / present.len().max(1) as f64;
+        square.sqrt() > STEP_SHOWS * model.deviation
+    };
+    Ok(noise.models.iter().any(|(signal, model)| shows(signal, model)))
 }
 
 /// Whether two fits have the same parameters, to a search's accuracy.

@@ -3,6 +3,7 @@
 //! The JSON of a diagnosis follows from these types; `result.schema.json` beside them says its form, and a test holds one
 //! against the other. Keys may be added, none changes its meaning.
 
+use super::drive::WholeDrive;
 use super::serialised::{by_name, deviations, name_of};
 use crate::diagnosis::calibrate::CalibratedParameter;
 use crate::diagnosis::curves::Curves;
@@ -211,10 +212,13 @@ pub struct Diagnosis {
     pub suggestions: Vec<Suggestion>,
     /// Rows that are left out of everything, since the calibrated baseline has no answer there.
     pub unanswered: Vec<UnansweredRows>,
+    /// The final model over the whole of each run, where runs were cut into windows; null where they were not.
+    pub whole_drive: Option<WholeDrive>,
     /// What the reader should beware of, in words.
     pub cautions: Vec<String>,
     /// The final model: calibrated, effects switched on; what the experiment says of single runs is not part of it.
-    /// It states all its values: compared with the same experiment it gives the same errors. A wheel on a carriage where a
+    /// It states all its values: compared with the same experiment it gives the same errors, those of the whole drive where runs
+    /// were cut into windows. A wheel on a carriage where a
     /// single wheel was measured and no rover is named.
     #[serde(skip)]
     pub improved: Model,

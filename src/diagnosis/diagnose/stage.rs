@@ -7,7 +7,7 @@ use super::prepare::Prepared;
 use super::signature::{Sensitivities, sensitivities};
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::free::Free;
-use crate::diagnosis::linear_algebra::{Basis, Reach, dot, norm};
+use crate::diagnosis::linear_algebra::{Basis, Reach, Span, dot, norm};
 use crate::diagnosis::noise::{Repeats, Whitening};
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::Problem;
@@ -15,6 +15,9 @@ use crate::diagnosis::thresholds::DETECTABLE;
 use crate::measurement::Prior;
 use crate::parallel::map_in_order;
 use std::collections::BTreeMap;
+
+/// Bootstrap draws that are made together.
+const AT_A_TIME: usize = 8;
 
 /// A fit of the baseline with some effects, seen from where it stands.
 pub(crate) struct Stage {
@@ -30,7 +33,7 @@ pub(crate) struct Stage {
     pub gains: Gains,
     pub projected: Projected,
     /// Directions along the conditions outside the base.
-    pub flexible: Basis,
+    pub flexible: Span,
     /// Values at different set-points: repeats count once.
     pub set_points: usize,
     /// Statistics of the data.
@@ -112,7 +115,7 @@ impl Stage {
         };
         let absorbed = Projected::new(context.whitening, &base, &[]).base;
         let outside: Vec<Vec<f64>> = context.flexible.iter().map(|column| absorbed.outside(&whiten(column))).collect();
-        let flexible = Basis::of(&outside);
+        let flexible = Span::of(residual.len(), &outside);
         let sets = sets_of_repeats(problem, context.whitening);
         let set_points = sets.iter().max().map_or(0, |last| last + 1);
         let null = Null {
@@ -137,8 +140,11 @@ impl Stage {
             .collect();
         let gains = projected.gains(&projected.base.outside(&residual), &freed, effects.is_empty());
         let numbers: Vec<u64> = (0..context.draws as u64).collect();
-        let draw = |k: &u64| (!(control.stop)()).then(|| null.draw(*k));
-        let draws = map_in_order(&numbers, draw).into_iter().flatten().collect();
+        // Noise that comes from repeats is estimated again in each draw.
+        let products = context.repeats.is_none().then(|| null.products(context.whitening));
+        let batches: Vec<&[u64]> = numbers.chunks(AT_A_TIME).collect();
+        let draw = |batch: &&[u64]| (!(control.stop)()).then(|| null.draws(batch, products.as_ref()));
+        let draws = map_in_order(&batches, draw).into_iter().flatten().flatten().collect();
         Ok(Self {
             effects: effects.to_vec(),
             fit,

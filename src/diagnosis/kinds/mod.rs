@@ -84,8 +84,8 @@ pub(crate) trait Strategy: Debug + Sync {
     /// Number of rows at the start of a run that no fit counts.
     fn uncounted_rows(&self, run: &Run) -> usize;
 
-    /// Inner step of the simulation that the rows allow a diagnosis to take, s; `None` where the model's own step stays.
-    fn coarse_step(&self, experiment: &Experiment) -> Option<f64>;
+    /// Inner steps of the simulation that the rows allow a diagnosis to take, s, the longest first; none where the model's own stays.
+    fn coarse_steps(&self, experiment: &Experiment) -> Vec<f64>;
 
     /// The model's values of the measured rows as a function of `free`.
     ///

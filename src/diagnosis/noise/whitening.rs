@@ -103,3 +103,108 @@ fn projectors(layout: &Layout, strands: &[Strand]) -> Vec<Projector> {
     }
     projectors
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+
+    use super::*;
+    use crate::diagnosis::noise::NoiseModel;
+    use crate::diagnosis::windows::free::FreeStart;
+    use crate::measurement::{Experiment, Kind, Run, Table};
+    use nalgebra::{DMatrix, DVector};
+    use std::sync::Arc;
+
+    /// Rounding of a few hundred products, of squares of some thousand.
+    const ROUNDING: f64 = 1e-9;
+    const ROWS: usize = 40;
+
+    /// Two runs of two signals, in which some cells are missing.
+    fn experiment() -> Experiment {
+        let run = |k: usize| {
+            let mut data = Table::new(["time", "x", "pitch"]).unwrap();
+            for row in 0..ROWS {
+                let missing = row % 11 == 3 + k;
+                let x = Some((row as f64 * 0.7).sin()).filter(|_| !missing);
+                data.push_with_gaps(&[Some(row as f64 * 0.1), x, Some((row as f64).cos())]).unwrap();
+            }
+            Run {
+                name: format!("{k}"),
+                file: "".into(),
+                group: None,
+                parameters: BTreeMap::new(),
+                terrain: None,
+                x0: None,
+                data,
+                conditions: Vec::new(),
+                inputs: Vec::new(),
+                measured: vec!["x".to_owned(), "pitch".to_owned()],
+            }
+        };
+        Experiment {
+            name: String::new(),
+            kind: Kind::Traverse,
+            folder: "".into(),
+            parameters: BTreeMap::new(),
+            priors: BTreeMap::new(),
+            soil_class: None,
+            model: None,
+            noise: BTreeMap::new(),
+            effects: Vec::new(),
+            runs: vec![run(0), run(1)],
+            doubts: Vec::new(),
+        }
+    }
+
+    /// Windows of ten rows; the last start of each run repeats what the one before it says, and one says nothing.
+    fn starts() -> Vec<FreeStart> {
+        let mut all = Vec::new();
+        for run in 0..2 {
+            for window in 0..4 {
+                let slope = |row: usize, signal: usize| ((run + 3 * window + 5 * signal) as f64 + row as f64 * 0.3).sin();
+                let slopes = (0..2).map(|signal| (0..10).map(|row| slope(row, signal)).collect()).collect();
+                all.push(FreeStart { run, window, number: 0, rows: 10 * window..10 * window + 10, slopes });
+            }
+            let twin = all.last().unwrap().clone();
+            all.push(FreeStart { number: 1, ..twin.clone() });
+            all.push(FreeStart { number: 2, slopes: vec![vec![0.0; 10]; 2], ..twin });
+        }
+        all
+    }
+
+    #[test]
+    fn agreement_what_starts_could_bring_about_is_taken_out_as_if_each_were_fitted() {
+        let experiment = experiment();
+        let mut layout = Layout::new(&experiment);
+        let noise = NoiseModel { deviation: 0.3, run_share: 0.36, correlation: 0.5 };
+        let models: BTreeMap<String, NoiseModel> =
+            [("x".to_owned(), noise), ("pitch".to_owned(), NoiseModel { deviation: 0.02, ..noise })].into();
+        let plain = Whitening::new(&layout, &models, &|_, _| true).unwrap();
+        let starts = starts();
+        layout.free_starts = starts.iter().cloned().map(Arc::new).collect();
+        let freed = Whitening::new(&layout, &models, &|_, _| true).unwrap();
+        assert_eq!(freed.taken(), 8, "a repeated direction counts once, one of nothing not at all");
+        let values: Vec<f64> = (0..layout.len()).map(|k| (k as f64 * 1.7).sin()).collect();
+        let left = DVector::from_vec(freed.apply(&values));
+        // The same by a fit of every start.
+        let column = |start: &FreeStart| {
+            let mut raw = vec![0.0; layout.len()];
+            for (block, slopes) in layout.of_run(start.run).zip(&start.slopes) {
+                raw[block.range.clone()][start.rows.clone()].copy_from_slice(slopes);
+            }
+            DVector::from_vec(plain.apply(&raw))
+        };
+        let columns = DMatrix::from_columns(&starts.iter().map(column).collect::<Vec<_>>());
+        let white = DVector::from_vec(plain.apply(&values));
+        let fitted = columns.clone().svd(true, true).solve(&white, ROUNDING).unwrap();
+        let explicit = &white - &columns * &fitted;
+        assert!((&left - &explicit).amax() < ROUNDING * white.amax(), "{}", (&left - &explicit).amax());
+        // The starts that fit best leave the same.
+        let best = freed.best_starts(&values);
+        let moved = best.iter().fold(white, |rest, (name, change)| {
+            let start = starts.iter().find(|s| (s.run, s.window, s.number) == *name).unwrap();
+            rest + column(start) * *change
+        });
+        assert!((moved - explicit).amax() < ROUNDING * left.amax());
+    }
+}

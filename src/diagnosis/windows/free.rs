@@ -11,12 +11,11 @@
 
 use super::Windows;
 use crate::diagnosis::layout::Layout;
+use crate::diagnosis::linear_algebra::Factor;
 use crate::diagnosis::noise::{LocalWhite, NoiseModel};
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::DMatrix;
 use std::ops::Range;
 
-/// A direction of which less than this share (of its squares) is new beside those before it is none.
-const NEW: f64 = 1e-9;
 /// A column smaller than this many standard deviations a unit (m, m/s) in all its rows together changes nothing that was measured.
 const NOTHING: f64 = 1e-6;
 
@@ -79,7 +78,7 @@ pub(crate) struct Projector {
     /// Run, window and number of each column.
     names: Vec<(usize, usize, usize)>,
     commons: Vec<Common>,
-    factor: Cholesky<f64, Dyn>,
+    factor: Factor,
 }
 
 impl Projector {
@@ -98,8 +97,12 @@ impl Projector {
                 names.push((start.run, start.window, start.number));
             }
         }
-        let (columns, names, factor) = independent(columns, names, &commons)?;
-        Some(Self { columns, names, commons, factor })
+        let factor = Factor::of(&products(&columns, &commons));
+        let kept = |k: &usize| factor.kept.contains(k);
+        let names = (0..names.len()).filter(kept).map(|k| names[k]).collect();
+        let columns: Vec<Vec<Part>> = columns.into_iter().enumerate().filter(|(k, _)| kept(k)).map(|(_, c)| c).collect();
+        let factor = factor.numbered_anew();
+        (!columns.is_empty()).then_some(Self { columns, names, commons, factor })
     }
 
     /// Number of directions that are taken out.
@@ -109,7 +112,8 @@ impl Projector {
 
     /// Takes the starts out of whitened values.
     pub fn remove_from(&self, white: &mut [f64]) {
-        let change = self.factor.solve(&self.along(white));
+        let along = self.along(white);
+        let change = self.factor.solve(&|k| along[k]);
         let mut common = vec![0.0; self.commons.len()];
         for (column, size) in self.columns.iter().zip(change.iter()) {
             for part in column {
@@ -127,16 +131,17 @@ impl Projector {
     /// Changes of the starts, by run, window and number, that bring whitened residuals (modelled minus measured, nothing
     /// taken out yet) nearest to zero.
     pub fn best_starts(&self, white: &[f64]) -> Vec<((usize, usize, usize), f64)> {
-        let change = self.factor.solve(&self.along(white));
+        let along = self.along(white);
+        let change = self.factor.solve(&|k| along[k]);
         self.names.iter().copied().zip(change.iter().map(|x| -x)).collect()
     }
 
-    fn along(&self, white: &[f64]) -> DVector<f64> {
+    fn along(&self, white: &[f64]) -> Vec<f64> {
         let common: Vec<f64> = self.commons.iter().map(|common| dot(&common.values, &white[common.at..])).collect();
         let of = |column: &Vec<Part>| {
             column.iter().map(|part| dot(&part.values, &white[part.from..]) - part.along * common[part.strand]).sum()
         };
-        DVector::from_iterator(self.columns.len(), self.columns.iter().map(of))
+        self.columns.iter().map(of).collect()
     }
 }
 
@@ -154,49 +159,6 @@ fn part(start: &FreeStart, k: usize, strand: &StrandOf, common: &[f64]) -> Optio
     }
     let LocalWhite { values, along } = strand.noise.whiten_part(strand.rows, first, &raw, common);
     Some(Part { strand: k, from: strand.at + first, values, along })
-}
-
-/// The columns that are independent of those before them, their names, and the factor of their products.
-#[allow(clippy::type_complexity, reason = "three lists that belong together, taken apart by the one caller")]
-fn independent(
-    mut columns: Vec<Vec<Part>>,
-    mut names: Vec<(usize, usize, usize)>,
-    commons: &[Common],
-) -> Option<(Vec<Vec<Part>>, Vec<(usize, usize, usize)>, Cholesky<f64, Dyn>)> {
-    loop {
-        if columns.is_empty() {
-            return None;
-        }
-        let products = products(&columns, commons);
-        match dependent(&products) {
-            None => return Some((columns, names, products.cholesky()?)),
-            Some(k) => {
-                columns.remove(k);
-                names.remove(k);
-            }
-        }
-    }
-}
-
-/// The first column of which little is new.
-fn dependent(products: &DMatrix<f64>) -> Option<usize> {
-    let n = products.nrows();
-    let mut l = DMatrix::<f64>::zeros(n, n);
-    for i in 0..n {
-        for j in 0..=i {
-            let sum: f64 = (0..j).map(|k| l[(i, k)] * l[(j, k)]).sum();
-            let rest = products[(i, j)] - sum;
-            if i == j {
-                if !(rest > NEW * products[(i, i)]) {
-                    return Some(i);
-                }
-                l[(i, i)] = rest.sqrt();
-            } else {
-                l[(i, j)] = rest / l[(j, j)];
-            }
-        }
-    }
-    None
 }
 
 fn products(columns: &[Vec<Part>], commons: &[Common]) -> DMatrix<f64> {

@@ -59,8 +59,8 @@ impl Strategy for SingleWheel {
     }
 
     /// Steady points have no step.
-    fn coarse_step(&self, _: &Experiment) -> Option<f64> {
-        None
+    fn coarse_steps(&self, _: &Experiment) -> Vec<f64> {
+        Vec::new()
     }
 
     fn prediction<'p>(&self, problem: &'p Problem, free: &'p [Free]) -> Result<Box<dyn Predict + 'p>, PredictionError> {
