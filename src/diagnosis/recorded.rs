@@ -85,8 +85,18 @@ impl Recorded {
             _ => Drives::Loop(commands),
         };
         let columns = vec![None; names.len()];
-        let mut recorded =
-            Self { name: run.name.clone(), model, drives, guide, windows, time, felt, columns, traced: 0, targets: vec![] };
+        let mut recorded = Self {
+            name: run.name.clone(),
+            model,
+            drives,
+            guide,
+            windows,
+            time,
+            felt,
+            columns,
+            traced: 0,
+            targets: vec![],
+        };
         recorded.add_targets(&targets);
         Ok(recorded)
     }

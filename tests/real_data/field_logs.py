@@ -23,7 +23,7 @@ model = "two_wheeled_speed"
 "wheel[1].x" = -0.35        # assumed: the wheelbase is not given
 "wheel[2].x" = 0.35
 "rover.pitch_inertia" = 4.0 # assumed
-"rover.body.belly_z" = 0.1
+"rover.belly_z" = 0.05
 "motor.gear_ratio" = 1.0    # the torque constant stands for gear and motor
 [priors]
 # Half of a vehicle whose mass is not given, and a torque constant at the wheel that is not given.

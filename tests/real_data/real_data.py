@@ -18,6 +18,10 @@ import tomllib
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE))
+
+import field_logs  # noqa: E402
+
 DATA = Path(os.environ.get("BEKKER_DATA", HERE.parents[2] / "shared" / "data"))
 MOST_TIED = 3
 CUT = 0.3  # share of the left-out error that a named effect has to take away
@@ -130,6 +134,35 @@ SETS = {
 }
 
 
+def cuadriga(file, folder):
+    field_logs.cuadriga(sorted(file.parent.glob("*.csv")), folder)
+
+
+def husky(ground):
+    def make(file, folder):
+        shutil.copy(file, folder)
+        text = field_logs.HUSKY.format(ground=ground, file=file.name)
+        (folder / "experiment.toml").write_text(text, encoding="ascii")
+
+    return make
+
+
+# Logs of rovers: one file of shared/data that has to be there, and what makes the folder.
+FIELD_LOGS = {
+    "cuadriga": ("cuadriga_2019/2019_01_29_10_53_36.csv", cuadriga),
+    "husky_loam": ("husky/borealtc_sandy_loam.csv", husky("sandy loam")),
+    "husky_asphalt": ("husky/borealtc_asphalt.csv", husky("asphalt")),
+}
+
+
+def copied(toml):
+    def make(file, folder):
+        shutil.copy(file, folder)
+        (folder / "experiment.toml").write_text(toml, encoding="utf-8")
+
+    return make
+
+
 def diagnose(bekker, folder, extra):
     """The result as JSON and what was printed; {"error": ..} where there is none."""
     output = folder / "diagnosis.json"
@@ -197,18 +230,21 @@ def main():
     lines = ["| set | verdict | effects | left-out error falls by | judged |", "|---|---|---|---|---|"]
     failed, skipped = 0, []
     for name in wanted:
-        if name not in SETS:
+        if name not in SETS and name not in FIELD_LOGS:
             skipped.append(f"{name}: waits for: {answers[name].get('issue', 'a way to read it')}")
             continue
-        file, toml, extra = SETS[name]
+        if name in FIELD_LOGS:
+            (file, make), extra = FIELD_LOGS[name], []
+        else:
+            file, toml, extra = SETS[name]
+            make = copied(toml)
         if not (arguments.data / file).exists():
             skipped.append(f"{name}: needs the measurements {file}")
             continue
         with tempfile.TemporaryDirectory() as scratch:
             folder = (arguments.keep or Path(scratch)) / name
             folder.mkdir(parents=True, exist_ok=True)
-            shutil.copy(arguments.data / file, folder)
-            (folder / "experiment.toml").write_text(toml, encoding="utf-8")
+            make(arguments.data / file, folder)
             result, printed = diagnose(arguments.bekker, folder, extra)
         wrong = mistakes(answers[name], result, printed)
         failed += bool(wrong)

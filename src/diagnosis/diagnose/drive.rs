@@ -38,7 +38,10 @@ pub(crate) fn whole_drive(
     }
     let begins_at_rest = |run: &usize| {
         let windows = &problem.windows[*run];
-        windows.iter().enumerate().all(|(k, window)| if k == 0 { window.start.is_none() } else { window.begin < window.rows.start })
+        windows
+            .iter()
+            .enumerate()
+            .all(|(k, window)| if k == 0 { window.start.is_none() } else { window.begin < window.rows.start })
     };
     let runs: Vec<usize> = (0..problem.experiment.runs.len()).filter(begins_at_rest).collect();
     let mut whole = problem.only(&runs);

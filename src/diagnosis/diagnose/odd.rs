@@ -88,7 +88,8 @@ fn stretches(problem: &Problem, prepared: &Prepared) -> Result<Vec<Stretch>, Com
     let mut all: Vec<Stretch> = Vec::new();
     for (k, run) in problem.experiment.runs.iter().enumerate() {
         let time = run.data.column("time").unwrap_or_default();
-        let place = layout.of_run(k).find(|block| block.signal == "x").map(|block| &prepared.modelled[block.range.clone()]);
+        let place =
+            layout.of_run(k).find(|block| block.signal == "x").map(|block| &prepared.modelled[block.range.clone()]);
         for (row, t) in time.iter().enumerate() {
             let number = ((t - time[0]) / LENGTH) as usize;
             let new = all.last().is_none_or(|last| (last.run, last.number) != (k, number));
@@ -146,7 +147,10 @@ fn words(problem: &Problem, bad: &[&Stretch]) -> Vec<String> {
         ));
     } else {
         words.extend(starts.iter().map(|run| {
-            format!("the first {LENGTH:.0} s of run {} differ from the rest: contacts at the start; not counted", runs[*run].name)
+            format!(
+                "the first {LENGTH:.0} s of run {} differ from the rest: contacts at the start; not counted",
+                runs[*run].name
+            )
         }));
     }
     for stretch in bad.iter().filter(|stretch| stretch.number > 0) {

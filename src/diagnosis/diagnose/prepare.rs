@@ -23,8 +23,8 @@ use std::collections::BTreeMap;
 /// Median of |x| of a normal variable with unit variance.
 const MEDIAN: f64 = 0.674_489_750_196_081_7;
 
-/// Share of a signal's noise by which the inner step may change it, RMS. Squares of what it changes add a thousandth to chi-square.
-const STEP_SHOWS: f64 = 0.03;
+/// Share of a signal's noise by which the inner step may change it, RMS: chi-square grows by less than half a per cent.
+const STEP_SHOWS: f64 = 0.06;
 
 /// What the search starts from.
 pub(crate) struct Prepared {

@@ -161,7 +161,8 @@ mod tests {
         let mut all = Vec::new();
         for run in 0..2 {
             for window in 0..4 {
-                let slope = |row: usize, signal: usize| ((run + 3 * window + 5 * signal) as f64 + row as f64 * 0.3).sin();
+                let slope =
+                    |row: usize, signal: usize| ((run + 3 * window + 5 * signal) as f64 + row as f64 * 0.3).sin();
                 let slopes = (0..2).map(|signal| (0..10).map(|row| slope(row, signal)).collect()).collect();
                 all.push(FreeStart { run, window, number: 0, rows: 10 * window..10 * window + 10, slopes });
             }

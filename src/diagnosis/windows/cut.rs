@@ -85,7 +85,8 @@ fn shared(experiment: &Experiment, paths: Vec<Option<Path>>) -> Vec<Option<Path>
             .filter_map(|j| paths[j].as_ref())
             .filter(|other| near(own, other))
             .collect();
-        let mean = |value: &dyn Fn(&Path) -> f64| alike.iter().map(|path| value(path)).sum::<f64>() / alike.len() as f64;
+        let mean =
+            |value: &dyn Fn(&Path) -> f64| alike.iter().map(|path| value(path)).sum::<f64>() / alike.len() as f64;
         all[k] = Some(Path {
             x: (0..own.x.len()).map(|row| mean(&|path| path.x[row])).collect(),
             velocity: (0..own.x.len()).map(|row| mean(&|path| path.velocity[row])).collect(),

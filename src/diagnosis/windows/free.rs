@@ -90,7 +90,11 @@ impl Projector {
             .collect();
         let (mut columns, mut names) = (Vec::new(), Vec::new());
         for start in starts {
-            let column: Vec<Part> = strands.iter().enumerate().filter_map(|(k, strand)| part(start, k, strand, &commons[k].values)).collect();
+            let column: Vec<Part> = strands
+                .iter()
+                .enumerate()
+                .filter_map(|(k, strand)| part(start, k, strand, &commons[k].values))
+                .collect();
             let squares: f64 = column.iter().flat_map(|part| &part.values).map(|x| x * x).sum();
             if squares > NOTHING * NOTHING && squares.is_finite() {
                 columns.push(column);
@@ -100,7 +104,8 @@ impl Projector {
         let factor = Factor::of(&products(&columns, &commons));
         let kept = |k: &usize| factor.kept.contains(k);
         let names = (0..names.len()).filter(kept).map(|k| names[k]).collect();
-        let columns: Vec<Vec<Part>> = columns.into_iter().enumerate().filter(|(k, _)| kept(k)).map(|(_, c)| c).collect();
+        let columns: Vec<Vec<Part>> =
+            columns.into_iter().enumerate().filter(|(k, _)| kept(k)).map(|(_, c)| c).collect();
         let factor = factor.numbered_anew();
         (!columns.is_empty()).then_some(Self { columns, names, commons, factor })
     }

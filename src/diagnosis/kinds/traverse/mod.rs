@@ -96,12 +96,7 @@ impl Strategy for Traverse {
         cut::cut(experiment, models)
     }
 
-    fn free_starts(
-        &self,
-        problem: &Problem,
-        free: &[Free],
-        values: &[f64],
-    ) -> Result<Vec<FreeStart>, PredictionError> {
+    fn free_starts(&self, problem: &Problem, free: &[Free], values: &[f64]) -> Result<Vec<FreeStart>, PredictionError> {
         prediction(problem, free)?.free_starts(values)
     }
 

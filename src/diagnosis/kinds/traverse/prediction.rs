@@ -83,7 +83,8 @@ impl<'a> TraversePrediction<'a> {
             let felt = (0..free.len()).filter(|at| !own(&free[*at])).collect();
             let mut model = place(model, run)?;
             let guide = if guided { Guide::of(run, &mut model) } else { None };
-            let recorded = Recorded::new(model, run, layout.of_run(k), felt, guide, windows.get(k).map_or(&[], Vec::as_slice))?;
+            let recorded =
+                Recorded::new(model, run, layout.of_run(k), felt, guide, windows.get(k).map_or(&[], Vec::as_slice))?;
             let first = runs.iter().position(|other| other.repeats(&recorded));
             places.push(Some(first.unwrap_or(runs.len())));
             match first {
@@ -239,7 +240,8 @@ impl<'a> TraversePrediction<'a> {
         for (k, place) in self.places.iter().enumerate() {
             let Some(place) = *place else { continue };
             for (number, column) in columns.iter().enumerate().take(open[place]) {
-                for (window, cut) in self.runs[place].windows.iter().enumerate().filter(|(_, cut)| cut.start.is_some()) {
+                for (window, cut) in self.runs[place].windows.iter().enumerate().filter(|(_, cut)| cut.start.is_some())
+                {
                     let own = |block: &Block| column[block.range.clone()][cut.rows.clone()].to_vec();
                     let slopes = self.layout.of_run(k).map(own).collect();
                     starts.push(FreeStart { run: k, window, number, rows: cut.rows.clone(), slopes });
