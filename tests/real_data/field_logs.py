@@ -17,6 +17,8 @@ AHEAD = 1.5  # m of ground known before and behind the path
 CUADRIGA = """name = "Cuadriga, straight stretches of 14 drives"
 kind = "traverse"
 model = "two_wheeled_speed"
+[columns]
+"current_side" = { signal = "current", wheels = [1, 2] }
 [parameters]
 "wheel.radius" = 0.207
 "wheel.width" = 0.15        # assumed
@@ -24,11 +26,11 @@ model = "two_wheeled_speed"
 "wheel[2].x" = 0.35
 "rover.pitch_inertia" = 4.0 # assumed
 "rover.belly_z" = 0.05
-"motor.gear_ratio" = 1.0    # the torque constant stands for gear and motor
+"motor.gear_ratio" = 50.0   # assumed: only its product with the torque constant counts
 [priors]
-# Half of a vehicle whose mass is not given, and a torque constant at the wheel that is not given.
+# Half of a vehicle whose mass is not given, and a torque constant that is not given.
 "rover.mass" = { mean = 40.0, sd = 8.0 }
-"motor.torque_constant" = { mean = 3.0, sd = 1.5 }
+"motor.torque_constant" = { mean = 0.06, sd = 0.03 }
 """
 
 HUSKY = """name = "Husky on {ground}"
@@ -36,10 +38,10 @@ kind = "traverse"
 model = "two_wheeled_speed"
 ignore = ["rim_speed_right", "current_right", "ax", "ay", "az", "gyro_yaw", "gyro_pitch"]
 [columns]
-"run" = "run"
+"run" = {{ run = true }}
 "time" = "time"
-"rim_speed_left" = ["wheel[1].rim_speed_command", "wheel[2].rim_speed_command"]
-"current_left" = "wheel[1,2].current"
+"rim_speed_left" = {{ signal = "rim_speed_command", wheels = [1, 2] }}
+"current_left" = {{ signal = "current", wheels = [1, 2] }}
 [parameters]
 "wheel.radius" = 0.13
 "wheel.width" = 0.114
@@ -114,11 +116,11 @@ def write(rows, folder, name):
     speed = lambda r: -0.5 * (r["wheel_left"] + r["wheel_right"]) * RIM / CUADRIGA_RADIUS
     current = lambda r: 0.5 * (r["current_left"] + r["current_right"])
     start = rows[0]["time"]
-    # The IMU is tilted by about -13 degrees; positive noses up as the model's pitch.
+    # The IMU is tilted by about -13 degrees, and its pitch falls uphill (correlation with the slope of the map -0.7).
     cell = lambda v: "" if math.isnan(v) else f"{v:.5f}"
-    lines = ['time,wheel[1].speed_command,wheel[2].speed_command,x,velocity,pitch,"wheel[1,2].current"']
+    lines = ["time,wheel[1].speed_command,wheel[2].speed_command,x,velocity,pitch,current_side"]
     for k, r in enumerate(rows):
-        pitch = math.radians(r["imu_pitch_deg"] + 13.0)
+        pitch = -math.radians(r["imu_pitch_deg"] + 13.0)
         values = [r["time"] - start, speed(r), speed(r), way[k], r["velocity"], pitch, current(r)]
         lines.append(",".join(cell(v) for v in values))
     (folder / f"{name}.csv").write_text("\n".join(lines) + "\n", encoding="ascii")
