@@ -25,6 +25,11 @@ const MAX_STEPS: u64 = 300;
 /// Steps over which a search must have gained something worth its time.
 const STRETCH: usize = 10;
 
+/// A fall of the cost over so many steps that no decision hangs on: a twentieth of chi-square. Towards a bound on which an effect of no
+/// strength ends a search makes many such steps.
+const STILL: f64 = 0.025;
+const STILL_STEPS: usize = 4;
+
 /// How long searches from several starts are followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pace {
@@ -157,6 +162,10 @@ impl<'a> Search<'a> {
     }
 
     fn crawls(&self) -> bool {
+        let still = |before: usize| self.costs[before] - self.at.cost < STILL;
+        if self.least_fall > 0.0 && self.costs.len().checked_sub(STILL_STEPS + 1).is_some_and(still) {
+            return true;
+        }
         let Some(before) = self.costs.len().checked_sub(STRETCH + 1) else { return false };
         self.costs[before] - self.at.cost < self.least_fall * (self.at.cost - self.noise)
     }

@@ -8,6 +8,9 @@ use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::thresholds::{COMMON, WORTH_A_REFIT};
 
+/// Fits of single effects where none promises more than noise does.
+const FEW: usize = 3;
+
 impl Search<'_> {
     /// Fits the candidates on top of the baseline's stage. Where that is far from the measurements, a better baseline is looked
     /// for first, and the best effects are fitted once more from other places. Returns the stage of the baseline that was taken.
@@ -41,6 +44,10 @@ impl Search<'_> {
         // noise alone does with the probability `COMMON`.
         let mut gained = 0.0_f64;
         let common = |promise: f64| p_value(&stage.draws, |draw| draw.single, promise) > COMMON;
+        // Where noise alone promises as much a few fits show that the promises are kept.
+        if !stage.fit.is_far() && promises.first().is_some_and(|(most, _)| common(*most)) {
+            promises.truncate(FEW);
+        }
         for round in 0.. {
             let Some((most, _)) = promises.first() else { return };
             if round > 0 && !stage.fit.is_far() && common(*most) {
