@@ -6,6 +6,7 @@
 
 use super::effort::{Draws, Effort};
 use super::free::Free;
+use super::gauss_newton::Descent;
 use super::least_squares::{LeastSquares, Minimum, Pace};
 use super::thresholds::FAR;
 use super::weighted::Weighted;
@@ -173,13 +174,22 @@ fn search(
 }
 
 /// A calibration at given values, without any search. `None` where the model has no answer there.
-pub(crate) fn settled(weighted: &Weighted, weights: &BTreeMap<String, f64>, values: &[f64]) -> Option<Calibration> {
+pub(crate) fn settled(
+    weighted: &Weighted,
+    weights: &BTreeMap<String, f64>,
+    values: &[f64],
+    pace: Pace,
+) -> Option<Calibration> {
     let residual = |u: &[f64]| weighted.residual(u);
     let linear = |u: &[f64]| weighted.linear(u);
     let problem = least_squares(weighted, &residual, &linear);
     let x = weighted.coordinates(values);
+    if pace.gauss_newton {
+        let at = Descent::new(&problem, &x).filter(|_| weighted.is_valid(&x))?.minimum(true);
+        return Some(finished(weighted, &problem, at, weights));
+    }
     let cost = Some(problem.cost_at(&x)).filter(|cost| cost.is_finite() && weighted.is_valid(&x))?;
-    Some(finished(weighted, &problem, Minimum { x, cost, steps: 0, converged: true }, weights))
+    Some(finished(weighted, &problem, Minimum { x, cost, steps: 0, converged: true, triangle: None }, weights))
 }
 
 /// Bounds, standard errors and figures of a minimum.
@@ -193,7 +203,7 @@ fn finished(
     let at_bound = put_on_bounds(weighted, problem, &mut best);
     let degrees_of_freedom = weighted.freedom().saturating_sub(free.len());
     let chi_square = 2.0 * best.cost;
-    let deviations = deviations(weighted, &best.x, &at_bound, chi_square, degrees_of_freedom);
+    let deviations = deviations(weighted, &best, &at_bound, chi_square, degrees_of_freedom);
     let values = weighted.values(&best.x);
     let parameters = free.iter().enumerate().map(|(k, free)| CalibratedParameter {
         variable: free.variable.clone(),
@@ -228,11 +238,16 @@ fn put_on_bounds(weighted: &Weighted, problem: &LeastSquares, minimum: &mut Mini
         } else {
             continue;
         };
+        // A search that knows its derivatives has been there.
+        if minimum.triangle.is_some() && minimum.x[k] == bound {
+            at_bound[k] = true;
+            continue;
+        }
         let mut moved = minimum.x.clone();
         moved[k] = bound;
         let cost = problem.cost_at(&moved);
         if cost <= minimum.cost * (1.0 + SAME_COST) && weighted.is_valid(&moved) {
-            (minimum.x, minimum.cost, at_bound[k]) = (moved, cost, true);
+            (minimum.x, minimum.cost, at_bound[k], minimum.triangle) = (moved, cost, true, None);
         }
     }
     at_bound
@@ -244,13 +259,16 @@ fn put_on_bounds(weighted: &Weighted, problem: &LeastSquares, minimum: &mut Mini
 /// Where a standard error exceeds the width of the bounds, the parameter counts as not determined.
 fn deviations(
     weighted: &Weighted,
-    u: &[f64],
+    minimum: &Minimum,
     at_bound: &[bool],
     chi_square: f64,
     degrees_of_freedom: usize,
 ) -> Vec<Option<f64>> {
+    let u = &minimum.x;
     let inner: Vec<usize> = (0..u.len()).filter(|k| !at_bound[*k]).collect();
-    let jacobian = weighted.linear(u).select_columns(&inner.iter().map(|k| k + 1).collect::<Vec<_>>());
+    // Products of the columns, all that is asked for, are those of their triangular factor.
+    let linear = minimum.triangle.clone().unwrap_or_else(|| weighted.linear(u));
+    let jacobian = linear.select_columns(&inner.iter().map(|k| k + 1).collect::<Vec<_>>());
     let mut all = vec![None; u.len()];
     if jacobian.is_empty() || jacobian.iter().any(|x| !x.is_finite()) {
         return all;

@@ -9,6 +9,7 @@
 //! it needs the triangular factor alone, since |Q'r| = |r| and J'r, J'J stay as they are. Its singular values are found
 //! by rotations of whole rows, which for thousands of rows took a fifth of a diagnosis.
 
+use super::gauss_newton::Descent;
 use basin::{
     BoxBounds, ConstraintSet, Constraints, CostFunction, DenseMatrix, Executor, Jacobian, Residual, State, StepOutcome,
     TerminationCode, TrustRegionReflective,
@@ -25,11 +26,6 @@ const MAX_STEPS: u64 = 300;
 /// Steps over which a search must have gained something worth its time.
 const STRETCH: usize = 10;
 
-/// A fall of the cost over so many steps that no decision hangs on: a twentieth of chi-square. Towards a bound on which an effect of no
-/// strength ends a search makes many such steps.
-const STILL: f64 = 0.025;
-const STILL_STEPS: usize = 4;
-
 /// How long searches from several starts are followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pace {
@@ -40,6 +36,8 @@ pub(crate) struct Pace {
     /// A search ends where over ten steps it brought its misfit beyond noise down by less than this share: near a corner of the bounds
     /// a search advances slowly, and where the model lacks an effect the last of such steps are not worth their time.
     pub least_fall: f64,
+    /// Whether a search makes Gauss-Newton steps, which ask for few derivatives: where one costs more than all algebra.
+    pub gauss_newton: bool,
 }
 
 /// Share by which a search may be behind the best after the first steps.
@@ -47,13 +45,13 @@ const BEATEN: f64 = 0.05;
 
 impl Pace {
     /// Every search to its end.
-    pub const PATIENT: Self = Self { first_steps: usize::MAX, further_steps: 0, least_fall: 0.0 };
+    pub const PATIENT: Self = Self { first_steps: usize::MAX, further_steps: 0, least_fall: 0.0, gauss_newton: false };
     /// Where an evaluation takes tenths of a second.
-    pub const BRISK: Self = Self { first_steps: 12, further_steps: usize::MAX, least_fall: 1e-3 };
+    pub const BRISK: Self = Self { first_steps: 6, further_steps: 34, least_fall: 1e-3, gauss_newton: true };
     /// A few steps that tell which way is worth going on.
-    pub const SHORT: Self = Self { first_steps: 8, further_steps: 0, least_fall: 5e-3 };
+    pub const SHORT: Self = Self { first_steps: 4, further_steps: 0, least_fall: 5e-3, gauss_newton: true };
     /// As many as an effect needs to take over from what a calibration had put in its place.
-    pub const MEDIUM: Self = Self { first_steps: 16, further_steps: 0, least_fall: 5e-3 };
+    pub const MEDIUM: Self = Self { first_steps: 8, further_steps: 0, least_fall: 5e-3, gauss_newton: true };
 }
 
 /// Residuals and their Jacobian over a box.
@@ -81,12 +79,19 @@ pub(crate) struct Minimum {
     pub steps: u64,
     /// Whether a tolerance was met, rather than the limit of steps or a numerical breakdown.
     pub converged: bool,
+    /// Triangular factor of residuals and Jacobian there, where the search knows it.
+    pub triangle: Option<DMatrix<f64>>,
 }
 
 impl LeastSquares<'_> {
     /// 1/2 |r(x)|^2; infinite where the model has no answer.
     pub fn cost_at(&self, x: &[f64]) -> f64 {
         0.5 * (self.residual)(x).iter().map(|r| r * r).sum::<f64>()
+    }
+
+    /// The triangular factor of residuals and Jacobian; NaN where the model has no answer.
+    pub fn triangle_at(&self, x: &[f64]) -> DMatrix<f64> {
+        triangle((self.linear)(x))
     }
 
     /// Searches from each of `starts`, which must have finite costs; where each ended. Empty where the bounds are not an
@@ -119,12 +124,20 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     fn new(problem: &'a LeastSquares<'a>, start: &[f64], pace: Pace) -> Option<Self> {
+        let noise = 0.5 * problem.rows.saturating_sub(start.len()) as f64;
+        if pace.gauss_newton {
+            let mut descent = Descent::new(problem, start)?;
+            let at = descent.minimum(false);
+            let step = Box::new(move || Some(descent.step()));
+            return Some(Self { step, at, ended: false, costs: Vec::new(), least_fall: pace.least_fall, noise });
+        }
         let solver = TrustRegionReflective::new()
             .with_relative_cost_change_tolerance(problem.tolerance)
             .with_relative_step_tolerance(STEP_TOLERANCE);
         let executor = Executor::from_start(Borrowed(problem), solver, start.to_vec()).max_iter(MAX_STEPS);
         let mut stepper = executor.into_stepper().ok()?;
-        let at = Minimum { x: start.to_vec(), cost: stepper.state().cost(), steps: 0, converged: false };
+        let cost = stepper.state().cost();
+        let at = Minimum { x: start.to_vec(), cost, steps: 0, converged: false, triangle: None };
         let step = move || {
             let stopped = match stepper.step().ok()? {
                 StepOutcome::Continue => None,
@@ -136,10 +149,10 @@ impl<'a> Search<'a> {
                 cost: state.cost(),
                 steps: state.iter(),
                 converged: stopped.unwrap_or(false),
+                triangle: None,
             };
             Some((at, stopped.is_some()))
         };
-        let noise = 0.5 * problem.rows.saturating_sub(start.len()) as f64;
         Some(Self { step: Box::new(step), at, ended: false, costs: Vec::new(), least_fall: pace.least_fall, noise })
     }
 
@@ -162,10 +175,6 @@ impl<'a> Search<'a> {
     }
 
     fn crawls(&self) -> bool {
-        let still = |before: usize| self.costs[before] - self.at.cost < STILL;
-        if self.least_fall > 0.0 && self.costs.len().checked_sub(STILL_STEPS + 1).is_some_and(still) {
-            return true;
-        }
         let Some(before) = self.costs.len().checked_sub(STRETCH + 1) else { return false };
         self.costs[before] - self.at.cost < self.least_fall * (self.at.cost - self.noise)
     }

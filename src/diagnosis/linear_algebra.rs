@@ -176,6 +176,39 @@ impl Span {
     }
 }
 
+/// The span of columns: by an orthonormal basis or, where columns are many and long, by their products.
+#[derive(Clone, Debug)]
+pub(crate) enum Directions {
+    Basis(Basis),
+    Span(Span),
+}
+
+impl Directions {
+    /// Number of directions.
+    pub fn rank(&self) -> usize {
+        match self {
+            Self::Basis(basis) => basis.rank(),
+            Self::Span(span) => span.rank(),
+        }
+    }
+
+    /// Squared length of the part of a column within the span.
+    pub fn squares_within(&self, column: &[f64]) -> f64 {
+        match self {
+            Self::Basis(basis) => basis.squares_within(column),
+            Self::Span(span) => span.squares_within(column),
+        }
+    }
+
+    /// The same of several columns.
+    pub fn squares_within_each(&self, columns: &[Vec<f64>]) -> Vec<f64> {
+        match self {
+            Self::Basis(basis) => columns.iter().map(|column| basis.squares_within(column)).collect(),
+            Self::Span(span) => span.squares_within_each(columns),
+        }
+    }
+}
+
 /// Products of all columns with each other. By way of the transpose, for which the product of matrices is a fast one.
 pub(crate) fn products(columns: &nalgebra::DMatrix<f64>) -> nalgebra::DMatrix<f64> {
     columns.transpose() * columns

@@ -16,6 +16,7 @@ mod effort;
 mod failure;
 mod fit;
 mod free;
+mod gauss_newton;
 mod given;
 mod guide;
 mod halt;

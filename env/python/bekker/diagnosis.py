@@ -383,5 +383,6 @@ def _list(start: str, names: list[str]) -> str:
 
 def _diagnosis(native: "_bekker.NativeDiagnosis") -> Diagnosis:
     text = native.json()
-    found = merged(json.loads(text), json.loads(native.details()))
+    # Only a drive that was cut into windows has the key.
+    found = {"whole_drive": None} | merged(json.loads(text), json.loads(native.details()))
     return built(Diagnosis, found, improved=native.improved(), _json=text, _native=native)

@@ -3,14 +3,19 @@
 //! Each draw makes noise for every row, re-estimates the noise model from the repeats of that very draw, whitens by it,
 //! and fits base and candidates around the given fit by their sensitivities. So the p-value accounts for the number
 //! of candidates, the uncertainty of the noise model, and the side of the neutral value on which an effect may lie.
+//!
+//! Where rows are many (`by_products`), the noise of a draw is whitened by its own model and the columns by the given one: a gain does
+//! not depend on the scale of its column, so that what is neglected is of second order in the error of the noise model, which
+//! thousands of rows keep to a few per cent.
 
 use super::signature::{Column, Signature};
 use crate::diagnosis::layout::Layout;
-use crate::diagnosis::linear_algebra::{Basis, Factor, Reach, Span, best_fall, dot, products};
+use crate::diagnosis::linear_algebra::{Basis, Directions, Factor, Reach, best_fall, dot, products};
 use crate::diagnosis::noise::{NoiseModel, Repeats, Whitening, estimate_near};
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 const SEED: u64 = 1979;
@@ -27,7 +32,7 @@ pub(crate) struct Null<'a> {
     /// For every whitened value the set of repeats that it belongs to; values that nothing repeats are sets of one.
     pub sets: &'a [usize],
     /// Directions along the conditions, in whitened values of the given noise, outside the base.
-    pub flexible: &'a Span,
+    pub flexible: &'a Directions,
     /// Whether to draw pairs as well.
     pub pairs: bool,
 }
@@ -134,7 +139,8 @@ impl Projected {
 }
 
 /// Whitened columns of the base and of all signatures, and their products.
-pub(crate) struct Products {
+pub(crate) struct Products<'w> {
+    whitening: &'w Whitening,
     columns: DMatrix<f64>,
     base: Factor,
     /// Number of columns of the base, the first ones.
@@ -147,8 +153,8 @@ pub(crate) struct Products {
     views: Vec<Vec<(std::ops::Range<usize>, Vec<Reach>)>>,
 }
 
-impl Products {
-    fn new(whitening: &Whitening, base: &[(Vec<f64>, Vec<f64>)], signatures: &[Signature]) -> Self {
+impl<'w> Products<'w> {
+    fn new(whitening: &'w Whitening, base: &[(Vec<f64>, Vec<f64>)], signatures: &[Signature]) -> Self {
         let extra = base.first().map_or(0, |(_, priors)| priors.len());
         let (mut all, mut count) = (Vec::new(), 0);
         for (column, priors) in base {
@@ -178,7 +184,7 @@ impl Products {
         let outside = DMatrix::from_fn(count - of_base, count - of_base, |i, j| {
             gram[(of_base + i, of_base + j)] - dot(&shared[i], &shared[j])
         });
-        Self { columns, base: factor, of_base, outside, shared, views }
+        Self { whitening, columns, base: factor, of_base, outside, shared, views }
     }
 
     /// A residual outside the base, and the products of the signatures' columns (outside the base) with it.
@@ -246,7 +252,7 @@ fn fall(columns: &[&[f64]], reach: &[Reach], freed: &[(Vec<f64>, Reach)], residu
 
 impl Null<'_> {
     /// Statistics of these draws, each of which has its own seed: the same whatever the order of the draws.
-    /// `known` are the products where noise is not estimated again.
+    /// With the products `known` of the columns these are not whitened again.
     pub fn draws(&self, numbers: &[u64], known: Option<&Products>) -> Vec<Statistics> {
         let (mut all, rests): (Vec<Statistics>, Vec<Vec<f64>>) =
             numbers.iter().filter_map(|k| self.draw(*k, known)).unzip();
@@ -269,27 +275,32 @@ impl Null<'_> {
                 *value = f64::NAN;
             }
         }
-        let models = match self.repeats {
-            None => self.noise.clone(),
-            Some(repeats) => self
-                .noise
-                .iter()
-                .map(|(signal, model)| {
-                    let again = estimate_near(repeats, self.layout, signal, &noise, model).unwrap_or(*model);
-                    (signal.clone(), again)
-                })
-                .collect(),
+        let whitening = match (self.repeats, known) {
+            (None, Some(products)) => Cow::Borrowed(products.whitening),
+            (repeats, _) => Cow::Owned(Whitening::new(self.layout, &self.noise_of(repeats, &noise), &|_, _| true)?),
         };
-        let whitening = Whitening::new(self.layout, &models, &|_, _| true)?;
         let white = whitening.apply(&noise);
         Some(match known {
             Some(products) => self.by_products(products, white),
-            None => self.by_products(&self.products(&whitening), white),
+            None => {
+                let (statistics, _, _, rest) = self.judged(&whitening, &white);
+                (statistics, rest)
+            }
         })
     }
 
-    /// Products of the columns, for draws that all have this whitening.
-    pub fn products(&self, whitening: &Whitening) -> Products {
+    /// The noise models as the repeats of a draw tell them; the given ones without repeats.
+    fn noise_of(&self, repeats: Option<&Repeats>, noise: &[f64]) -> BTreeMap<String, NoiseModel> {
+        let Some(repeats) = repeats else { return self.noise.clone() };
+        let again = |(signal, model): (&String, &NoiseModel)| {
+            let again = estimate_near(repeats, self.layout, signal, noise, model).unwrap_or(*model);
+            (signal.clone(), again)
+        };
+        self.noise.iter().map(again).collect()
+    }
+
+    /// Products of the columns under the given noise.
+    pub fn products<'w>(&self, whitening: &'w Whitening) -> Products<'w> {
         Products::new(whitening, self.base, self.signatures)
     }
 
@@ -308,6 +319,13 @@ impl Null<'_> {
 
     /// Statistics for a whitened residual without the priors' rows, and the projected columns.
     pub fn statistics(&self, whitening: &Whitening, residual: &[f64]) -> (Statistics, Gains, Projected) {
+        let (mut statistics, gains, projected, rest) = self.judged(whitening, residual);
+        statistics.structure = self.flexible.squares_within(&rest);
+        (statistics, gains, projected)
+    }
+
+    /// The same, its structure still open, and what is left outside the base.
+    fn judged(&self, whitening: &Whitening, residual: &[f64]) -> (Statistics, Gains, Projected, Vec<f64>) {
         let projected = Projected::new(whitening, self.base, self.signatures);
         let extra = self.base.first().map_or(0, |(_, priors)| priors.len());
         let mut residual = residual.to_vec();
@@ -317,11 +335,11 @@ impl Null<'_> {
         let statistics = Statistics {
             chi_square: dot(&residual, &residual),
             common: common(&residual, self.sets),
-            structure: self.flexible.squares_within(&residual),
+            structure: 0.0,
             single: gains.singles.iter().map(|(fall, ..)| *fall).fold(0.0, f64::max),
             pair: gains.pairs.iter().map(|(.., fall)| *fall).fold(0.0, f64::max),
         };
-        (statistics, gains, projected)
+        (statistics, gains, projected, residual)
     }
 }
 

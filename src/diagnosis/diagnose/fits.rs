@@ -9,6 +9,7 @@ use crate::diagnosis::least_squares::Pace;
 use crate::diagnosis::noise::{NoiseModel, Whitening};
 use crate::diagnosis::prediction::Predict;
 use crate::diagnosis::problem::Problem;
+use crate::diagnosis::thresholds::FAR;
 use crate::diagnosis::weighted::Weighted;
 use crate::diagnosis::windows::Window;
 use crate::measurement::Experiment;
@@ -93,10 +94,12 @@ pub(crate) fn run_open(problem: &Problem, noise: &Noise, task: &Task) -> Option<
 }
 
 fn run_for(problem: &Problem, noise: &Noise, task: &Task, whole: bool) -> Option<Calibration> {
-    // From far away the way is found over a few windows; a fit that starts at its end needs none.
-    let far_away = task.starts.is_empty() || !task.effects.is_empty();
-    let thin = (far_away && task.left_out.is_empty()).then(|| problem.thinned()).flatten();
-    match thin.and_then(|thin| run_over(&thin, noise, task, false)) {
+    // From far away the way is found over a few windows; a fit that starts near its end needs none.
+    let thin = task.left_out.is_empty().then(|| problem.thinned()).flatten();
+    let rough = thin
+        .filter(|thin| task.starts.is_empty() || begins_far(thin, noise, task))
+        .and_then(|thin| run_over(&thin, noise, task, false));
+    match rough {
         Some(rough) => {
             let near = Task { starts: vec![rough.values()], ..task.clone() };
             let fit = run_over(problem, noise, &near, whole)?;
@@ -104,6 +107,21 @@ fn run_for(problem: &Problem, noise: &Noise, task: &Task, whole: bool) -> Option
         }
         None => run_over(problem, noise, task, whole),
     }
+}
+
+/// Whether all starts of a task are far from the measurements.
+fn begins_far(problem: &Problem, noise: &Noise, task: &Task) -> bool {
+    let chi_squares = costs(problem, noise, task);
+    chi_squares.is_some_and(|(all, freedom)| all.iter().all(|chi_square| !(*chi_square <= FAR * freedom)))
+}
+
+/// Chi-square at each start of a task, infinite where the model has no answer, and the degrees of freedom.
+fn costs(problem: &Problem, noise: &Noise, task: &Task) -> Option<(Vec<f64>, f64)> {
+    with_problem(problem, noise, task, false, |weighted, _| {
+        let square = |start: &Vec<f64>| weighted.residual(&weighted.coordinates(start)).iter().map(|r| r * r).sum();
+        let freedom = weighted.freedom().saturating_sub(weighted.free.len());
+        Some((task.starts.iter().map(square).collect(), freedom as f64))
+    })
 }
 
 fn run_over(problem: &Problem, noise: &Noise, task: &Task, whole: bool) -> Option<Calibration> {
@@ -120,13 +138,13 @@ fn run_over(problem: &Problem, noise: &Noise, task: &Task, whole: bool) -> Optio
 }
 
 /// Calls `f` with the weighted least-squares problem of a task.
-fn with_problem(
+fn with_problem<R>(
     problem: &Problem,
     noise: &Noise,
     task: &Task,
     whole: bool,
-    f: impl FnOnce(&Weighted, &BTreeMap<String, f64>) -> Option<Calibration>,
-) -> Option<Calibration> {
+    f: impl FnOnce(&Weighted, &BTreeMap<String, f64>) -> Option<R>,
+) -> Option<R> {
     let mut free = problem.free(&task.effects);
     let of_base = |name: &str| problem.base.iter().any(|free| free.variable.name == name);
     free.retain(|free| of_base(&free.variable.name) || task.parameters.contains(&free.variable.name));
@@ -173,13 +191,26 @@ pub fn fit_task(
 
 /// Runs a task for its values and cost alone.
 pub(crate) fn outcome(problem: &Problem, noise: &Noise, task: &Task) -> Option<Outcome> {
+    if task.scouting.is_some()
+        && let Some(thin) = problem.thinned()
+    {
+        return look(problem, &thin, noise, task);
+    }
     let fit = run(problem, noise, task)?;
     Some(Outcome { values: fit.values(), chi_square: fit.chi_square })
+}
+
+/// A first look is made over a few windows, and only its end is seen over all.
+fn look(problem: &Problem, thin: &Problem, noise: &Noise, task: &Task) -> Option<Outcome> {
+    let values = run_over(thin, noise, task, false)?.values();
+    let there = Task { starts: vec![values.clone()], ..task.clone() };
+    let chi_square = costs(problem, noise, &there)?.0[0];
+    chi_square.is_finite().then_some(Outcome { values, chi_square })
 }
 
 /// What is known at given values without a search: cost, standard errors, which parameters sit on bounds.
 pub(crate) fn settle(problem: &Problem, noise: &Noise, task: &Task) -> Option<Calibration> {
     with_problem(problem, noise, task, task.left_out.is_empty(), |weighted, weights| {
-        settled(weighted, weights, task.starts.first()?)
+        settled(weighted, weights, task.starts.first()?, problem.strategy().budget().calibration.pace)
     })
 }

@@ -44,7 +44,7 @@ pub(crate) fn held_out(
         let task = problem.task(effects, vec![fit.values()]);
         Some(run(problem, noise, &Task { left_out: fold.clone(), scouting, ..task })?.values())
     };
-    let fitted: Vec<Kept> = match problem.strategy().left_out(fit) {
+    let fitted: Vec<Kept> = match problem.strategy().left_out(problem, fit) {
         LeftOut::Step => stepped(problem, noise, effects, &fit.values(), folds)?,
         LeftOut::Refit => {
             let opened = |fold| opened(problem, noise, effects, refit(fold, None)?, fold);

@@ -247,7 +247,7 @@ fn fitted(
 /// starts from a fit in which a guiding force (`guide.rs`) holds the rover near the measured velocity, so that it does not get
 /// stuck.
 fn led_baseline(problem: &Problem, noise: &Noise, baseline: Calibration) -> Calibration {
-    if !problem.strategy().can_be_led(&baseline) {
+    if !problem.strategy().can_be_led(problem, &baseline) {
         return baseline;
     }
     let led = Task { guided: true, ..problem.task(&[], Vec::new()) };

@@ -212,7 +212,8 @@ pub struct Diagnosis {
     pub suggestions: Vec<Suggestion>,
     /// Rows that are left out of everything, since the calibrated baseline has no answer there.
     pub unanswered: Vec<UnansweredRows>,
-    /// The final model over the whole of each run, where runs were cut into windows; null where they were not.
+    /// The final model over the whole of each run, where runs were cut into windows.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub whole_drive: Option<WholeDrive>,
     /// What the reader should beware of, in words.
     pub cautions: Vec<String>,

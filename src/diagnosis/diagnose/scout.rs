@@ -22,7 +22,9 @@ impl Search<'_> {
     pub(super) fn scout(&mut self, stage: &Stage) {
         let unknown = |k: &usize| self.fits.get(&self.with(stage, *k)).is_none();
         let all: Vec<usize> = (0..stage.gains.singles.len()).filter(unknown).collect();
-        let tasks: Vec<Task> = all.iter().map(|k| self.look(self.start(stage, *k), SEARCHES)).collect();
+        // Draws find a way past soils in which a replay gets stuck; in windows a rover begins anew every few seconds.
+        let searches = if self.problem.is_cut() { 0 } else { SEARCHES };
+        let tasks: Vec<Task> = all.iter().map(|k| self.look(self.start(stage, *k), searches)).collect();
         self.keep(&tasks);
     }
 
@@ -43,7 +45,7 @@ impl Search<'_> {
     /// # Errors
     /// [`PredictionError`].
     pub(super) fn led_baseline(&mut self, stage: Stage) -> Result<Stage, PredictionError> {
-        if !stage.fit.is_far() {
+        if !self.problem.strategy().can_be_led(self.problem, &stage.fit) {
             return Ok(stage);
         }
         let led = Task { guided: true, ..self.problem.task(&[], Vec::new()) };

@@ -7,7 +7,7 @@ use super::prepare::Prepared;
 use super::signature::{Sensitivities, sensitivities};
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::free::Free;
-use crate::diagnosis::linear_algebra::{Basis, Reach, Span, dot, norm};
+use crate::diagnosis::linear_algebra::{Basis, Directions, Reach, Span, dot, norm};
 use crate::diagnosis::noise::{Repeats, Whitening};
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::Problem;
@@ -33,7 +33,7 @@ pub(crate) struct Stage {
     pub gains: Gains,
     pub projected: Projected,
     /// Directions along the conditions outside the base.
-    pub flexible: Span,
+    pub flexible: Directions,
     /// Values at different set-points: repeats count once.
     pub set_points: usize,
     /// Statistics of the data.
@@ -115,7 +115,11 @@ impl Stage {
         };
         let absorbed = Projected::new(context.whitening, &base, &[]).base;
         let outside: Vec<Vec<f64>> = context.flexible.iter().map(|column| absorbed.outside(&whiten(column))).collect();
-        let flexible = Span::of(residual.len(), &outside);
+        let by_products = problem.strategy().budget().by_products;
+        let flexible = match by_products {
+            true => Directions::Span(Span::of(residual.len(), &outside)),
+            false => Directions::Basis(Basis::of(&outside)),
+        };
         let sets = sets_of_repeats(problem, context.whitening);
         let set_points = sets.iter().max().map_or(0, |last| last + 1);
         let null = Null {
@@ -140,8 +144,7 @@ impl Stage {
             .collect();
         let gains = projected.gains(&projected.base.outside(&residual), &freed, effects.is_empty());
         let numbers: Vec<u64> = (0..context.draws as u64).collect();
-        // Noise that comes from repeats is estimated again in each draw.
-        let products = context.repeats.is_none().then(|| null.products(context.whitening));
+        let products = by_products.then(|| null.products(context.whitening));
         let batches: Vec<&[u64]> = numbers.chunks(AT_A_TIME).collect();
         let draw = |batch: &&[u64]| (!(control.stop)()).then(|| null.draws(batch, products.as_ref()));
         let draws = map_in_order(&batches, draw).into_iter().flatten().flatten().collect();

@@ -52,6 +52,8 @@ pub(crate) struct Budget {
     pub profiles_of_calibrated: bool,
     /// Whether a set is fitted once more from where a larger set ended, whose further effect may have helped the search only.
     pub refits_from_larger: bool,
+    /// Whether what noise alone gives is told from products of columns rather than from orthonormal ones: rows are many.
+    pub by_products: bool,
     /// Whether left-out rows are predicted by simulating the whole experiment, or only the runs in which they stand.
     pub predicts_whole: bool,
 }
@@ -84,7 +86,8 @@ pub(crate) trait Strategy: Debug + Sync {
     /// Number of rows at the start of a run that no fit counts.
     fn uncounted_rows(&self, run: &Run) -> usize;
 
-    /// Inner steps of the simulation that the rows allow a diagnosis to take, s, the longest first; none where the model's own stays.
+    /// Inner steps of the simulation that a diagnosis may take where they are exact enough, s, the longest first; none where the
+    /// model's own stays.
     fn coarse_steps(&self, experiment: &Experiment) -> Vec<f64>;
 
     /// The model's values of the measured rows as a function of `free`.
@@ -137,10 +140,10 @@ pub(crate) trait Strategy: Debug + Sync {
     fn origin(&self, fit: &Calibration) -> Vec<f64>;
 
     /// Whether rovers can be led at the measured velocity, to find a way to a better fit than this one.
-    fn can_be_led(&self, fit: &Calibration) -> bool;
+    fn can_be_led(&self, problem: &Problem, fit: &Calibration) -> bool;
 
     /// How folds are left out of this fit.
-    fn left_out(&self, fit: &Calibration) -> LeftOut;
+    fn left_out(&self, problem: &Problem, fit: &Calibration) -> LeftOut;
 
     /// Further experiments that the model can be asked about.
     fn variations(&self, model: &Model, experiment: &Experiment, halt: Halt) -> Vec<Variation>;

@@ -95,6 +95,7 @@ impl Strategy for SingleWheel {
             profiles_of_calibrated: true,
             // Searches start from so many places that a refit from a larger set finds nothing.
             refits_from_larger: false,
+            by_products: false,
             predicts_whole: true,
         }
     }
@@ -123,11 +124,11 @@ impl Strategy for SingleWheel {
         fit.values()
     }
 
-    fn can_be_led(&self, _: &Calibration) -> bool {
+    fn can_be_led(&self, _: &Problem, _: &Calibration) -> bool {
         false
     }
 
-    fn left_out(&self, _: &Calibration) -> LeftOut {
+    fn left_out(&self, _: &Problem, _: &Calibration) -> LeftOut {
         LeftOut::Refit
     }
 

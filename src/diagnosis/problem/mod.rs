@@ -1,9 +1,11 @@
 //! What a diagnosis works on: an experiment, the model placed on each of its runs, the parameters that a calibration
 //! moves, and the effects that may be added.
 
-use super::bounds::believable;
+mod parameters;
+mod windows;
+
 use super::compare::CompareError;
-use super::diagnose::{Noise, Task};
+use super::diagnose::Task;
 use super::free::Free;
 use super::given::Given;
 use super::halt::Halt;
@@ -11,19 +13,16 @@ use super::kinds::{Strategy, strategy};
 use super::layout::Layout;
 use super::precedence::{Resolved, resolve};
 use super::prediction::{Predict, PredictionError};
-use super::windows::free::{FreeStart, carried_over};
-use super::windows::{Windows, cut, displaced};
+use super::windows::Windows;
 use crate::carriage::Rig;
-use crate::measurement::{Experiment, Prior};
-use crate::model::{ControlKind, Model};
-use crate::soil_class::SoilClass;
-use bekker_modeldescription::{Lookup, Parameters, Role, Variable};
+use crate::measurement::Experiment;
+use crate::model::Model;
+use bekker_modeldescription::{Lookup, Parameters};
 use std::borrow::Cow;
-use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
+use std::collections::BTreeMap;
 
-/// Different windows over which a search finds its way.
-const ROUGH_WINDOWS: usize = 16;
+pub(super) use parameters::class_priors;
+use parameters::{base_parameters, library};
 
 /// An effect that is not in the baseline, with its free parameters at their neutral values.
 #[derive(Clone, Debug)]
@@ -41,7 +40,7 @@ pub(crate) struct Problem<'a> {
     pub known: Model,
     /// The same with what is known of each run.
     pub(super) models: Vec<Model>,
-    /// Inner steps that the rows allow, s, the longest first, which is taken; and those of each run's own model.
+    /// Inner steps that may be taken, s, the longest first, which is taken; and those of each run's own model.
     steps: Vec<f64>,
     own_steps: Vec<f64>,
     /// How runs are cut into windows; empty where they are replayed as a whole.
@@ -109,123 +108,6 @@ impl<'a> Problem<'a> {
     /// What depends on the kind of the experiment.
     pub fn strategy(&self) -> &'static dyn Strategy {
         strategy(self.experiment.kind)
-    }
-
-    /// Steps simulations as coarsely as the rows allow, where the model's own step is finer. Drives with their own loop keep
-    /// their step.
-    pub fn coarsen(&mut self) {
-        self.steps = self.strategy().coarse_steps(&self.experiment);
-        self.own_steps = self.models.iter().map(|model| model.stepping.step_size).collect();
-        self.step_by_first();
-    }
-
-    /// Takes the next finer step; whether there is one.
-    pub fn refine_step(&mut self) -> bool {
-        if self.steps.is_empty() {
-            return false;
-        }
-        self.steps.remove(0);
-        self.step_by_first();
-        true
-    }
-
-    fn step_by_first(&mut self) {
-        let step = self.steps.first().copied().unwrap_or(0.0);
-        for (model, own) in self.models.iter_mut().zip(&self.own_steps) {
-            if model.control.kind != ControlKind::SpeedLoop {
-                model.stepping.step_size = own.max(step);
-            }
-        }
-    }
-
-    /// Cuts the runs into windows whose starts are free, where they are long or do not begin at rest.
-    pub fn cut(&mut self) {
-        let windows = self.strategy().windows(&self.experiment, &self.models);
-        let unsettled = cut::unsettled(&self.experiment, &windows);
-        self.layout.unsettle(unsettled);
-        self.layout.free_starts = carried_over(&self.layout, &windows).into_iter().map(Arc::new).collect();
-        self.windows = windows;
-    }
-
-    /// The same over some of the windows, evenly spread, where there are many; `None` where there are not: near its end a search asks
-    /// for all of them, on its way there a few tell as well where to go.
-    pub fn thinned(&self) -> Option<Problem<'a>> {
-        let all: usize = self.windows.iter().map(Vec::len).sum();
-        let keep_one_of = all.div_ceil(ROUGH_WINDOWS * self.repeated());
-        if keep_one_of < 2 {
-            return None;
-        }
-        let mut thin = self.clone();
-        let mut dropped = Vec::new();
-        for (run, windows) in thin.windows.iter_mut().enumerate() {
-            if windows.is_empty() {
-                continue;
-            }
-            // Runs that repeat each other keep the same windows.
-            let mut number = 0;
-            let first = self.windows.iter().position(|other| *other == *windows).unwrap_or(run);
-            windows.retain(|window| {
-                number += 1;
-                let kept = (number + first) % keep_one_of == 0;
-                if !kept {
-                    dropped.extend(window.rows.clone().map(|row| (run, row)));
-                }
-                kept
-            });
-            if windows.is_empty() {
-                // A run without windows would be replayed as a whole.
-                let rows = 0..self.experiment.runs[run].data.rows();
-                dropped.extend(rows.map(|row| (run, row)));
-                windows.extend(self.windows[run].first().cloned());
-            }
-        }
-        let thin_windows = &thin.windows;
-        let number = |run: usize, window: usize| {
-            let cut = &self.windows[run][window];
-            thin_windows[run].iter().position(|kept| kept.rows == cut.rows)
-        };
-        let kept = self.layout.free_starts.iter().filter_map(|start| {
-            let window = number(start.run, start.window)?;
-            Some(Arc::new(FreeStart { window, ..(**start).clone() }))
-        });
-        thin.layout.free_starts = kept.collect();
-        thin.layout.unsettle(dropped);
-        Some(thin)
-    }
-
-    /// How many runs share a simulation, on average, since they repeat each other.
-    fn repeated(&self) -> usize {
-        let runs = self.windows.len();
-        let different = (0..runs).filter(|run| !self.windows[..*run].contains(&self.windows[*run])).count();
-        runs / different.max(1)
-    }
-
-    /// Whether any run is cut.
-    pub fn is_cut(&self) -> bool {
-        self.windows.iter().any(|windows| !windows.is_empty())
-    }
-
-    /// Takes these windows, whose starts are free as the baseline at `values` depends on them.
-    ///
-    /// # Errors
-    /// [`PredictionError`] where the model gives nothing there.
-    pub fn begin_windows(&mut self, windows: Windows, values: &[f64]) -> Result<(), PredictionError> {
-        self.windows = windows;
-        let starts = self.strategy().free_starts(self, &self.base, values)?;
-        self.layout.free_starts = starts.into_iter().map(Arc::new).collect();
-        Ok(())
-    }
-
-    /// Begins the windows where the baseline at `values` brings them nearest to the measurements.
-    ///
-    /// # Errors
-    /// [`PredictionError`] where the model gives nothing there.
-    pub fn refine_starts(&mut self, noise: &Noise, values: &[f64]) -> Result<(), PredictionError> {
-        self.begin_windows(self.windows.clone(), values)?;
-        let Some(whitening) = noise.whitening(self, &|_, _| true) else { return Ok(()) };
-        let modelled = self.predict(&self.base, |predict| predict.values_onward(values))??;
-        let residual: Vec<f64> = modelled.iter().zip(&self.layout.measured).map(|(m, y)| m - y).collect();
-        self.begin_windows(displaced(&self.windows, &whitening.best_starts(&residual)), values)
     }
 
     /// Keeps only the candidates named.
@@ -395,70 +277,4 @@ fn refuse_twice(ids: &[String]) -> Result<(), CompareError> {
 fn unknown_effect(id: &str, library: &[Candidate]) -> CompareError {
     let known = library.iter().map(|candidate| candidate.id.as_str()).collect::<Vec<_>>().join(", ");
     CompareError::UnknownEffect { id: id.to_owned(), known }
-}
-
-/// Priors of the soil's class for what is not known otherwise; none where the experiment names no class.
-pub(super) fn class_priors(experiment: &Experiment, held: &BTreeSet<String>) -> BTreeMap<String, Prior> {
-    let class = experiment.soil_class.as_deref().and_then(SoilClass::find);
-    let all = class.iter().flat_map(|class| class.priors);
-    let open = all.filter(|(name, ..)| !held.contains(*name) && !experiment.priors.contains_key(*name));
-    open.map(|(name, mean, deviation)| ((*name).to_owned(), Prior { mean: *mean, deviation: *deviation })).collect()
-}
-
-/// What a default calibration moves: parameters with the role that are not held, and all that have a prior. At a single
-/// wheel width k_c and k_phi act as one, and k_c stays.
-fn base_parameters(
-    model: &mut Model,
-    experiment: &Experiment,
-    held: &BTreeSet<String>,
-    priors: &BTreeMap<String, Prior>,
-) -> Vec<Free> {
-    let widths = experiment.runs.iter().filter_map(|run| run.parameters.get("wheel.width"));
-    let many_widths = widths.collect::<Vec<_>>().windows(2).any(|pair| pair[0] != pair[1]);
-    let is_free = |name: &str, role: Role| {
-        priors.contains_key(name)
-            || (role == Role::Calibrated && !held.contains(name) && (name != "soil.k_c" || many_widths))
-    };
-    let class = experiment.soil_class.as_deref().and_then(SoilClass::find);
-    let chosen = model.list().into_iter().filter(|(variable, _)| is_free(&variable.name, variable.role));
-    chosen
-        .map(|(mut variable, start)| {
-            let prior = priors.get(&variable.name).copied();
-            if let Some((mut low, mut high)) = believable(&variable.name) {
-                // What the experiment or a model states stays reachable, and so does all that the soil's class allows.
-                for value in [start, prior.map_or(start, |prior| prior.mean)] {
-                    (low, high) = (low.min(value), high.max(value));
-                }
-                if let Some(allowed) = class.and_then(|class| class.allows(&variable.name)) {
-                    (low, high) = (low.min(*allowed.start()), high.max(*allowed.end()));
-                }
-                variable.min = variable.min.max(low);
-                variable.max = variable.max.min(high);
-            }
-            Free { prior, variable, start }
-        })
-        .collect()
-}
-
-/// Effects of the vocabulary whose parameters are neither held nor free already.
-fn library(model: &mut Model, held: &BTreeSet<String>, base: &[Free]) -> Vec<Candidate> {
-    let mut library: Vec<Candidate> = Vec::new();
-    for (variable, value) in model.list() {
-        let known = held.contains(&variable.name) || base.iter().any(|free| free.variable.name == variable.name);
-        if variable.role != Role::Effect || known {
-            continue;
-        }
-        let id = effect_id(&variable).to_owned();
-        let free = Free { variable, start: value, prior: None };
-        match library.iter_mut().find(|candidate| candidate.id == id) {
-            Some(candidate) => candidate.free.push(free),
-            None => library.push(Candidate { id, free: vec![free] }),
-        }
-    }
-    library
-}
-
-/// The effect that a parameter belongs to: what stands before the dot.
-fn effect_id(variable: &Variable) -> &str {
-    variable.name.split('.').next().unwrap_or_default()
 }

@@ -1,0 +1,291 @@
+//! Gauss-Newton steps within bounds, for models of which one derivative costs as much as all the algebra of a search together.
+//!
+//! Each step goes to the least of the linearised problem within the bounds and within a part of them that grows and shrinks with
+//! how well the last step was predicted (a trust region in the form of a box: Voglis and Lagaris 2004; Conn, Gould and Toint 2000,
+//! chapter 7). A parameter on a bound stays there as long as the slope points outward, so that a search that ends on a bound takes no
+//! more steps than one that ends inside. Directions that change less than [`PROXIMAL`] of chi-square over the width of the bounds
+//! are left where they are (a proximal term, which is zero where the search ends, so that it does not move the result).
+//!
+//! A trial point is evaluated with its derivatives at once: most are accepted, and the next step starts from them.
+
+use super::least_squares::{LeastSquares, Minimum};
+use nalgebra::DMatrix;
+
+/// Chi-square that a move over the whole width of a parameter's bounds is charged.
+const PROXIMAL: f64 = 1.0;
+
+/// Largest first step, as a share of the width of the bounds, and the least step that is tried.
+const FIRST: f64 = 0.25;
+const LEAST: f64 = 1e-5;
+
+/// Share of the predicted fall from which a step is accepted, is called poor, and is called good.
+const ACCEPTED: f64 = 1e-3;
+const POOR: f64 = 0.25;
+const GOOD: f64 = 0.75;
+/// Factors of the trust region.
+const SHRINK: f64 = 0.25;
+const GROW: f64 = 2.5;
+
+/// A search ends where the linearised problem promises a smaller fall of chi-square: no decision hangs on a twentieth, nor, where the
+/// misfit is far beyond noise, on so small a share of what is beyond.
+const NOTHING: f64 = 0.05;
+const NOTHING_OF_MISFIT: f64 = 2e-4;
+
+/// A search under way.
+pub(crate) struct Descent<'a> {
+    problem: &'a LeastSquares<'a>,
+    /// Triangular factor of the residuals, the first column, and their Jacobian at the present point.
+    triangle: DMatrix<f64>,
+    at: Vec<f64>,
+    /// Largest change of a coordinate, as a share of the width of its bounds.
+    trust: f64,
+    /// Whether the last trial failed, so that the next one is looked at without derivatives first.
+    failed: bool,
+    steps: u64,
+}
+
+impl<'a> Descent<'a> {
+    /// Starts at `start`; `None` where the model has no answer there.
+    pub fn new(problem: &'a LeastSquares<'a>, start: &[f64]) -> Option<Self> {
+        let triangle = problem.triangle_at(start);
+        let descent = Self { problem, triangle, at: start.to_vec(), trust: FIRST, failed: false, steps: 0 };
+        descent.chi_square().is_finite().then_some(descent)
+    }
+
+    /// Where the search is.
+    pub fn minimum(&self, converged: bool) -> Minimum {
+        Minimum {
+            x: self.at.clone(),
+            cost: 0.5 * self.chi_square(),
+            steps: self.steps,
+            converged,
+            triangle: Some(self.triangle.clone()),
+        }
+    }
+
+    fn chi_square(&self) -> f64 {
+        self.triangle[(0, 0)].powi(2)
+    }
+
+    /// Makes one trial; where the search is then, and whether it has ended.
+    pub fn step(&mut self) -> (Minimum, bool) {
+        let ended = self.trial();
+        (self.minimum(ended == Some(true)), ended.is_some())
+    }
+
+    /// `Some` where the search ends with this trial: whether it has converged.
+    fn trial(&mut self) -> Option<bool> {
+        let (change, fall) = self.linear_step();
+        let beyond = (self.chi_square() - self.problem.rows as f64).max(0.0);
+        if fall <= NOTHING + NOTHING_OF_MISFIT * beyond {
+            // A region that has become small may hide a larger fall.
+            return Some(self.trust >= FIRST * SHRINK * SHRINK);
+        }
+        self.steps += 1;
+        let bounds = self.problem.lower.iter().zip(&self.problem.upper);
+        let next: Vec<f64> =
+            self.at.iter().zip(&change).zip(bounds).map(|((x, d), (low, high))| (x + d).clamp(*low, *high)).collect();
+        let size = self.share_of_widths(&change);
+        let worse = |chi_square: f64| !(self.chi_square() - chi_square > ACCEPTED * fall);
+        if self.failed && worse(2.0 * self.problem.cost_at(&next)) {
+            return self.shrunk(size);
+        }
+        let triangle = self.problem.triangle_at(&next);
+        let chi_square = triangle[(0, 0)].powi(2);
+        if !chi_square.is_finite() || worse(chi_square) {
+            return self.shrunk(size);
+        }
+        let kept = (self.chi_square() - chi_square) / fall;
+        if kept < POOR {
+            self.trust = SHRINK.sqrt() * size;
+        } else if kept > GOOD {
+            self.trust = self.trust.max(GROW * size).min(1.0);
+        }
+        (self.at, self.triangle, self.failed) = (next, triangle, false);
+        None
+    }
+
+    /// After a trial of this size that failed.
+    fn shrunk(&mut self, size: f64) -> Option<bool> {
+        (self.trust, self.failed) = (SHRINK * size, true);
+        (self.trust < LEAST).then_some(false)
+    }
+
+    fn width(&self, k: usize) -> f64 {
+        self.problem.upper[k] - self.problem.lower[k]
+    }
+
+    fn share_of_widths(&self, change: &[f64]) -> f64 {
+        change.iter().enumerate().map(|(k, d)| (d / self.width(k)).abs()).fold(0.0, f64::max)
+    }
+
+    /// The step to the least of the linearised problem within bounds and trust region, and the fall of chi-square that it promises.
+    fn linear_step(&self) -> (Vec<f64>, f64) {
+        let n = self.at.len();
+        let jacobian = self.triangle.columns_range(1..);
+        let residual = self.triangle.column(0);
+        let (mut gram, along) = (jacobian.tr_mul(&jacobian), jacobian.tr_mul(&residual));
+        let exact = gram.clone();
+        for k in 0..n {
+            gram[(k, k)] += PROXIMAL / self.width(k).powi(2);
+        }
+        let ends = |k: usize| {
+            let most = self.trust * self.width(k);
+            (
+                (self.problem.lower[k] - self.at[k]).clamp(-most, 0.0),
+                (self.problem.upper[k] - self.at[k]).clamp(0.0, most),
+            )
+        };
+        let ends: Vec<(f64, f64)> = (0..n).map(ends).collect();
+        let change = within(&gram, along.as_slice(), &ends);
+        let mut fall = 0.0;
+        for i in 0..n {
+            let curved: f64 = (0..n).map(|k| exact[(i, k)] * change[k]).sum();
+            fall -= change[i] * (2.0 * along[i] + curved);
+        }
+        (change, fall)
+    }
+}
+
+/// Least of d'G d + 2 b'd for a positive definite G, each d between its ends, which hold 0 (Stark and Parker 1995).
+fn within(gram: &DMatrix<f64>, along: &[f64], ends: &[(f64, f64)]) -> Vec<f64> {
+    let n = along.len();
+    let mut d = vec![0.0; n];
+    let mut free = vec![false; n];
+    // Each round frees one coordinate whose slope points inward, or ends; a coordinate is freed a few times at most.
+    for _ in 0..10 * n {
+        let slope = |k: usize| along[k] + (0..n).map(|j| gram[(k, j)] * d[j]).sum::<f64>();
+        let inward = |k: &usize| {
+            let slope = slope(*k) / gram[(*k, *k)].sqrt();
+            if slope < 0.0 {
+                if d[*k] < ends[*k].1 { -slope } else { 0.0 }
+            } else if d[*k] > ends[*k].0 {
+                slope
+            } else {
+                0.0
+            }
+        };
+        let best = (0..n).filter(|k| !free[*k]).max_by(|a, b| inward(a).total_cmp(&inward(b)));
+        let Some(new) = best.filter(|k| inward(k) > 1e-9 * (1.0 + along[*k].abs() / gram[(*k, *k)].sqrt())) else {
+            break;
+        };
+        free[new] = true;
+        while let Some(target) = solved(gram, along, &d, &free) {
+            // As far towards the solution as the ends allow.
+            let mut share = 1.0_f64;
+            let mut hit = None;
+            for k in (0..n).filter(|k| free[*k]) {
+                let end = if target[k] > d[k] { ends[k].1 } else { ends[k].0 };
+                if (target[k] - end) * (target[k] - d[k]) > 0.0 {
+                    let own = ((end - d[k]) / (target[k] - d[k])).clamp(0.0, 1.0);
+                    if own < share || hit.is_none() {
+                        (share, hit) = (own, Some((k, end)));
+                    }
+                }
+            }
+            for k in (0..n).filter(|k| free[*k]) {
+                d[k] += share * (target[k] - d[k]);
+            }
+            let Some((k, end)) = hit else { break };
+            (d[k], free[k]) = (end, false);
+        }
+    }
+    d
+}
+
+/// The least over the free coordinates, the others staying; `None` where none is free or the products are singular.
+fn solved(gram: &DMatrix<f64>, along: &[f64], d: &[f64], free: &[bool]) -> Option<Vec<f64>> {
+    let members: Vec<usize> = (0..free.len()).filter(|k| free[*k]).collect();
+    if members.is_empty() {
+        return None;
+    }
+    let rest = |i: usize| -along[i] - (0..d.len()).filter(|k| !free[*k]).map(|k| gram[(i, k)] * d[k]).sum::<f64>();
+    let part = DMatrix::from_fn(members.len(), members.len(), |i, k| gram[(members[i], members[k])]);
+    let right = nalgebra::DVector::from_iterator(members.len(), members.iter().map(|i| rest(*i)));
+    let solution = part.cholesky()?.solve(&right);
+    let mut all = d.to_vec();
+    members.iter().zip(solution.iter()).for_each(|(k, x)| all[*k] = *x);
+    Some(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rounding of a handful of products.
+    const ROUNDING: f64 = 1e-9;
+
+    /// A positive definite matrix and slopes that differ with `seed`.
+    fn quadratic(n: usize, seed: usize) -> (DMatrix<f64>, Vec<f64>) {
+        let entry = |i: usize, k: usize| ((7 * i + 3 * k * k + 11 * seed) as f64).sin();
+        let root = DMatrix::from_fn(2 * n, n, entry);
+        let gram = root.transpose() * &root + DMatrix::identity(n, n) * 1e-3;
+        (gram, (0..n).map(|k| 4.0 * ((5 * k + 13 * seed) as f64).cos()).collect())
+    }
+
+    #[test]
+    fn analytic_the_least_within_ends_meets_its_conditions() {
+        for seed in 0..200 {
+            let n = 1 + seed % 9;
+            let (gram, along) = quadratic(n, seed);
+            let ends: Vec<(f64, f64)> =
+                (0..n).map(|k| (-0.3 * ((k + seed) % 4) as f64, 0.2 * ((2 * k + seed) % 5) as f64)).collect();
+            let d = within(&gram, &along, &ends);
+            for k in 0..n {
+                let slope = along[k] + (0..n).map(|j| gram[(k, j)] * d[j]).sum::<f64>();
+                assert!(d[k] >= ends[k].0 && d[k] <= ends[k].1, "seed {seed}, {k}");
+                let scale = ROUNDING * (1.0 + gram.amax()) * 10.0;
+                if d[k] > ends[k].0 {
+                    assert!(slope <= scale, "seed {seed}, {k}: it could fall, slope {slope}");
+                }
+                if d[k] < ends[k].1 {
+                    assert!(slope >= -scale, "seed {seed}, {k}: it could rise, slope {slope}");
+                }
+            }
+        }
+    }
+
+    /// Residuals of a curve p0 exp(-p1 t) + p2 at exact values.
+    fn decay(x: &[f64], true_values: &[f64; 3]) -> (Vec<f64>, Vec<Vec<f64>>) {
+        let (mut residual, mut slopes) = (Vec::new(), vec![Vec::new(); 3]);
+        for k in 0..40 {
+            let t = 0.1 * k as f64;
+            let at = |p: &[f64]| p[0] * (-p[1] * t).exp() + p[2];
+            residual.push(100.0 * (at(x) - at(true_values)));
+            let e = (-x[1] * t).exp();
+            [e, -t * x[0] * e, 1.0].into_iter().zip(&mut slopes).for_each(|(s, column)| column.push(100.0 * s));
+        }
+        (residual, slopes)
+    }
+
+    #[test]
+    fn analytic_a_curve_comes_back_inside_and_on_a_bound() {
+        for (true_values, upper, expected) in
+            [([2.0, 1.3, 0.4], 5.0, Some([2.0, 1.3, 0.4])), ([2.0, 1.3, 0.4], 1.0, None)]
+        {
+            let residual = |x: &[f64]| decay(x, &true_values).0;
+            let linear = |x: &[f64]| {
+                let (residual, slopes) = decay(x, &true_values);
+                DMatrix::from_fn(40, 4, |i, k| if k == 0 { residual[i] } else { slopes[k - 1][i] })
+            };
+            let (lower, upper) = (vec![0.0; 3], vec![5.0, upper, 5.0]);
+            let problem =
+                LeastSquares { lower, upper, rows: 40, tolerance: 1e-12, residual: &residual, linear: &linear };
+            let mut descent = Descent::new(&problem, &[0.5, 0.5, 0.0]).expect("the curve has values everywhere");
+            let mut ended = false;
+            for _ in 0..30 {
+                if ended {
+                    break;
+                }
+                ended = descent.step().1;
+            }
+            let at = descent.minimum(true);
+            assert!(ended && at.steps < 15, "{} steps", at.steps);
+            match expected {
+                // What a fall of a twentieth of chi-square leaves.
+                Some(values) => assert!(at.x.iter().zip(values).all(|(x, v)| (x - v).abs() < 5e-3), "{:?}", at.x),
+                None => assert!((at.x[1] - 1.0).abs() < 1e-12, "{:?}", at.x),
+            }
+        }
+    }
+}
