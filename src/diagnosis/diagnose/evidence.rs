@@ -10,6 +10,7 @@ use super::stage::Stage;
 use super::untried::{Untried, named};
 use crate::diagnosis::thresholds::{COMPETING_PAIRS, COMPETING_SINGLES, PRIOR_ENOUGH, PRIOR_OTHER};
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::OnceLock;
 
 /// What predicting the left-out conditions with one set costs, in single fits: six short refits on a carriage; less on a
 /// traverse.
@@ -19,12 +20,15 @@ const PREDICTION: f64 = 1.0;
 pub(crate) struct Evidence {
     pub folds: Vec<Fold>,
     held: BTreeMap<Vec<String>, HeldOut>,
+    /// What "something else" predicts, once it was asked for; none where that could not be computed.
+    other: OnceLock<Option<Vec<f64>>>,
 }
 
 impl Evidence {
     /// Of the baseline, the best singles and pairs, and the prefixes of a chosen set.
     pub fn new(search: &Search, chosen: &[String]) -> Self {
-        let mut evidence = Self { folds: folds(&search.problem.experiment), held: BTreeMap::new() };
+        let mut evidence =
+            Self { folds: folds(&search.problem.experiment), held: BTreeMap::new(), other: OnceLock::new() };
         let best = |count: usize, most: usize| {
             let mut sets: Vec<&Vec<String>> = search.fits.of(count).map(|(set, _)| set).collect();
             sets.sort_by(|a, b| search.net_gain(b).total_cmp(&search.net_gain(a)));
@@ -84,7 +88,9 @@ impl Evidence {
         let measured = &search.problem.layout.measured;
         let difference: Vec<f64> = measured.iter().zip(&stage.modelled).map(|(y, m)| y - m).collect();
         let base = &stage.sensitivities.base;
-        let other = something_else(search.problem, &prepared.noise, &difference, base, &prepared.flexible, &self.folds);
+        let other = self.other.get_or_init(|| {
+            something_else(search.problem, &prepared.noise, &difference, base, &prepared.flexible, &self.folds)
+        });
         // A stop meanwhile.
         if other.is_none() && search.watch.stopped() {
             return None;

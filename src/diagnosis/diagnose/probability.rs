@@ -3,9 +3,11 @@
 
 use super::fits::Noise;
 use super::folds::Fold;
+use crate::diagnosis::linear_algebra::products;
 use crate::diagnosis::noise::Whitening;
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::thresholds::REWEIGHTINGS;
+use crate::parallel::map_in_order;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -91,32 +93,35 @@ pub(crate) fn something_else(
             .collect();
         DMatrix::from_columns(&columns)
     };
-    let mut densities = Vec::new();
-    for fold in folds {
+    let by_products = problem.strategy().budget().by_products;
+    let of_fold = |fold: &Fold| -> Option<Vec<f64>> {
+        let mut densities = Vec::new();
         if problem.halt.asked() {
             return None;
         }
         let inside: BTreeSet<_> = fold.iter().copied().collect();
         let kept = noise.whitening(problem, &|run, row| !inside.contains(&(run, row)))?;
         let (x, y) = (scaled(&kept), DVector::from_vec(kept.apply(difference)));
-        let (coefficients, precision) = ridge(&x, &y, base.len())?;
+        let gram = if by_products { products(&x) } else { x.tr_mul(&x) };
+        let (coefficients, precision) = ridge(&gram, &x.tr_mul(&y), base.len())?;
         for run in inside.iter().map(|(run, _)| *run).collect::<BTreeSet<_>>() {
             let left = noise.whitening(problem, &|other, row| other == run && inside.contains(&(other, row)))?;
             let columns = scaled(&left);
             let rest = DVector::from_vec(left.apply(difference)) - &columns * &coefficients;
             densities.push(log_density(&rest, &columns, &precision)?);
         }
-    }
-    Some(densities)
+        Some(densities)
+    };
+    Some(map_in_order(folds, of_fold).into_iter().collect::<Option<Vec<_>>>()?.concat())
 }
 
 fn size(column: &[f64]) -> f64 {
     column.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Coefficients of the strength with the largest evidence, and their precision; the first `free` columns have a wide prior.
-fn ridge(x: &DMatrix<f64>, y: &DVector<f64>, free: usize) -> Option<(DVector<f64>, DMatrix<f64>)> {
-    let (gram, along) = (x.tr_mul(x), x.tr_mul(y));
+/// Coefficients of the strength with the largest evidence, and their precision, from the products of the columns among themselves and
+/// with what they fit; the first `free` columns have a wide prior.
+fn ridge(gram: &DMatrix<f64>, along: &DVector<f64>, free: usize) -> Option<(DVector<f64>, DMatrix<f64>)> {
     let n = along.len();
     let mut best: Option<(f64, DVector<f64>, DMatrix<f64>)> = None;
     for strength in STRENGTHS {
@@ -125,7 +130,7 @@ fn ridge(x: &DMatrix<f64>, y: &DVector<f64>, free: usize) -> Option<(DVector<f64
         let mut precision = gram.clone();
         (0..n).for_each(|k| precision[(k, k)] += variance(k).recip());
         let Some(cholesky) = precision.clone().cholesky() else { continue };
-        let coefficients = cholesky.solve(&along);
+        let coefficients = cholesky.solve(along);
         let determinant: f64 = cholesky.l_dirty().diagonal().iter().map(|d| 2.0 * d.ln()).sum();
         let prior: f64 = (0..n).map(|k| variance(k).ln()).sum();
         let evidence = 0.5 * (along.dot(&coefficients) - determinant - prior);

@@ -17,7 +17,7 @@ use super::windows::Windows;
 use crate::carriage::Rig;
 use crate::measurement::Experiment;
 use crate::model::Model;
-use bekker_modeldescription::{Lookup, Parameters};
+use bekker_modeldescription::Parameters;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
