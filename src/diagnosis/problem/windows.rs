@@ -20,6 +20,15 @@ impl<'a> Problem<'a> {
         self.step_by_first();
     }
 
+    /// Takes the inner step that was found exact enough for another experiment with this rig.
+    pub fn step_as(&mut self, other: &Problem) {
+        if !other.own_steps.is_empty() {
+            self.coarsen();
+            self.steps.retain(|step| other.steps.contains(step));
+            self.step_by_first();
+        }
+    }
+
     /// Takes the next finer step; whether there is one.
     pub fn refine_step(&mut self) -> bool {
         if self.steps.is_empty() {

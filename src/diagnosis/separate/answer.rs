@@ -91,6 +91,7 @@ fn with_look<R>(question: &Question, variation: &Variation, f: impl FnOnce(&Prob
     }
     let mut problem = Problem::new(given, &variation.experiment, &added).ok()?;
     problem.halt = question.problem.halt;
+    problem.step_as(question.problem);
     let asked = |id: &String| {
         question.blind.contains(id)
             || question.named.contains(id)
