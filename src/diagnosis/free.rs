@@ -7,6 +7,9 @@ use bekker_modeldescription::Variable;
 /// Ratio of the bounds from which a positive parameter is searched in logarithms.
 const DECADES: f64 = 100.0;
 
+/// Share of its range by which an effect that is all but neutral differs from neutral.
+const NEARLY: f64 = 0.002;
+
 /// A free parameter: its bounds (those of `variable`), where it starts, what is known of it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Free {
@@ -18,6 +21,17 @@ pub(crate) struct Free {
 impl Free {
     fn logarithmic(&self) -> bool {
         self.variable.min > 0.0 && self.variable.max / self.variable.min >= DECADES
+    }
+
+    /// Width of the wider side of the start, with its sign.
+    pub fn span(&self) -> f64 {
+        let (up, down) = (self.variable.max - self.start, self.start - self.variable.min);
+        if up >= down { up } else { -down }
+    }
+
+    /// A parameter of an effect at its neutral value, moved off a bound on which that may lie: a search cannot leave a corner.
+    pub fn nearly_neutral(&self) -> f64 {
+        self.start + NEARLY * self.span()
     }
 
     /// Coordinate of the search: ln p, or p over its range.

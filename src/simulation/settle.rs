@@ -91,7 +91,7 @@ impl Rover<f64> {
     }
 
     /// A first guess: the pitch that the ground has under the outer wheels, sunk by Bekker's estimate (4.18).
-    fn placed_at(&self, x: f64) -> Result<State, DynamicsError> {
+    pub(super) fn placed_at(&self, x: f64) -> Result<State, DynamicsError> {
         let height = |k: usize| {
             let at = x + self.wheels[k].mount.x;
             self.terrain.foot([at, self.terrain.at(at).height + self.wheel.radius]).map(|foot| foot.position)

@@ -96,23 +96,62 @@ pub(crate) fn run_open(problem: &Problem, noise: &Noise, task: &Task) -> Option<
 fn run_for(problem: &Problem, noise: &Noise, task: &Task, whole: bool) -> Option<Calibration> {
     // From far away the way is found over a few windows; a fit that starts near its end needs none.
     let thin = task.left_out.is_empty().then(|| problem.thinned()).flatten();
-    let rough = thin
-        .filter(|thin| task.starts.is_empty() || begins_far(thin, noise, task))
-        .and_then(|thin| run_over(&thin, noise, task, false));
+    let rough = thin.and_then(|thin| way(&thin, noise, task));
     match rough {
         Some(rough) => {
             let near = Task { starts: vec![rough.values()], ..task.clone() };
             let fit = run_over(problem, noise, &near, whole)?;
             Some(Calibration { searches: rough.searches, agreeing: rough.agreeing, ..fit })
         }
-        None => run_over(problem, noise, task, whole),
+        None => match faint_start(problem, noise, task) {
+            Some(faint) => run_over(problem, noise, &faint, whole),
+            None => run_over(problem, noise, task, whole),
+        },
     }
 }
 
-/// Whether all starts of a task are far from the measurements.
-fn begins_far(problem: &Problem, noise: &Noise, task: &Task) -> bool {
-    let chi_squares = costs(problem, noise, task);
-    chi_squares.is_some_and(|(all, freedom)| all.iter().all(|chi_square| !(*chi_square <= FAR * freedom)))
+/// The end of a search over few windows; `None` where it begins near the measurements and needs no such way. Effects that lead
+/// nowhere from their start, with more misfit than next to nothing of them leaves, begin once more from there.
+fn way(thin: &Problem, noise: &Noise, task: &Task) -> Option<Calibration> {
+    if task.starts.is_empty() {
+        return run_over(thin, noise, task, false);
+    }
+    let (chi_squares, freedom) = costs(thin, noise, task)?;
+    if chi_squares.iter().any(|chi_square| *chi_square <= FAR * freedom) {
+        return None;
+    }
+    let found = run_over(thin, noise, task, false);
+    if task.effects.is_empty() {
+        return found;
+    }
+    let weak = Task { starts: task.starts.iter().map(|start| weakened(thin, task, start)).collect(), ..task.clone() };
+    let least = costs(thin, noise, &weak)?.0.into_iter().fold(f64::INFINITY, f64::min);
+    let leads = found.as_ref().is_some_and(|found| found.chi_square <= least);
+    if leads { found } else { run_over(thin, noise, &weak, false) }
+}
+
+/// The same task from next to nothing of its effects, where that leaves less misfit than all of its starts, which are far from the
+/// measurements: sensitivities had promised more than the effect keeps. `None` where the starts serve, and where searches are cheap.
+fn faint_start(problem: &Problem, noise: &Noise, task: &Task) -> Option<Task> {
+    let dear = problem.strategy().budget().calibration.pace.gauss_newton;
+    if !dear || task.effects.is_empty() || task.starts.is_empty() || !task.left_out.is_empty() {
+        return None;
+    }
+    let least = |chi_squares: &[f64]| chi_squares.iter().copied().fold(f64::INFINITY, f64::min);
+    let (chi_squares, freedom) = costs(problem, noise, task)?;
+    if least(&chi_squares) <= FAR * freedom {
+        return None;
+    }
+    let faint = task.starts.iter().map(|start| weakened(problem, task, start)).collect();
+    let faint = Task { starts: faint, ..task.clone() };
+    (least(&costs(problem, noise, &faint)?.0) < least(&chi_squares)).then_some(faint)
+}
+
+/// A start with next to nothing of its effects.
+fn weakened(problem: &Problem, task: &Task, start: &[f64]) -> Vec<f64> {
+    let own = problem.free(&task.effects).into_iter().skip(problem.base.len());
+    let own = own.filter(|free| task.parameters.contains(&free.variable.name));
+    start[..problem.base.len()].iter().copied().chain(own.map(|free| free.nearly_neutral())).collect()
 }
 
 /// Chi-square at each start of a task, infinite where the model has no answer, and the degrees of freedom.

@@ -4,10 +4,11 @@ use super::bootstrap::p_value;
 use super::control::Control;
 use super::fits::{Noise, Outcome, Task, run};
 use super::stage::{Stage, StageContext};
-use super::starts::{Start, nearly_neutral};
+use super::starts::Start;
 use super::untried::{Untried, named};
 use super::watch::Watch;
 use crate::diagnosis::calibrate::Calibration;
+use crate::diagnosis::free::Free;
 use crate::diagnosis::halt::Halt;
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::Problem;
@@ -145,7 +146,7 @@ impl Search<'_> {
         if whole <= least {
             return None;
         }
-        let neutral: Vec<f64> = self.problem.candidate(new)?.free.iter().map(nearly_neutral).collect();
+        let neutral: Vec<f64> = self.problem.candidate(new)?.free.iter().map(Free::nearly_neutral).collect();
         let kept = part.iter().map(|id| (id.as_str(), self.problem.part(&part, &values, id)));
         let all: Vec<(&str, &[f64])> = kept.chain([(new.as_str(), neutral.as_slice())]).collect();
         Some(self.problem.task(effects, vec![self.problem.assemble(&values, &all)]))

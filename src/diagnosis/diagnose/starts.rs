@@ -2,10 +2,6 @@
 
 use super::search::Search;
 use super::stage::Stage;
-use crate::diagnosis::free::Free;
-
-/// Share of its range by which an effect that is all but neutral differs from neutral.
-const NEARLY: f64 = 0.002;
 
 /// A set of effects and the values from which its fit starts.
 pub(super) type Start = (Vec<String>, Vec<Vec<f64>>);
@@ -33,7 +29,7 @@ impl Search<'_> {
     /// Starts at a soil with candidate number `k` at these shares of its ranges.
     pub(super) fn shares(&self, stage: &Stage, k: usize, soil: &[f64], shares: &[f64]) -> Vec<Vec<f64>> {
         let Some(candidate) = self.problem.candidate(&stage.sensitivities.signatures[k].id) else { return Vec::new() };
-        let at = |share: &f64| candidate.free.iter().map(|free| free.start + share * span(free)).collect::<Vec<f64>>();
+        let at = |share: &f64| candidate.free.iter().map(|free| free.start + share * free.span()).collect::<Vec<f64>>();
         shares.iter().map(|share| self.joined(stage, k, soil, &at(share))).collect()
     }
 
@@ -57,14 +53,4 @@ impl Search<'_> {
             None => self.start(stage, k).1.into_iter().next(),
         }
     }
-}
-
-/// A parameter of an effect at its neutral value, moved off a bound on which that may lie: a search cannot leave a corner.
-pub(super) fn nearly_neutral(free: &Free) -> f64 {
-    free.start + NEARLY * span(free)
-}
-
-fn span(free: &Free) -> f64 {
-    let (up, down) = (free.variable.max - free.start, free.start - free.variable.min);
-    if up >= down { up } else { -down }
 }

@@ -60,6 +60,9 @@ impl<'a> Problem<'a> {
     /// The same over some of the windows, evenly spread, where there are many; `None` where there are not: near its end a search asks
     /// for all of them, on its way there a few tell as well where to go.
     pub fn thinned(&self) -> Option<Problem<'a>> {
+        if !self.is_cut() {
+            return None;
+        }
         let all: usize = self.windows.iter().map(Vec::len).sum();
         let keep_one_of = all.div_ceil(ROUGH_WINDOWS * self.repeated());
         if keep_one_of < 2 {

@@ -129,7 +129,7 @@ impl<'a> TraversePrediction<'a> {
         }
     }
 
-    /// Derivatives in the task's parameters; [`Dual`] has room for them all.
+    /// Derivatives in the task's parameters, for which [`Dual`] has room.
     fn traces<const N: usize>(&self, task: &SlopeTask, free: &[f64]) -> Result<Traces, PredictionError> {
         let run = task.run;
         let Drives::Open(replay) = &run.drives else { return self.differences(task, free) };
