@@ -128,7 +128,7 @@ impl Replay {
             let due = self.due[row] - first;
             while simulation.ticks() < due {
                 match simulation.advance(&command, due - simulation.ticks())? {
-                    Status::Ended(Event::Stuck) if goes_on => simulation.go_on(),
+                    Status::Ended(Event::Stuck) if goes_on => simulation.resume(),
                     Status::Ended(event) => return Err(ReplayError::Ended { row, event }),
                     Status::Running => {}
                 }

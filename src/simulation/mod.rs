@@ -211,7 +211,7 @@ impl<S: Scalar> Simulation<S> {
 
     /// Goes on after an event: the rest of a recorded drive on which the simulated rover got stuck.
     #[cfg(feature = "experiments")]
-    pub(crate) fn go_on(&mut self) {
+    pub(crate) fn resume(&mut self) {
         self.status = Status::Running;
     }
 

@@ -1,14 +1,17 @@
 //! Whether a found model drives the whole of a log that was judged window by window.
 
+use super::fits::Noise;
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::fit::Fit;
 use crate::diagnosis::halt::Halt;
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::unanswered::{UnansweredRows, listed};
+use crate::diagnosis::thresholds::ODD;
 use crate::diagnosis::windows::Windows;
 use crate::measurement::Experiment;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// The final model replayed from the start of each run to its end, on its own: errors of the velocity add up here, so that the place
 /// is off by more than in any window. Only runs that begin at rest and have no gap can be driven so.
@@ -22,6 +25,9 @@ pub struct WholeDrive {
     pub rmse: BTreeMap<String, f64>,
     /// Rows that it does not reach.
     pub unanswered: Vec<UnansweredRows>,
+    /// Words on runs whose start, which is not counted, differs from the model though the rest does not.
+    #[serde(skip)]
+    pub(crate) starts: Option<String>,
 }
 
 /// Drives the whole log; `None` where it was not cut.
@@ -30,6 +36,7 @@ pub struct WholeDrive {
 /// [`CompareError`] where the model cannot be placed on a run.
 pub(crate) fn whole_drive(
     problem: &Problem,
+    noise: &Noise,
     effects: &[String],
     values: &[f64],
 ) -> Result<Option<WholeDrive>, CompareError> {
@@ -50,8 +57,35 @@ pub(crate) fn whole_drive(
     let answers = whole.predict(&whole.free(effects), |predict| predict.answers(values))??;
     let rmse = Fit::new(&whole.experiment, &whole.layout, &answers.values).rmse;
     let unanswered = listed(answers.missing(&whole.layout));
+    let starts = of_starts(&whole, noise, &answers.values);
     let runs = whole.experiment.runs.iter().map(|run| run.name.clone()).collect();
-    Ok(Some(WholeDrive { windows: problem.windows.iter().map(Vec::len).sum(), runs, rmse, unanswered }))
+    Ok(Some(WholeDrive { windows: problem.windows.iter().map(Vec::len).sum(), runs, rmse, unanswered, starts }))
+}
+
+/// What is said of runs that miss the model at their start, by [`ODD`] times more squares than elsewhere; `None` where none does.
+fn of_starts(whole: &Problem, noise: &Noise, modelled: &[f64]) -> Option<String> {
+    let (layout, deviations) = (&whole.layout, noise.deviations());
+    let time = |run: usize| whole.experiment.runs[run].data.column("time").unwrap_or_default();
+    let mean = |run: usize, rows: Range<usize>| {
+        let squares = layout.of_run(run).flat_map(|block| {
+            let deviation = deviations.get(&block.signal).copied().unwrap_or(f64::INFINITY);
+            let at = block.range.start + rows.start..block.range.start + rows.end;
+            at.map(move |at| ((modelled[at] - layout.recorded[at]) / deviation).powi(2))
+        });
+        let (sum, count) = squares.filter(|square| !square.is_nan()).fold((0.0, 0.0), |(s, n), x| (s + x, n + 1.0));
+        sum / f64::max(count, 1.0)
+    };
+    let differs = |run: &usize| {
+        let (start, all) = (layout.starts[*run], time(*run).len());
+        mean(*run, 0..start) > ODD * mean(*run, start..all).max(1.0)
+    };
+    let runs = whole.experiment.runs.len();
+    let differing: Vec<usize> = (0..runs).filter(differs).collect();
+    let longest = differing.iter().map(|run| time(*run)[layout.starts[*run]] - time(*run)[0]).reduce(f64::max)?;
+    Some(format!(
+        "the first {longest:.1} s of {} of {runs} runs differ from the rest: contact at the start; not counted",
+        differing.len()
+    ))
 }
 
 impl WholeDrive {

@@ -85,8 +85,9 @@ pub fn diagnose(
     let mut prepared = prepare(&mut problem).map_err(nothing_yet)?;
     // What is wrong in a few places only is left out, and said.
     if let Some(found) = odd(&problem, &prepared).map_err(nothing_yet)? {
-        problem.layout.unsettle(found.rows);
+        problem.layout.unsettle(found.rows.iter().copied());
         prepared = prepare(&mut problem).map_err(nothing_yet)?;
+        prepared.noise.odd = found.rows;
         prepared.cautions.extend(found.words);
     }
     let problem = problem;
@@ -112,7 +113,8 @@ pub fn diagnose(
     watch.begin(Phase::Rivals, "");
     let Judged { mut judgement, chosen } = judge(&mut search, &stage, &prepared, &mut evidence, chosen)?;
     limit(&mut judgement, &search, &stage, &prepared);
-    let whole = whole_drive(&problem, &chosen, &search.fits.get(&chosen).unwrap_or(&prepared.baseline).values())?;
+    let values = search.fits.get(&chosen).unwrap_or(&prepared.baseline).values();
+    let whole = whole_drive(&problem, &prepared.noise, &chosen, &values)?;
     if let Some(whole) = &whole {
         last_check(&mut judgement, whole, &problem.experiment);
     }
@@ -144,6 +146,7 @@ fn limit(judgement: &mut Judgement, search: &Search, stage: &Stage, prepared: &P
 
 /// A named model has to drive the whole log, as the measured rover did.
 fn last_check(judgement: &mut Judgement, whole: &WholeDrive, experiment: &Experiment) {
+    judgement.cautions.extend(whole.starts.clone());
     let Some(first) = whole.unanswered.first() else { return };
     let words = format!("over the whole drive, not cut into windows, the final model fails: {first}");
     if judgement.names() && whole.share_missed(experiment) > MAY_BE_UNANSWERED {

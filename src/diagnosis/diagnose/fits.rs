@@ -1,6 +1,7 @@
 //! Fits of effect sets: self-contained tasks, so that they can be spread over threads or machines.
 
 use super::engine::DiagnoseOptions;
+use super::far;
 use crate::diagnosis::calibrate::{Calibration, calibrate, calibrate_from, settled};
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::effort::Effort;
@@ -9,7 +10,6 @@ use crate::diagnosis::least_squares::Pace;
 use crate::diagnosis::noise::{NoiseModel, Whitening};
 use crate::diagnosis::prediction::Predict;
 use crate::diagnosis::problem::Problem;
-use crate::diagnosis::thresholds::FAR;
 use crate::diagnosis::weighted::Weighted;
 use crate::diagnosis::windows::Window;
 use crate::measurement::Experiment;
@@ -33,13 +33,16 @@ pub struct Noise {
     /// How often the inner step was refined, since it showed beside the noise.
     #[serde(default)]
     pub refined: usize,
+    /// Runs and rows that no fit counts, since they are odd.
+    #[serde(default)]
+    pub odd: Vec<(usize, usize)>,
 }
 
 impl Noise {
     /// Of so large noise, over runs that are not cut into windows.
     #[must_use]
     pub fn new(models: BTreeMap<String, NoiseModel>) -> Self {
-        Self { models, robust: None, windows: Vec::new(), around: Vec::new(), refined: 0 }
+        Self { models, robust: None, windows: Vec::new(), around: Vec::new(), refined: 0, odd: Vec::new() }
     }
 
     pub(crate) fn whitening(&self, problem: &Problem, keep: &dyn Fn(usize, usize) -> bool) -> Option<Whitening> {
@@ -94,76 +97,17 @@ pub(crate) fn run_open(problem: &Problem, noise: &Noise, task: &Task) -> Option<
 }
 
 fn run_for(problem: &Problem, noise: &Noise, task: &Task, whole: bool) -> Option<Calibration> {
-    // From far away the way is found over a few windows; a fit that starts near its end needs none.
-    let thin = task.left_out.is_empty().then(|| problem.thinned()).flatten();
-    let rough = thin.and_then(|thin| way(&thin, noise, task));
-    match rough {
-        Some(rough) => {
-            let near = Task { starts: vec![rough.values()], ..task.clone() };
-            let fit = run_over(problem, noise, &near, whole)?;
-            Some(Calibration { searches: rough.searches, agreeing: rough.agreeing, ..fit })
-        }
-        None => match faint_start(problem, noise, task) {
-            Some(faint) => run_over(problem, noise, &faint, whole),
-            None => run_over(problem, noise, task, whole),
-        },
+    if let Some(rough) = far::rough(problem, noise, task) {
+        let near = Task { starts: vec![rough.values()], ..task.clone() };
+        let fit = run_over(problem, noise, &near, whole)?;
+        return Some(Calibration { searches: rough.searches, agreeing: rough.agreeing, ..fit });
     }
+    let faint = far::faint_start(problem, noise, task);
+    run_over(problem, noise, faint.as_ref().unwrap_or(task), whole)
 }
 
-/// The end of a search over few windows; `None` where it begins near the measurements and needs no such way. Effects that lead
-/// nowhere from their start, with more misfit than next to nothing of them leaves, begin once more from there.
-fn way(thin: &Problem, noise: &Noise, task: &Task) -> Option<Calibration> {
-    if task.starts.is_empty() {
-        return run_over(thin, noise, task, false);
-    }
-    let (chi_squares, freedom) = costs(thin, noise, task)?;
-    if chi_squares.iter().any(|chi_square| *chi_square <= FAR * freedom) {
-        return None;
-    }
-    let found = run_over(thin, noise, task, false);
-    if task.effects.is_empty() {
-        return found;
-    }
-    let weak = Task { starts: task.starts.iter().map(|start| weakened(thin, task, start)).collect(), ..task.clone() };
-    let least = costs(thin, noise, &weak)?.0.into_iter().fold(f64::INFINITY, f64::min);
-    let leads = found.as_ref().is_some_and(|found| found.chi_square <= least);
-    if leads { found } else { run_over(thin, noise, &weak, false) }
-}
-
-/// The same task from next to nothing of its effects, where that leaves less misfit than all of its starts, which are far from the
-/// measurements: sensitivities had promised more than the effect keeps. `None` where the starts serve, and where searches are cheap.
-fn faint_start(problem: &Problem, noise: &Noise, task: &Task) -> Option<Task> {
-    let dear = problem.strategy().budget().calibration.pace.gauss_newton;
-    if !dear || task.effects.is_empty() || task.starts.is_empty() || !task.left_out.is_empty() {
-        return None;
-    }
-    let least = |chi_squares: &[f64]| chi_squares.iter().copied().fold(f64::INFINITY, f64::min);
-    let (chi_squares, freedom) = costs(problem, noise, task)?;
-    if least(&chi_squares) <= FAR * freedom {
-        return None;
-    }
-    let faint = task.starts.iter().map(|start| weakened(problem, task, start)).collect();
-    let faint = Task { starts: faint, ..task.clone() };
-    (least(&costs(problem, noise, &faint)?.0) < least(&chi_squares)).then_some(faint)
-}
-
-/// A start with next to nothing of its effects.
-fn weakened(problem: &Problem, task: &Task, start: &[f64]) -> Vec<f64> {
-    let own = problem.free(&task.effects).into_iter().skip(problem.base.len());
-    let own = own.filter(|free| task.parameters.contains(&free.variable.name));
-    start[..problem.base.len()].iter().copied().chain(own.map(|free| free.nearly_neutral())).collect()
-}
-
-/// Chi-square at each start of a task, infinite where the model has no answer, and the degrees of freedom.
-fn costs(problem: &Problem, noise: &Noise, task: &Task) -> Option<(Vec<f64>, f64)> {
-    with_problem(problem, noise, task, false, |weighted, _| {
-        let square = |start: &Vec<f64>| weighted.residual(&weighted.coordinates(start)).iter().map(|r| r * r).sum();
-        let freedom = weighted.freedom().saturating_sub(weighted.free.len());
-        Some((task.starts.iter().map(square).collect(), freedom as f64))
-    })
-}
-
-fn run_over(problem: &Problem, noise: &Noise, task: &Task, whole: bool) -> Option<Calibration> {
+/// Runs a task from its starts as they are.
+pub(super) fn run_over(problem: &Problem, noise: &Noise, task: &Task, whole: bool) -> Option<Calibration> {
     let effort = problem.strategy().budget().calibration;
     with_problem(problem, noise, task, whole, |weighted, weights| {
         if task.starts.is_empty() {
@@ -177,7 +121,7 @@ fn run_over(problem: &Problem, noise: &Noise, task: &Task, whole: bool) -> Optio
 }
 
 /// Calls `f` with the weighted least-squares problem of a task.
-fn with_problem<R>(
+pub(super) fn with_problem<R>(
     problem: &Problem,
     noise: &Noise,
     task: &Task,
@@ -221,6 +165,7 @@ pub fn fit_task(
 ) -> Result<Option<Outcome>, CompareError> {
     let mut problem = options.problem(given, experiment)?;
     problem.layout.leave_out(&task.unanswered);
+    problem.layout.unsettle(noise.odd.iter().copied());
     (0..noise.refined).for_each(|_| _ = problem.refine_step());
     if problem.is_cut() && !noise.windows.is_empty() {
         problem.begin_windows(noise.windows.clone(), &noise.around)?;
@@ -230,21 +175,11 @@ pub fn fit_task(
 
 /// Runs a task for its values and cost alone.
 pub(crate) fn outcome(problem: &Problem, noise: &Noise, task: &Task) -> Option<Outcome> {
-    if task.scouting.is_some()
-        && let Some(thin) = problem.thinned()
-    {
-        return look(problem, &thin, noise, task);
+    if task.scouting.is_some() && problem.is_cut() {
+        return far::look(problem, noise, task);
     }
     let fit = run(problem, noise, task)?;
     Some(Outcome { values: fit.values(), chi_square: fit.chi_square })
-}
-
-/// A first look is made over a few windows, and only its end is seen over all.
-fn look(problem: &Problem, thin: &Problem, noise: &Noise, task: &Task) -> Option<Outcome> {
-    let values = run_over(thin, noise, task, false)?.values();
-    let there = Task { starts: vec![values.clone()], ..task.clone() };
-    let chi_square = costs(problem, noise, &there)?.0[0];
-    chi_square.is_finite().then_some(Outcome { values, chi_square })
 }
 
 /// What is known at given values without a search: cost, standard errors, which parameters sit on bounds.

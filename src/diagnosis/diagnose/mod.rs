@@ -27,6 +27,7 @@ mod drive;
 mod engine;
 mod evidence;
 mod finished;
+mod far;
 mod fits;
 mod folds;
 mod held_out;

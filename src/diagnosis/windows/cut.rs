@@ -18,6 +18,15 @@ const LEAST_GAP: f64 = 0.5;
 const AT_REST: f64 = 0.15;
 /// Paths of runs that repeat each other begin alike where they are this near, m.
 const ALIKE: f64 = 0.25;
+/// Time at the start of a run that no fit counts, s: how deep a standing wheel sinks is an assumption of the model, and a real rover
+/// may have been moving.
+const BREAKING_LOOSE: f64 = 0.5;
+/// Turn of each wheel until which no fit counts a run that begins at rest, rad: how a contact breaks loose is over by then, since the
+/// shear of a contact grows to its full size within a turn of less than its angle.
+const ROLLED_IN: f64 = 1.0;
+/// Largest share of the rows of a run that these may be.
+const BREAKING_LOOSE_SHARE: f64 = 0.2;
+
 /// How far the ground counts as passed behind a rover that already moves, m.
 const CAME_FROM: f64 = 100.0;
 
@@ -26,6 +35,35 @@ pub(crate) fn cut(experiment: &Experiment, models: &[Model]) -> Windows {
     let paths: Vec<Option<Path>> = experiment.runs.iter().zip(models).map(|(run, model)| of_run(run, model)).collect();
     let paths = shared(experiment, paths);
     experiment.runs.iter().zip(&paths).map(|(run, path)| windows(run, path.as_ref())).collect()
+}
+
+/// Number of rows at the start of a run that no fit counts: how contacts break loose is an assumption of the model.
+pub(crate) fn uncounted(run: &Run) -> usize {
+    let Some(time) = run.data.column("time") else { return 0 };
+    let early = time.iter().take_while(|t| **t - time[0] < BREAKING_LOOSE).count();
+    let speeds = commanded(run);
+    // Neither the radius nor the place decides on whether a run begins at rest.
+    let at_rest = path(run, 1.0, 0.0, &speeds).is_none_or(|path| begins_at_rest(&path));
+    let loose = if at_rest { rolled_in(time, &speeds) } else { 0 };
+    early.max(loose).min((BREAKING_LOOSE_SHARE * time.len() as f64) as usize)
+}
+
+/// Number of rows until every wheel has turned far enough from the start; none where speeds are unknown.
+fn rolled_in(time: &[f64], speeds: &[Vec<f64>]) -> usize {
+    let mut turned = vec![0.0; speeds.first().map_or(0, Vec::len)];
+    for row in 1..time.len() {
+        if turned.iter().all(|angle| *angle >= ROLLED_IN) {
+            return row - 1;
+        }
+        let pairs = turned.iter_mut().zip(&speeds[row - 1]);
+        pairs.for_each(|(angle, speed)| *angle += speed.abs() * (time[row] - time[row - 1]));
+    }
+    time.len()
+}
+
+fn begins_at_rest(path: &Path) -> bool {
+    let fastest = path.velocity.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    !path.measured || path.velocity.first().is_none_or(|first| first.abs() <= AT_REST * fastest)
 }
 
 /// Rows after gaps in which the motion that a window begins with is not settled yet.
@@ -99,9 +137,8 @@ fn shared(experiment: &Experiment, paths: Vec<Option<Path>>) -> Vec<Option<Path>
 fn windows(run: &Run, path: Option<&Path>) -> Vec<Window> {
     let (Some(time), Some(path)) = (run.data.column("time"), path) else { return Vec::new() };
     let speeds = commanded(run);
-    let pieces = pieces(time);
-    let fastest = path.velocity.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-    let at_rest = !path.measured || path.velocity[0].abs() <= AT_REST * fastest;
+    let mut pieces = pieces(time);
+    let at_rest = begins_at_rest(path);
     let length = time[time.len() - 1] - time[0];
     if pieces.len() == 1 && at_rest && length < LONG * LENGTH {
         return Vec::new();
@@ -112,6 +149,12 @@ fn windows(run: &Run, path: Option<&Path>) -> Vec<Window> {
         covered = [behind.min(path.x[0]), behind.max(path.x[0])];
     }
     let (mut windows, mut seen) = (Vec::new(), 0);
+    let loose = uncounted(run).min(pieces[0].end - 1);
+    if at_rest && loose > 0 {
+        // How it breaks loose is shown and not counted; what counts begins in motion.
+        windows.push(Window { begin: 0, rows: 0..loose, start: None });
+        pieces[0].start = loose;
+    }
     for piece in pieces {
         let count = ((time[piece.end - 1] - time[piece.start]) / LENGTH).round().max(1.0) as usize;
         let row_at = |k: usize| {
@@ -123,20 +166,22 @@ fn windows(run: &Run, path: Option<&Path>) -> Vec<Window> {
             if rows.is_empty() {
                 continue;
             }
-            let lead = time[piece.clone()].partition_point(|t| *t <= time[rows.start] - LEAD);
-            let begin = if k == 0 { rows.start } else { piece.start + lead.saturating_sub(1) };
+            let lead = time[..rows.start].partition_point(|t| *t <= time[rows.start] - LEAD).saturating_sub(1);
+            // Behind a gap nothing is known; in the first half of breaking loose the motion is far from steady.
+            let known_from = if rows.start == loose { loose / 2 } else { piece.start };
+            let begin = lead.max(known_from);
             for x in &path.x[seen..=begin.max(seen)] {
                 covered = [covered[0].min(*x), covered[1].max(*x)];
             }
             seen = begin.max(seen);
-            let rests = rows.start == 0 && at_rest;
-            let start = (!rests).then(|| Moving {
+            let start = Moving {
                 x: path.x[begin],
                 velocity: path.velocity[begin],
                 speeds: speeds[begin].clone(),
                 covered,
                 origin: path.x[0],
-            });
+            };
+            let start = (rows.start > 0 || !at_rest).then_some(start);
             windows.push(Window { begin, rows, start });
         }
     }
@@ -160,4 +205,57 @@ fn pieces(time: &[f64]) -> Vec<std::ops::Range<usize>> {
         }
     }
     pieces
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+mod tests {
+    use super::*;
+    use crate::measurement::Table;
+
+    /// A run of `rows` rows at 10 Hz whose wheel turns at `speed` (rad/s) and which begins at `velocity` (m/s) and reaches 0.2 m/s.
+    fn run(rows: usize, speed: f64, velocity: f64) -> Run {
+        let mut data = Table::new(["time", "wheel[1].speed_command", "velocity"]).unwrap();
+        for row in 0..rows {
+            let share = (row as f64 / 10.0).min(1.0);
+            data.push(&[row as f64 * 0.1, speed, velocity + share * (0.2 - velocity)]).unwrap();
+        }
+        Run {
+            name: "run".to_owned(),
+            file: "run.csv".into(),
+            group: None,
+            parameters: [].into(),
+            terrain: None,
+            x0: None,
+            data,
+            conditions: Vec::new(),
+            inputs: vec!["wheel[1].speed_command".to_owned()],
+            measured: vec!["velocity".to_owned()],
+        }
+    }
+
+    #[test]
+    fn analytic_a_run_from_rest_counts_once_each_wheel_has_rolled_in() {
+        // 1 rad at 0.8 rad/s takes 1.25 s: the first row behind it is number 13.
+        assert_eq!(uncounted(&run(200, 0.8, 0.0)), 13);
+        // At 8 rad/s it takes less than half a second, which never counts.
+        assert_eq!(uncounted(&run(200, 8.0, 0.0)), 5);
+        // A wheel that hardly turns costs a fifth of the rows, not all of them.
+        assert_eq!(uncounted(&run(200, 1e-3, 0.0)), 40);
+        // In motion nothing has to break loose.
+        assert_eq!(uncounted(&run(200, 0.8, 0.2)), 5);
+    }
+
+    #[test]
+    fn property_windows_of_a_run_from_rest_begin_in_motion_behind_its_start() {
+        let run = run(200, 0.8, 0.0);
+        let path = path(&run, 0.25, 0.0, &commanded(&run)).unwrap();
+        let windows = windows(&run, Some(&path));
+        assert_eq!((windows[0].rows.clone(), &windows[0].start), (0..13, &None));
+        for pair in windows.windows(2) {
+            assert_eq!(pair[0].rows.end, pair[1].rows.start);
+            assert!(pair[1].start.is_some() && pair[1].begin < pair[1].rows.start && pair[1].begin > 0);
+        }
+        assert_eq!(windows.last().unwrap().rows.end, 200);
+    }
 }

@@ -27,12 +27,6 @@ use crate::model::{Model, ModelKind};
 pub use plan::TraversePlan;
 use prediction::TraversePrediction;
 
-/// Time at the start of a run that no fit counts, s, and the largest share of its rows that this may be. A simulated
-/// rover starts at rest; how contacts break loose there, and how deep a standing wheel sinks, are assumptions of the model,
-/// and a real one may have been moving.
-const BREAKING_LOOSE: f64 = 0.5;
-const BREAKING_LOOSE_SHARE: f64 = 0.1;
-
 /// Inner steps of a diagnosis, s, the longest first.
 /// A diagnosis simulates the experiment hundreds of times. On drives over hills 5 ms change signals by under 0.002 of a noise of 2 %,
 /// 10 ms by under 0.01, and 20 ms by more than the noise: heave and pitch on their soil ring. Whether the first is exact enough
@@ -67,9 +61,7 @@ impl Strategy for Traverse {
     }
 
     fn uncounted_rows(&self, run: &Run) -> usize {
-        let Some(time) = run.data.column("time") else { return 0 };
-        let early = time.iter().take_while(|t| **t - time[0] < BREAKING_LOOSE).count();
-        early.min((BREAKING_LOOSE_SHARE * time.len() as f64) as usize)
+        cut::uncounted(run)
     }
 
     /// Rows off the grid are met to half a step, which the comparison with the next finer step judges too.

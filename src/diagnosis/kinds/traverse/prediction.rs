@@ -260,15 +260,16 @@ impl<'a> TraversePrediction<'a> {
         }
         let model = self.model(run, free)?;
         let numbers = if model.control.kind == ControlKind::Torque { OPEN } else { 1 };
-        let rover: Rover<Dual<OPEN>> = model.rover.map(&Dual::from);
+        // More derivatives than are asked for: a width of its own would be one more copy of the physics to compile.
+        let rover: Rover<Dual<8>> = model.rover.map(&Dual::from);
         let open = |start: [f64; OPEN]| {
             std::array::from_fn(|k| {
-                let value = Dual::<OPEN>::from(start[k]);
+                let value = Dual::<8>::from(start[k]);
                 if k < numbers { value.derivative(k) } else { value }
             })
         };
         let traced = run.windowed(replay, &rover, Dual::from(model.start.x0), &open, self.halt)?;
-        let slope = |value: &Dual<OPEN>, k: usize| value.eps.0.map_or(0.0, |eps| eps[k]);
+        let slope = |value: &Dual<8>, k: usize| value.eps.0.map_or(0.0, |eps| eps[k]);
         let finite = |x: f64| if x.is_finite() { x } else { 0.0 };
         Ok((0..numbers).map(|k| traced.values.iter().map(|value| finite(slope(value, k))).collect()).collect())
     }
