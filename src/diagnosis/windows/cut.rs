@@ -18,11 +18,11 @@ const LEAST_GAP: f64 = 0.5;
 const AT_REST: f64 = 0.15;
 /// Paths of runs that repeat each other begin alike where they are this near, m.
 const ALIKE: f64 = 0.25;
-/// Time at the start of a run that no fit counts, s: how deep a standing wheel sinks is an assumption of the model, and a real rover
-/// may have been moving.
-const BREAKING_LOOSE: f64 = 0.5;
-/// Turn of each wheel until which no fit counts a run that begins at rest, rad: how a contact breaks loose is over by then, since the
-/// shear of a contact grows to its full size within a turn of less than its angle.
+/// Time at the start of a run in motion that no fit counts, s.
+const UNKNOWN_START: f64 = 0.5;
+/// Turn of each wheel by which a contact that begins at rest has broken loose, rad: its shear grows to its full size within a turn of
+/// less than its angle. How it breaks loose, and how deep a standing wheel sinks, are assumptions of the model. The first window begins
+/// there, and its rows count [`LEAD`] later.
 const ROLLED_IN: f64 = 1.0;
 /// Largest share of the rows of a run that these may be.
 const BREAKING_LOOSE_SHARE: f64 = 0.2;
@@ -40,30 +40,35 @@ pub(crate) fn cut(experiment: &Experiment, models: &[Model]) -> Windows {
 /// Number of rows at the start of a run that no fit counts: how contacts break loose is an assumption of the model.
 pub(crate) fn uncounted(run: &Run) -> usize {
     let Some(time) = run.data.column("time") else { return 0 };
-    let early = time.iter().take_while(|t| **t - time[0] < BREAKING_LOOSE).count();
     let speeds = commanded(run);
     // Neither the radius nor the place decides on whether a run begins at rest.
-    let at_rest = path(run, 1.0, 0.0, &speeds).is_none_or(|path| begins_at_rest(&path));
-    let loose = if at_rest { rolled_in(time, &speeds) } else { 0 };
-    early.max(loose).min((BREAKING_LOOSE_SHARE * time.len() as f64) as usize)
+    let at_rest = path(run, 1.0, 0.0, &speeds).is_none_or(|path| begins_at_rest(run, &path));
+    let until = if at_rest { rolled_in(time, &speeds) + LEAD } else { time[0] + UNKNOWN_START };
+    let early = time.partition_point(|t| *t < until);
+    early.min((BREAKING_LOOSE_SHARE * time.len() as f64) as usize)
 }
 
-/// Number of rows until every wheel has turned far enough from the start; none where speeds are unknown.
-fn rolled_in(time: &[f64], speeds: &[Vec<f64>]) -> usize {
+/// Time by which every wheel has turned far enough from the start; the start itself where speeds are unknown.
+fn rolled_in(time: &[f64], speeds: &[Vec<f64>]) -> f64 {
     let mut turned = vec![0.0; speeds.first().map_or(0, Vec::len)];
-    for row in 1..time.len() {
+    for row in 0..time.len() - 1 {
         if turned.iter().all(|angle| *angle >= ROLLED_IN) {
-            return row - 1;
+            return time[row];
         }
-        let pairs = turned.iter_mut().zip(&speeds[row - 1]);
-        pairs.for_each(|(angle, speed)| *angle += speed.abs() * (time[row] - time[row - 1]));
+        let pairs = turned.iter_mut().zip(&speeds[row]);
+        pairs.for_each(|(angle, speed)| *angle += speed.abs() * (time[row + 1] - time[row]));
     }
-    time.len()
+    time[time.len() - 1]
 }
 
-fn begins_at_rest(path: &Path) -> bool {
+/// Whether a run begins at rest: by its first velocity, or by the mean over the first half second, which noise moves less but a quick
+/// start raises. A run in motion that is taken for one at rest loses a second or two, one at rest that is taken for one in motion
+/// begins at a wrong slip.
+fn begins_at_rest(run: &Run, path: &Path) -> bool {
     let fastest = path.velocity.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
-    !path.measured || path.velocity.first().is_none_or(|first| first.abs() <= AT_REST * fastest)
+    let slow = |velocity: Option<&f64>| velocity.is_none_or(|v| v.abs() <= AT_REST * fastest);
+    let recorded = run.data.column("velocity").and_then(|column| column.iter().find(|v| !v.is_nan()));
+    !path.measured || slow(path.velocity.first()) || (recorded.is_some() && slow(recorded))
 }
 
 /// Rows after gaps in which the motion that a window begins with is not settled yet.
@@ -138,7 +143,7 @@ fn windows(run: &Run, path: Option<&Path>) -> Vec<Window> {
     let (Some(time), Some(path)) = (run.data.column("time"), path) else { return Vec::new() };
     let speeds = commanded(run);
     let mut pieces = pieces(time);
-    let at_rest = begins_at_rest(path);
+    let at_rest = begins_at_rest(run, path);
     let length = time[time.len() - 1] - time[0];
     if pieces.len() == 1 && at_rest && length < LONG * LENGTH {
         return Vec::new();
@@ -167,9 +172,8 @@ fn windows(run: &Run, path: Option<&Path>) -> Vec<Window> {
                 continue;
             }
             let lead = time[..rows.start].partition_point(|t| *t <= time[rows.start] - LEAD).saturating_sub(1);
-            // Behind a gap nothing is known; in the first half of breaking loose the motion is far from steady.
-            let known_from = if rows.start == loose { loose / 2 } else { piece.start };
-            let begin = lead.max(known_from);
+            // Behind a gap nothing is known.
+            let begin = if rows.start == loose { lead } else { lead.max(piece.start) };
             for x in &path.x[seen..=begin.max(seen)] {
                 covered = [covered[0].min(*x), covered[1].max(*x)];
             }
@@ -236,10 +240,9 @@ mod tests {
 
     #[test]
     fn analytic_a_run_from_rest_counts_once_each_wheel_has_rolled_in() {
-        // 1 rad at 0.8 rad/s takes 1.25 s: the first row behind it is number 13.
-        assert_eq!(uncounted(&run(200, 0.8, 0.0)), 13);
-        // At 8 rad/s it takes less than half a second, which never counts.
-        assert_eq!(uncounted(&run(200, 8.0, 0.0)), 5);
+        // 1 rad at 0.8 rad/s takes 1.25 s, so that row 13 begins a window, which counts half a second later.
+        assert_eq!(uncounted(&run(200, 0.8, 0.0)), 18);
+        assert_eq!(uncounted(&run(200, 8.0, 0.0)), 7);
         // A wheel that hardly turns costs a fifth of the rows, not all of them.
         assert_eq!(uncounted(&run(200, 1e-3, 0.0)), 40);
         // In motion nothing has to break loose.
@@ -251,7 +254,7 @@ mod tests {
         let run = run(200, 0.8, 0.0);
         let path = path(&run, 0.25, 0.0, &commanded(&run)).unwrap();
         let windows = windows(&run, Some(&path));
-        assert_eq!((windows[0].rows.clone(), &windows[0].start), (0..13, &None));
+        assert_eq!((windows[0].rows.clone(), &windows[0].start), (0..18, &None));
         for pair in windows.windows(2) {
             assert_eq!(pair[0].rows.end, pair[1].rows.start);
             assert!(pair[1].start.is_some() && pair[1].begin < pair[1].rows.start && pair[1].begin > 0);
