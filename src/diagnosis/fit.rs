@@ -15,7 +15,7 @@ pub struct SignalFit {
     pub measured: Vec<f64>,
     /// Modelled values, also where nothing was measured; NaN where the model has no answer.
     pub modelled: Vec<f64>,
-    /// Measured minus modelled; NaN also in rows that are left out of the comparison.
+    /// Measured minus modelled; NaN also in rows that are left out of the comparison, such as the start of a drive.
     pub residual: Vec<f64>,
 }
 
@@ -68,7 +68,9 @@ impl Fit {
         let mut squares: BTreeMap<String, (f64, usize)> = BTreeMap::new();
         for block in &layout.blocks {
             let (counted, modelled) = (&layout.measured[block.range.clone()], &modelled[block.range.clone()]);
-            let residual: Vec<f64> = counted.iter().zip(modelled).map(|(y, m)| y - m).collect();
+            let settled = |row: usize| !layout.is_unsettled(block.run, row);
+            let difference = |(row, (y, m)): (usize, (&f64, &f64))| if settled(row) { y - m } else { f64::NAN };
+            let residual: Vec<f64> = counted.iter().zip(modelled).enumerate().map(difference).collect();
             let (sum, count) = squares.entry(block.signal.clone()).or_default();
             for e in residual.iter().filter(|e| !e.is_nan()) {
                 *sum += e * e;

@@ -96,7 +96,7 @@ impl Replay {
         })
     }
 
-    /// Replays the rows from where a window begins to its end, from `state`; a rover that gets stuck goes on turning its wheels.
+    /// Replays the rows from where a window begins to its end, from `state`.
     pub(super) fn run_window<S: Scalar>(
         &self,
         guide: Option<&Guide>,
@@ -106,7 +106,7 @@ impl Replay {
         record: &mut dyn FnMut(usize, &Simulation<S>),
     ) -> Result<(), ReplayError> {
         let mut simulation = Simulation::from_state(rover, state, self.step_size)?;
-        self.follow((guide, halt), &mut simulation, window.begin..window.rows.end, true, record)
+        self.follow((guide, halt), &mut simulation, window.begin..window.rows.end, !window.ends_when_stuck, record)
     }
 
     /// Goes through `rows`, the first of which is where `simulation` stands; if it `goes_on` also where the rover is stuck.

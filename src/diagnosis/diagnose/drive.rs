@@ -7,14 +7,15 @@ use crate::diagnosis::halt::Halt;
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::unanswered::{UnansweredRows, listed};
 use crate::diagnosis::thresholds::ODD;
-use crate::diagnosis::windows::Windows;
+use crate::diagnosis::windows::Window;
 use crate::measurement::Experiment;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// The final model replayed from the start of each run to its end, on its own: errors of the velocity add up here, so that the place
-/// is off by more than in any window. Only runs that begin at rest and have no gap can be driven so.
+/// The final model driven from the first row that counts to the end of each run, on its own: errors of the velocity add up here, so that
+/// the place is off by more than in any window. Only runs without a gap can be driven so. How a rover breaks loose does not count:
+/// where two states are steady, climbing and spinning, it decides between them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WholeDrive {
     /// Number of windows into which the runs were cut.
@@ -43,16 +44,12 @@ pub(crate) fn whole_drive(
     if !problem.is_cut() {
         return Ok(None);
     }
-    let begins_at_rest = |run: &usize| {
-        let windows = &problem.windows[*run];
-        windows
-            .iter()
-            .enumerate()
-            .all(|(k, window)| if k == 0 { window.start.is_none() } else { window.begin < window.rows.start })
+    let without_gap = |run: &usize| {
+        problem.windows[*run].iter().all(|window| window.rows.start == 0 || window.begin < window.rows.start)
     };
-    let runs: Vec<usize> = (0..problem.experiment.runs.len()).filter(begins_at_rest).collect();
+    let runs: Vec<usize> = (0..problem.experiment.runs.len()).filter(without_gap).collect();
     let mut whole = problem.only(&runs);
-    whole.windows = Windows::new();
+    whole.windows = runs.iter().map(|run| joined(&problem.windows[*run])).collect();
     whole.halt = Halt::default();
     let answers = whole.predict(&whole.free(effects), |predict| predict.answers(values))??;
     let rmse = Fit::new(&whole.experiment, &whole.layout, &answers.values).rmse;
@@ -60,6 +57,18 @@ pub(crate) fn whole_drive(
     let starts = of_starts(&whole, noise, &answers.values);
     let runs = whole.experiment.runs.iter().map(|run| run.name.clone()).collect();
     Ok(Some(WholeDrive { windows: problem.windows.iter().map(Vec::len).sum(), runs, rmse, unanswered, starts }))
+}
+
+/// Windows of a run with all that follow each other made one.
+fn joined(windows: &[Window]) -> Vec<Window> {
+    let mut joined: Vec<Window> = Vec::new();
+    for window in windows {
+        match joined.last_mut().filter(|last| last.start.is_some()) {
+            Some(last) => last.rows.end = window.rows.end,
+            None => joined.push(Window { ends_when_stuck: window.start.is_some(), ..window.clone() }),
+        }
+    }
+    joined
 }
 
 /// What is said of runs that miss the model at their start, by [`ODD`] times more squares than elsewhere; `None` where none does.

@@ -157,7 +157,7 @@ fn windows(run: &Run, path: Option<&Path>) -> Vec<Window> {
     let loose = uncounted(run).min(pieces[0].end - 1);
     if at_rest && loose > 0 {
         // How it breaks loose is shown and not counted; what counts begins in motion.
-        windows.push(Window { begin: 0, rows: 0..loose, start: None });
+        windows.push(Window { begin: 0, rows: 0..loose, start: None, ends_when_stuck: false });
         pieces[0].start = loose;
     }
     for piece in pieces {
@@ -186,7 +186,7 @@ fn windows(run: &Run, path: Option<&Path>) -> Vec<Window> {
                 origin: path.x[0],
             };
             let start = (rows.start > 0 || !at_rest).then_some(start);
-            windows.push(Window { begin, rows, start });
+            windows.push(Window { begin, rows, start, ends_when_stuck: false });
         }
     }
     windows

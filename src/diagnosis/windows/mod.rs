@@ -39,6 +39,9 @@ pub struct Window {
     pub rows: Range<usize>,
     /// How it begins; `None` at rest at the start of the run.
     pub start: Option<Moving>,
+    /// Whether it ends where the rover gets stuck, rather than with the wheels turning on the spot.
+    #[serde(default)]
+    pub ends_when_stuck: bool,
 }
 
 /// The windows of each run; none for a run that is replayed as a whole.
