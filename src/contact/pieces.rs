@@ -121,7 +121,7 @@ fn many_cuts<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
             let beside = |side: f64| level_of(grip * (side * CORNER * rim.rounding.value()).exp());
             let [before, after] = [beside(-1.0), beside(1.0)];
             let levels = [0.0, before, -before, limit, -limit, after, -after, BUILT_UP, -BUILT_UP];
-            return pieces(rim, &displacement.cuts(&levels), &NODES_16);
+            return smooth_pieces(rim, &displacement, &displacement.cuts(&levels));
         }
         let nodes: &[(f64, f64)] = if displacement.largest_change() <= MORE_NODES { &NODES_12 } else { &NODES_16 };
         return pieces(rim, &displacement.cuts(&[0.0, limit, -limit]), nodes);
@@ -150,6 +150,24 @@ fn pieces<S: Scalar>(rim: &Rim<S>, cuts: &Cuts, nodes: &[(f64, f64)]) -> Sums<S>
     let mut sums = Sums::zero();
     for piece in cuts.angles[..cuts.len].windows(2) {
         add_piece(rim, &mut sums, piece[0].into(), piece[1].into(), nodes);
+    }
+    sums
+}
+
+/// Pieces within which the stresses are smooth, each with the nodes that the change of j/K over it asks for. On either side of a
+/// rounded corner's middle 8 nodes leave 3e-9 of its height: the corner's nearest singularity is pi w away from a piece of
+/// 4 w in ln b, so that the error of n nodes falls as 3.4^(-2 n).
+fn smooth_pieces<S: Scalar>(rim: &Rim<S>, displacement: &Displacement<f64>, cuts: &Cuts) -> Sums<S> {
+    let mut sums = Sums::zero();
+    for piece in cuts.angles[..cuts.len].windows(2) {
+        let nodes: &[(f64, f64)] = match displacement.steepest * (piece[0] - piece[1]) {
+            change if change <= FEW_NODES => &NODES_8,
+            change if change <= MORE_NODES => &NODES_12,
+            _ => &NODES_16,
+        };
+        if piece[0] > piece[1] {
+            add_piece(rim, &mut sums, piece[0].into(), piece[1].into(), nodes);
+        }
     }
     sums
 }

@@ -50,8 +50,9 @@ pub(super) struct Rim<S> {
     pub(super) shear_radius: S,
     /// The most shear stress over the soil's strength.
     pub(super) grip: S,
-    /// How round the shear meets it, see [`Surface::rounding`].
+    /// How round the shear meets it, see [`Surface::rounding`], and the grip to the power of one over that.
     pub(super) rounding: S,
+    grip_power: S,
     radius: S,
     modulus: S,
     exponent: S,
@@ -151,6 +152,11 @@ impl<S: Scalar> Rim<S> {
             shear_radius: surface.shear_radius,
             grip: surface.grip,
             rounding: surface.rounding,
+            grip_power: if surface.rounding.is_exactly(0.0) {
+                S::from(1.0)
+            } else {
+                surface.grip.power(surface.rounding.larger(S::from(LEAST_ROUNDING)).recip())
+            },
             radius,
             modulus: soil.modulus(wheel.width),
             exponent: soil.exponent,
@@ -243,14 +249,15 @@ impl<S: Scalar> Rim<S> {
     fn rounded(&self, b: S) -> (S, S) {
         let (one, g) = (S::from(1.0), self.grip);
         let w = self.rounding.larger(S::from(LEAST_ROUNDING));
-        let m = w.recip();
         let sticks = b.at_most(g);
-        let ratio = S::select(sticks, b / g, g / b).power(m);
-        let whole = S::select(sticks, b, g).power(m);
+        let ratio = S::select(sticks, b / g, g / b).power(w.recip());
+        // Of b where the soil sticks, of g where it slips.
+        let whole = self.grip_power * S::select(sticks, ratio, one);
         let sum = one + ratio - whole;
-        let share = S::select(sticks, b, g) * sum.power(-w);
+        let blend = sum.power(-w);
+        let share = S::select(sticks, b, g) * blend;
         // d/db b D^-w = D^(-w - 1); beyond the corner D is `sum` over `ratio`.
-        let slope = sum.power(-w - 1.0) * S::select(sticks, one, ratio * (g / b));
+        let slope = blend / sum * S::select(sticks, one, ratio * (g / b));
         (share, slope)
     }
 }

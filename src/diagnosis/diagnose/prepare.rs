@@ -5,6 +5,7 @@
 
 use super::discrepancy::{self, Shape};
 use super::fits::{Noise, Task, run, run_open};
+use super::inner_step::is_coarse;
 use super::search::SAME_FIT;
 use super::signature::prune;
 use crate::diagnosis::calibrate::{CalibratedParameter, Calibration, better};
@@ -22,9 +23,6 @@ use std::collections::BTreeMap;
 
 /// Median of |x| of a normal variable with unit variance.
 const MEDIAN: f64 = 0.674_489_750_196_081_7;
-
-/// Share of a signal's noise by which the inner step may change it, RMS: chi-square grows by less than half a per cent.
-const STEP_SHOWS: f64 = 0.06;
 
 /// What the search starts from.
 pub(crate) struct Prepared {
@@ -70,17 +68,29 @@ pub(crate) fn calibrated_baseline(problem: &mut Problem) -> Result<Prepared, Com
     let repeats = Repeats::new(&problem.experiment);
     let mut unanswered = Vec::new();
     let guess = Noise::new(first_guess(problem, &repeats));
+    let all = problem.layout.clone();
     let mut first = fitted(problem, &guess, &[], &mut unanswered)?;
     let mut refined = 0;
-    while is_coarse(problem, &guess, &first.values())? && problem.refine_step() {
-        refined += 1;
-        first = fitted(problem, &guess, &[first.values()], &mut unanswered)?;
-    }
-    if problem.is_cut() {
-        problem.refine_starts(&guess, &first.values())?;
-        first = fitted(problem, &guess, &[first.values()], &mut unanswered)?;
-    }
-    let Found { mut noise, decided, flexible, modulations } = noise_about(problem, &repeats, &first)?;
+    let mut known = guess.clone();
+    // Under the first guess of the noise and again under each that is found, until the step does not show beside it.
+    let Found { mut noise, decided, flexible, modulations } = loop {
+        while is_coarse(problem, &known, &first.values())? && problem.refine_step() {
+            refined += 1;
+            // Rows that had no answer may have one, or end elsewhere.
+            problem.layout.clone_from(&all);
+            unanswered.clear();
+            first = fitted(problem, &guess, &[first.values()], &mut unanswered)?;
+        }
+        if problem.is_cut() {
+            problem.refine_starts(&guess, &first.values())?;
+            first = fitted(problem, &guess, &[first.values()], &mut unanswered)?;
+        }
+        let found = noise_about(problem, &repeats, &first)?;
+        if !is_coarse(problem, &found.noise, &first.values())? {
+            break found;
+        }
+        known = found.noise;
+    };
     noise.refined = refined;
     let mut baseline = refitted(problem, &noise, first, &mut unanswered)?;
     if problem.is_cut() {
@@ -259,24 +269,6 @@ fn led_baseline(problem: &Problem, noise: &Noise, baseline: Calibration) -> Cali
     }
 }
 
-/// Whether the inner step shows beside the noise: the next finer one changes some signal by more than a share of its noise.
-fn is_coarse(problem: &Problem, noise: &Noise, values: &[f64]) -> Result<bool, CompareError> {
-    let mut finer = problem.clone();
-    if !finer.refine_step() {
-        return Ok(false);
-    }
-    let (ours, theirs) = (modelled(problem, values)?.values, modelled(&finer, values)?.values);
-    let changed = minus(&ours, &theirs);
-    let shows = |signal: &String, model: &NoiseModel| {
-        let blocks = problem.layout.blocks.iter().filter(|block| block.signal == *signal);
-        let present: Vec<f64> =
-            blocks.flat_map(|block| changed[block.range.clone()].iter().copied()).filter(|x| !x.is_nan()).collect();
-        let square = present.iter().map(|x| x * x).sum::<f64>() / present.len().max(1) as f64;
-        square.sqrt() > STEP_SHOWS * model.deviation
-    };
-    Ok(noise.models.iter().any(|(signal, model)| shows(signal, model)))
-}
-
 /// Whether two fits have the same parameters, to a search's accuracy.
 fn is_at(fit: &Calibration, other: &Calibration) -> bool {
     let near = |(a, b): (&CalibratedParameter, &CalibratedParameter)| {
@@ -314,12 +306,12 @@ fn no_start(problem: &Problem) -> CompareError {
 }
 
 /// What the baseline gives row by row.
-fn modelled(problem: &Problem, values: &[f64]) -> Result<Answers, CompareError> {
+pub(super) fn modelled(problem: &Problem, values: &[f64]) -> Result<Answers, CompareError> {
     Ok(problem.predict(&problem.base, |predict| predict.answers(values))??)
 }
 
 /// Measured minus modelled.
-fn minus(measured: &[f64], modelled: &[f64]) -> Vec<f64> {
+pub(super) fn minus(measured: &[f64], modelled: &[f64]) -> Vec<f64> {
     measured.iter().zip(modelled).map(|(y, m)| y - m).collect()
 }
 

@@ -90,27 +90,45 @@ pub(crate) fn sensitivities(
     effects: &[String],
     values: &[f64],
 ) -> Result<Sensitivities, PredictionError> {
+    if let Some(known) = problem.known_sensitivities(effects, values) {
+        return Ok(known.clone());
+    }
     let candidates: Vec<&Candidate> = problem.library.iter().filter(|c| !effects.contains(&c.id)).collect();
     let mut free = problem.free(effects);
-    let fitted = free.len();
     free.extend(candidates.iter().flat_map(|candidate| candidate.free.iter().cloned()));
     let mut all = values.to_vec();
-    all.extend(free[fitted..].iter().map(|free| free.start));
-    let (modelled, mut slopes) = problem.predict(&free, |predict| predict.slopes(&all))??;
-    for (column, (free, value)) in slopes.iter_mut().zip(free.iter().zip(&all)) {
+    all.extend(free[values.len()..].iter().map(|free| free.start));
+    let (modelled, slopes) = problem.predict(&free, |predict| predict.slopes(&all))??;
+    let columns = by_coordinate(slopes, &free, &all);
+    with_views(problem, effects, &candidates, values, modelled, columns)
+}
+
+/// Derivatives in the search's coordinates.
+fn by_coordinate(mut slopes: Vec<Vec<f64>>, free: &[Free], values: &[f64]) -> Vec<Vec<f64>> {
+    for (column, (free, value)) in slopes.iter_mut().zip(free.iter().zip(values)) {
         let slope = free.slope(*value);
         column.iter_mut().for_each(|x| *x *= slope);
     }
-    let mut rest = slopes.split_off(fitted).into_iter();
+    slopes
+}
+
+/// Sensitivities from columns of the fitted parameters and, behind them, of the candidates' at their neutral values.
+fn with_views(
+    problem: &Problem,
+    effects: &[String],
+    candidates: &[&Candidate],
+    values: &[f64],
+    modelled: Vec<f64>,
+    mut columns: Vec<Vec<f64>>,
+) -> Result<Sensitivities, PredictionError> {
+    let mut rest = columns.split_off(values.len()).into_iter();
     let mut signatures = Vec::new();
     for candidate in candidates {
-        let columns: Vec<Vec<f64>> = rest.by_ref().take(candidate.free.len()).collect();
-        signatures.push(Signature {
-            id: candidate.id.clone(),
-            views: views(problem, effects, values, &modelled, candidate, columns)?,
-        });
+        let own: Vec<Vec<f64>> = rest.by_ref().take(candidate.free.len()).collect();
+        let views = views(problem, effects, values, &modelled, candidate, own)?;
+        signatures.push(Signature { id: candidate.id.clone(), views });
     }
-    Ok(Sensitivities { modelled, base: slopes, signatures })
+    Ok(Sensitivities { modelled, base: columns, signatures })
 }
 
 fn views(
@@ -192,7 +210,7 @@ fn room(free: &[Free], draw: &[f64]) -> f64 {
 
 /// Takes parameters out of the library that change nothing measured, neither at the neutral values nor at a quarter of
 /// their ranges: an odometer's scale on a carriage. Candidates without any other parameter leave the library; their ids
-/// are returned.
+/// are returned. The problem keeps the sensitivities at the baseline, which the first stage and the plans ask for.
 ///
 /// # Errors
 /// [`PredictionError`] where the model has no answer at `values`, those of the baseline.
@@ -200,13 +218,15 @@ pub(crate) fn prune(problem: &mut Problem, values: &[f64]) -> Result<Vec<String>
     let mut free = problem.base.clone();
     free.extend(problem.library.iter().flat_map(|candidate| candidate.free.iter().cloned()));
     let all: Vec<f64> = values.iter().copied().chain(free[values.len()..].iter().map(|free| free.start)).collect();
-    let (_, slopes) = problem.predict(&free, |predict| predict.slopes(&all))??;
-    let mut columns = slopes[values.len()..].iter();
+    let (modelled, slopes) = problem.predict(&free, |predict| predict.slopes(&all))??;
+    let mut rest = by_coordinate(slopes, &free, &all);
+    let mut columns: Vec<Vec<f64>> = rest.drain(..values.len()).collect();
+    let mut rest = rest.into_iter();
     let mut gone = Vec::new();
     let mut kept = Vec::new();
     for mut candidate in problem.library.clone() {
-        let mut alive: Vec<bool> =
-            columns.by_ref().take(candidate.free.len()).map(|column| !is_still(column)).collect();
+        let own: Vec<Vec<f64>> = rest.by_ref().take(candidate.free.len()).collect();
+        let mut alive: Vec<bool> = own.iter().map(|column| !is_still(column)).collect();
         if !alive.iter().all(|alive| *alive) {
             let quarter = |free: &Free| free.variable.min + 0.25 * (free.variable.max - free.variable.min);
             let there: Vec<f64> = values.iter().copied().chain(candidate.free.iter().map(quarter)).collect();
@@ -215,10 +235,14 @@ pub(crate) fn prune(problem: &mut Problem, values: &[f64]) -> Result<Vec<String>
                 alive.iter_mut().zip(&slopes[values.len()..]).for_each(|(alive, column)| *alive |= !is_still(column));
             }
         }
+        columns.extend(own.into_iter().zip(&alive).filter(|(_, alive)| **alive).map(|(column, _)| column));
         let mut alive = alive.into_iter();
         candidate.free.retain(|_| alive.next().unwrap_or(false));
         if candidate.free.is_empty() { gone.push(candidate.id) } else { kept.push(candidate) }
     }
     problem.library = kept;
+    let candidates: Vec<&Candidate> = problem.library.iter().collect();
+    let sensitivities = with_views(problem, &[], &candidates, values, modelled, columns)?;
+    problem.know_sensitivities(values, sensitivities);
     Ok(gone)
 }

@@ -5,7 +5,7 @@ mod parameters;
 mod windows;
 
 use super::compare::CompareError;
-use super::diagnose::Task;
+use super::diagnose::{Sensitivities, Task};
 use super::free::Free;
 use super::given::Given;
 use super::halt::Halt;
@@ -20,6 +20,7 @@ use crate::model::Model;
 use bekker_modeldescription::Parameters;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 pub(super) use parameters::class_priors;
 use parameters::{base_parameters, library};
@@ -53,6 +54,8 @@ pub(crate) struct Problem<'a> {
     pub base: Vec<Free>,
     /// Effects that may be added, in the vocabulary's order.
     pub library: Vec<Candidate>,
+    /// Values of the baseline and what was found of the sensitivities there, once it is calibrated.
+    sensitivities: Option<Arc<(Vec<f64>, Sensitivities)>>,
     /// What was taken from where, in words; see [`Given`].
     pub sources: Vec<String>,
     /// Whether the model that is found is a wheel on a carriage: a single wheel was measured and no rover is named.
@@ -99,10 +102,22 @@ impl<'a> Problem<'a> {
             halt: Halt::default(),
             base,
             library: kept,
+            sensitivities: None,
             sources,
             carriage,
             set: given.values().clone(),
         })
+    }
+
+    /// Sensitivities of the baseline at `values`, where they are known.
+    pub fn known_sensitivities(&self, effects: &[String], values: &[f64]) -> Option<&Sensitivities> {
+        let (at, known) = self.sensitivities.as_deref().filter(|_| effects.is_empty())?;
+        (at == values).then_some(known)
+    }
+
+    /// Keeps the sensitivities of the baseline at `values`; nothing that they depend on changes from now on.
+    pub fn know_sensitivities(&mut self, values: &[f64], sensitivities: Sensitivities) {
+        self.sensitivities = Some(Arc::new((values.to_vec(), sensitivities)));
     }
 
     /// What depends on the kind of the experiment.
@@ -209,6 +224,7 @@ impl<'a> Problem<'a> {
             models: runs.iter().map(|run| self.models[*run].clone()).collect(),
             base: self.base.clone(),
             library: self.library.clone(),
+            sensitivities: None,
             sources: self.sources.clone(),
             carriage: self.carriage,
             set: self.set.clone(),

@@ -35,6 +35,7 @@ impl<'a> Problem<'a> {
             return false;
         }
         self.steps.remove(0);
+        self.sensitivities = None;
         self.step_by_first();
         true
     }
@@ -124,6 +125,7 @@ impl<'a> Problem<'a> {
     /// [`PredictionError`] where the model gives nothing there.
     pub fn begin_windows(&mut self, windows: Windows, values: &[f64]) -> Result<(), PredictionError> {
         self.windows = windows;
+        self.sensitivities = None;
         let starts = self.strategy().free_starts(self, &self.base, values)?;
         self.layout.free_starts = starts.into_iter().map(Arc::new).collect();
         Ok(())
