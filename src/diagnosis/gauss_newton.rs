@@ -86,13 +86,14 @@ impl<'a> Descent<'a> {
         let next: Vec<f64> =
             self.at.iter().zip(&change).zip(bounds).map(|((x, d), (low, high))| (x + d).clamp(*low, *high)).collect();
         let size = self.share_of_widths(&change);
-        let worse = |chi_square: f64| !(self.chi_square() - chi_square > ACCEPTED * fall);
-        if self.failed && worse(2.0 * self.problem.cost_at(&next)) {
+        // A cost that is no number is no better.
+        let better = |chi_square: f64| self.chi_square() - chi_square > ACCEPTED * fall;
+        if self.failed && !better(2.0 * self.problem.cost_at(&next)) {
             return self.shrunk(size);
         }
         let triangle = self.problem.triangle_at(&next);
         let chi_square = triangle[(0, 0)].powi(2);
-        if !chi_square.is_finite() || worse(chi_square) {
+        if !chi_square.is_finite() || !better(chi_square) {
             return self.shrunk(size);
         }
         let kept = (self.chi_square() - chi_square) / fall;

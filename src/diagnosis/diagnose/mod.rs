@@ -16,6 +16,7 @@
 //!
 //! Constants of judgement stand in [`super::thresholds`], what depends on the kind of experiment in [`super::kinds`].
 
+mod baseline;
 mod bootstrap;
 mod candidates;
 mod cautions;
@@ -30,6 +31,7 @@ mod far;
 mod finished;
 mod fits;
 mod folds;
+mod gains;
 mod held_out;
 mod inner_step;
 mod judge;
@@ -49,12 +51,12 @@ mod untried;
 mod verdict;
 mod watch;
 
-pub(crate) use bootstrap::Projected;
 pub use control::{Control, Progress, Spread, Threads};
 pub(crate) use discrepancy::{Condition, Shape, hats, powers, product, recorded, run_order};
 pub use drive::WholeDrive;
 pub use engine::{DiagnoseOptions, diagnose};
 pub use fits::{Noise, Outcome, Task, fit_task};
+pub(crate) use gains::Projected;
 pub(crate) use prepare::{calibrated_baseline, prepare};
 pub use result::{
     CandidateResult, Diagnosis, FinalParameter, LackOfFit, PairResult, ParameterResult, Share, Step, Verdict,

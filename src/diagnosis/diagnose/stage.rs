@@ -1,8 +1,9 @@
 //! One stage of the search: a fit, its sensitivities, and what noise alone would give there.
 
-use super::bootstrap::{Gains, Null, Projected, Statistics, p_value};
+use super::bootstrap::{Null, Statistics, p_value};
 use super::control::Control;
 use super::fits::Noise;
+use super::gains::{Gains, Projected};
 use super::prepare::Prepared;
 use super::signature::{Sensitivities, sensitivities};
 use crate::diagnosis::calibrate::Calibration;

@@ -1,8 +1,10 @@
 //! A rover on a profile: every run is a time series, whose simulation takes tenths of a second.
 
+mod place;
 mod plan;
 mod prediction;
 mod shapes;
+mod starts;
 mod variations;
 
 use super::{Budget, LeftOut, Strategy};

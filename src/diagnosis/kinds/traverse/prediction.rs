@@ -8,21 +8,20 @@
 //! and chunks of derivatives, are computed in parallel; nothing is summed between them, so the bits do not depend on the
 //! number of threads.
 
+use super::place::place;
 use crate::diagnosis::free::Free;
 use crate::diagnosis::guide::Guide;
 use crate::diagnosis::halt::Halt;
-use crate::diagnosis::layout::{Block, Layout};
+use crate::diagnosis::layout::Layout;
 use crate::diagnosis::prediction::{Derivatives, Predict, PredictionError};
 use crate::diagnosis::recorded::{Drives, Recorded, Traced};
 use crate::diagnosis::unanswered::{Answers, Unanswered, all_answered};
-use crate::diagnosis::windows::free::FreeStart;
-use crate::diagnosis::windows::{OPEN, Windows};
-use crate::measurement::{Experiment, Run as Measured};
-use crate::model::{ControlKind, Model};
+use crate::diagnosis::windows::Windows;
+use crate::measurement::Experiment;
+use crate::model::Model;
 use crate::parallel::map_in_order;
 use crate::rover::Rover;
 use crate::scalar::{Dual, Scalar};
-use crate::terrain::{Profile, Samples};
 use bekker_modeldescription::Parameters;
 use std::ops::Range;
 
@@ -32,14 +31,14 @@ const DIFFERENCE: f64 = 1e-4;
 
 /// Replays of all runs.
 pub(crate) struct TraversePrediction<'a> {
-    layout: &'a Layout,
+    pub(super) layout: &'a Layout,
     experiment: &'a Experiment,
     /// Different runs, on their ground, commanded as they were.
-    runs: Vec<Recorded>,
+    pub(super) runs: Vec<Recorded>,
     /// For each run of the experiment, which of these it is; a run that is left out is none.
-    places: Vec<Option<usize>>,
+    pub(super) places: Vec<Option<usize>>,
     free: &'a [Free],
-    halt: Halt<'a>,
+    pub(super) halt: Halt<'a>,
 }
 
 /// Part of the derivatives of one run.
@@ -101,7 +100,7 @@ impl<'a> TraversePrediction<'a> {
     }
 
     /// The run's model with the free parameters at these values.
-    fn model(&self, run: &Recorded, free: &[f64]) -> Result<Model, PredictionError> {
+    pub(super) fn model(&self, run: &Recorded, free: &[f64]) -> Result<Model, PredictionError> {
         let mut model = run.model.clone();
         model.visit("", &mut |variable, value| {
             if let Some(at) = self.position(run, &variable.name) {
@@ -223,58 +222,6 @@ impl<'a> TraversePrediction<'a> {
         unanswered
     }
 
-    /// How the modelled values depend on what is open of the starts of windows. The velocity is open where torques were
-    /// commanded: imposed speeds set it within milliseconds.
-    ///
-    /// # Errors
-    /// [`PredictionError`] where the model gives nothing at `free`.
-    pub fn free_starts(&self, free: &[f64]) -> Result<Vec<FreeStart>, PredictionError> {
-        let slopes = map_in_order(&self.runs, |run| self.slopes_of_starts(run, free));
-        let mut columns = vec![vec![0.0; self.layout.len()]; OPEN];
-        let mut open = Vec::new();
-        for (run, slopes) in self.runs.iter().zip(slopes) {
-            let slopes = slopes?;
-            open.push(slopes.len());
-            slopes.iter().zip(&mut columns).for_each(|(slope, column)| run.store(slope, column));
-        }
-        let mut starts = Vec::new();
-        for (k, place) in self.places.iter().enumerate() {
-            let Some(place) = *place else { continue };
-            for (number, column) in columns.iter().enumerate().take(open[place]) {
-                for (window, cut) in self.runs[place].windows.iter().enumerate().filter(|(_, cut)| cut.start.is_some())
-                {
-                    let own = |block: &Block| column[block.range.clone()][cut.rows.clone()].to_vec();
-                    let slopes = self.layout.of_run(k).map(own).collect();
-                    starts.push(FreeStart { run: k, window, number, rows: cut.rows.clone(), slopes });
-                }
-            }
-        }
-        Ok(starts)
-    }
-
-    /// Derivatives of a run's signals in place and, where torques were commanded, velocity in which its windows begin; none where
-    /// all of it is replayed as a whole.
-    fn slopes_of_starts(&self, run: &Recorded, free: &[f64]) -> Result<Vec<Vec<f64>>, PredictionError> {
-        let Drives::Open(replay) = &run.drives else { return Ok(Vec::new()) };
-        if run.windows.is_empty() {
-            return Ok(Vec::new());
-        }
-        let model = self.model(run, free)?;
-        let numbers = if model.control.kind == ControlKind::Torque { OPEN } else { 1 };
-        // More derivatives than are asked for: a width of its own would be one more copy of the physics to compile.
-        let rover: Rover<Dual<8>> = model.rover.map(&Dual::from);
-        let open = |start: [f64; OPEN]| {
-            std::array::from_fn(|k| {
-                let value = Dual::<8>::from(start[k]);
-                if k < numbers { value.derivative(k) } else { value }
-            })
-        };
-        let traced = run.windowed(replay, &rover, Dual::from(model.start.x0), &open, self.halt)?;
-        let slope = |value: &Dual<8>, k: usize| value.eps.0.map_or(0.0, |eps| eps[k]);
-        let finite = |x: f64| if x.is_finite() { x } else { 0.0 };
-        Ok((0..numbers).map(|k| traced.values.iter().map(|value| finite(slope(value, k))).collect()).collect())
-    }
-
     /// Takes what the model does not say out of values or derivatives.
     fn blank(&self, values: &mut [f64], unanswered: &[Unanswered], blank: f64) {
         for Unanswered { run, rows, .. } in unanswered {
@@ -287,34 +234,6 @@ impl<'a> TraversePrediction<'a> {
 
 /// Values and their derivatives, and the rows that were not reached.
 type Slopes = ((Vec<f64>, Vec<Vec<f64>>), Vec<Unanswered>);
-
-/// The model on a run's ground, commanded as the run was.
-fn place(mut model: Model, run: &Measured) -> Result<Model, PredictionError> {
-    let (commands, wheels) = (run.inputs.len(), model.rover.wheels.len());
-    if commands != wheels {
-        return Err(PredictionError::Wheels { run: run.name.clone(), commands, wheels });
-    }
-    let speed = run.inputs.iter().any(|name| name.ends_with(".speed_command"));
-    // Speed commands are followed exactly unless the model describes the drives' loop and limits.
-    model.control.kind = match (speed, model.control.kind) {
-        (true, ControlKind::SpeedLoop) => ControlKind::SpeedLoop,
-        (true, _) => ControlKind::Speed,
-        (false, _) => ControlKind::Torque,
-    };
-    model.rover.terrain.profile = match &run.terrain {
-        None => Profile::Flat,
-        Some(table) => {
-            let column = |name| table.column(name).unwrap_or_default();
-            let samples = Samples::new(column("x"), column("z"))
-                .map_err(|source| PredictionError::Terrain { run: run.name.clone(), source })?;
-            Profile::Samples(samples.into())
-        }
-    };
-    if let Some(x0) = run.x0 {
-        model.start.x0 = x0;
-    }
-    Ok(model)
-}
 
 impl Predict for TraversePrediction<'_> {
     /// Hundredths of a unit of chi-square: a search costs seconds, and rounding of the runs is amplified on rough ground.

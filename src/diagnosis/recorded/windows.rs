@@ -1,0 +1,98 @@
+//! A recorded run replayed window by window.
+
+use super::{Recorded, Traced};
+use crate::diagnosis::halt::Halt;
+use crate::diagnosis::prediction::PredictionError;
+use crate::diagnosis::replay::{Replay, ReplayError};
+use crate::diagnosis::windows::{Moving, OPEN, Window};
+use crate::rover::{Rover, State};
+use crate::scalar::Scalar;
+use crate::simulation::{Simulation, StepError};
+use std::ops::Range;
+
+impl Recorded {
+    /// The traced signals of an open-loop replay window by window, row by row, unless `halt` asks to end. `open` makes the
+    /// place and the velocity in which a window begins of their values.
+    pub fn windowed<S: Scalar>(
+        &self,
+        replay: &Replay,
+        rover: &Rover<S>,
+        x0: S,
+        open: &dyn Fn([f64; OPEN]) -> [S; OPEN],
+        halt: Halt,
+    ) -> Result<Traced<S>, PredictionError> {
+        let mut trace = vec![S::from(f64::NAN); self.time.len() * self.traced];
+        let mut ended = Vec::new();
+        // How warm the windings are where the next window begins.
+        let mut warm: Vec<S> = Vec::new();
+        for (k, window) in self.windows.iter().enumerate() {
+            let next = self.windows.get(k + 1).map(|next| next.begin);
+            let mut last = window.rows.start;
+            let state = self.state(rover, x0, window, open, &warm).map_err(|error| self.failed(error.into()))?;
+            let mut record = |row: usize, simulation: &Simulation<S>| {
+                last = row;
+                if Some(row) == next {
+                    warm = simulation.state().wheels.iter().map(|wheel| wheel.winding_rise).collect();
+                }
+                if window.rows.contains(&row) {
+                    self.read(simulation.signals(), row, &mut trace);
+                }
+            };
+            match replay.run_window(self.guide.as_ref(), halt, (rover.clone(), state), window, &mut record) {
+                Ok(()) => {}
+                Err(ReplayError::Interrupted) => return Err(PredictionError::Interrupted),
+                Err(ReplayError::Step(source)) => return Err(self.failed(source.into())),
+                Err(ReplayError::Ended { row, event }) => {
+                    let from = row.max(window.rows.start);
+                    let error = PredictionError::Ended { run: self.name.clone(), time: self.time[row], event };
+                    self.stay(&mut trace, from..window.rows.end);
+                    ended.push((from..window.rows.end, error));
+                }
+            }
+        }
+        Ok(Traced { values: trace, ended })
+    }
+
+    /// How a window begins.
+    fn state<S: Scalar>(
+        &self,
+        rover: &Rover<S>,
+        x0: S,
+        window: &Window,
+        open: &dyn Fn([f64; OPEN]) -> [S; OPEN],
+        warm: &[S],
+    ) -> Result<State<S>, StepError> {
+        let Some(start) = &window.start else { return Ok(rover.settled_at(x0)?) };
+        let [x, velocity] = open([start.x, start.velocity]);
+        let radius = rover.true_wheel().radius;
+        // Without known speeds the wheels roll; an open velocity takes the wheels along.
+        let speeds: Vec<S> = (0..rover.wheels.len())
+            .map(|k| match start.speeds.get(k) {
+                Some(speed) => (velocity - start.velocity) / radius + *speed,
+                None => velocity / radius,
+            })
+            .collect();
+        let mut state = rover.moving_at(x, velocity, &speeds)?;
+        self.remember(rover, start, &mut state);
+        state.wheels.iter_mut().zip(warm).for_each(|(wheel, warm)| wheel.winding_rise = *warm);
+        Ok(state)
+    }
+
+    /// Ground that was passed since the run began.
+    fn remember<S: Scalar>(&self, rover: &Rover<S>, start: &Moving, state: &mut State<S>) {
+        state.start_x = S::from(start.origin);
+        for (wheel, mount) in state.wheels.iter_mut().zip(&rover.wheels) {
+            wheel.track.low = mount.mount.x + start.covered[0];
+            wheel.track.high = mount.mount.x + start.covered[1];
+        }
+    }
+
+    /// Repeats the row before `rows`; where there is none, nothing is known.
+    fn stay<S: Scalar>(&self, trace: &mut [S], rows: Range<usize>) {
+        for at in rows.start * self.traced..rows.end * self.traced {
+            if at >= self.traced {
+                trace[at] = trace[at - self.traced];
+            }
+        }
+    }
+}
