@@ -250,7 +250,11 @@ fn property_time_stamps_commands_of_several_wheels_and_sums() {
     let csv = log("time,wheel[1].speed_command,wheel[2].speed_command,wheel[1+2].current", |k| format!("{k},1,1,2"));
     assert_eq!(rover("", &csv).unwrap().signals(), ["wheel[1+2].current"]);
     for (bad, words) in [
-        ("signal = \"speed\", wheels = [1, 2]", "no meaning is known for the sum of `speed`"),
+        (
+            "signal = \"speed\", wheels = [1, 2]",
+            "one measured speed for several wheels drives them where there is no command",
+        ),
+        ("signal = \"slip\", wheels = [1, 2]", "no meaning is known for the sum of `slip`"),
         ("signal = \"current\", wheels = [1, 1]", "expected different numbers"),
         ("signal = \"current\"", "belongs to a wheel"),
         ("signal = \"current\", wheels = [1, 3]", "unknown column"),

@@ -61,7 +61,6 @@ struct Details<'a> {
     profiles: Vec<Profile<'a>>,
     failures: &'a [Failure],
     failures_left: &'a [Failure],
-    sources: &'a [String],
 }
 
 impl<'a> Details<'a> {
@@ -80,7 +79,6 @@ impl<'a> Details<'a> {
             profiles: core.profiles.iter().map(Profile::of).collect(),
             failures: &core.failures,
             failures_left: &core.failures_left,
-            sources: &core.sources,
         }
     }
 }

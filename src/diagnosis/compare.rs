@@ -117,7 +117,8 @@ pub struct Comparison {
     pub unanswered: Vec<UnansweredRows>,
     /// What the reader of a calibration should beware of, in words.
     pub cautions: Vec<String>,
-    /// What was taken from where, in words, where two places disagree; priors of a class of soil. See [`Given`].
+    /// What was taken from where, in words, where two places disagree; priors of a class of soil; what drives the rover where no
+    /// command was recorded. See [`Given`].
     pub sources: Vec<String>,
     /// The model of [`fit`](Self::fit), which states all its values: compared with the same experiment it gives the same
     /// errors. A wheel on a carriage where a single wheel was measured and no rover is named. What the experiment says of

@@ -131,7 +131,8 @@ pub fn levels(experiment: &Experiment, fit: &Fit, signal: &str, condition: &str)
 
 /// Whether a condition is set by the rig and has a natural zero, so that its relative variation means something.
 fn is_commanded(condition: &str) -> bool {
-    condition == "load" || condition == "wheel_speed" || condition.ends_with("_command")
+    let named = |end: &str| condition.ends_with(end);
+    condition == "load" || condition == "wheel_speed" || named("_command") || named("].speed")
 }
 
 fn is_held(samples: &[(f64, f64)]) -> bool {

@@ -4,7 +4,7 @@ use super::compare::CompareError;
 use super::given::{Given, Named};
 use super::kinds::strategy;
 use super::problem::class_priors;
-use crate::measurement::{Experiment, Prior};
+use crate::measurement::{Experiment, Prior, Run};
 use crate::model::{ControlKind, Model, ModelError, ModelKind};
 use crate::rover::{MAX_WHEELS, Rover};
 use bekker_modeldescription::{Lookup, Role, Variable};
@@ -92,6 +92,7 @@ pub(super) fn resolve(given: &Given, experiment: &Experiment) -> Result<Resolved
     }
     sources.extend(places.of_runs(&variables, &stated));
     sources.extend(class_line(experiment, &of_class, &variables));
+    sources.extend(experiment.measured_drive());
     let runs = experiment.runs.iter().map(|run| {
         let mut own = model.clone();
         for (name, value) in &run.parameters {
@@ -283,8 +284,7 @@ fn of_experiment(experiment: &Experiment, name: &str) -> Result<Model, CompareEr
 
 /// The built-in model, with as many wheels as the commands of a traverse name.
 fn built_in(given: &Given, experiment: &Experiment) -> Result<Choice, CompareError> {
-    let speeds = |name: &String| name.ends_with(".speed_command");
-    let by_speed = experiment.runs.iter().any(|run| run.inputs.iter().any(speeds));
+    let by_speed = experiment.runs.iter().any(Run::imposes_speeds);
     let mut model = Model::new("two_wheeled", Rover::two_wheeled());
     if by_speed {
         model.control.kind = ControlKind::Speed;

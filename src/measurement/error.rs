@@ -95,6 +95,14 @@ pub enum Problem {
     /// An input is missing; inputs cannot be.
     #[error("an input may not be missing")]
     MissingInput,
+    /// A measured wheel speed is missing that drives the rover.
+    #[error(
+        "no command was recorded, so this measured wheel speed drives the rover and may be missing only between values at most {longest} s apart; give commands, or leave such rows out by `where`"
+    )]
+    MissingSpeed {
+        /// Longest time between values over which a speed is interpolated, s.
+        longest: f64,
+    },
     /// Time does not increase.
     #[error("time {time} s does not come after {previous} s")]
     TimeOrder {

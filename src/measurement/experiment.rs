@@ -90,7 +90,8 @@ pub struct Run {
     pub data: Table,
     /// Label of the set-point of each row; empty where the file has no such column.
     pub conditions: Vec<Option<String>>,
-    /// Names of the input columns.
+    /// Names of the input columns. Those of a traverse are commands or, where none were recorded, the measured speeds of the
+    /// wheels.
     pub inputs: Vec<String>,
     /// Names of the measured columns that have at least one value; of a plan, all measured columns.
     pub measured: Vec<String>,

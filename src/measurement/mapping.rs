@@ -32,7 +32,7 @@ pub(super) struct ColumnTable {
 /// What a column becomes.
 #[derive(Clone, Debug)]
 pub(super) enum Target {
-    /// One signal, or a command that goes to several wheels.
+    /// One signal, or a command or measured speed that goes to several wheels.
     Signals(Vec<String>, Scale),
     /// A parameter of the model: rows with equal values form a run.
     Parameter(String, Scale),
@@ -174,13 +174,13 @@ impl ColumnTable {
             return Err(format!("`wheels` = {wheels:?}: expected different numbers from 1 on"));
         }
         let sum = of_wheel(&sorted, signal);
-        if signal.ends_with("command") {
+        if signal.ends_with("command") || signal == "speed" || signal == "rim_speed" {
             Ok(sorted.iter().map(|wheel| of_wheel(&[*wheel], signal)).collect())
         } else if kind.format().signal_unit(&sum).is_some() {
             Ok(vec![sum])
         } else {
             Err(format!(
-                "no meaning is known for the sum of `{signal}` over wheels; `wheels` sums current, torque, normal_force and drawbar_pull, and hands one command to several wheels"
+                "no meaning is known for the sum of `{signal}` over wheels; `wheels` sums current, torque, normal_force and drawbar_pull, and hands one command, or one speed that drives, to several wheels"
             ))
         }
     }

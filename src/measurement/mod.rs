@@ -18,8 +18,9 @@
 //!
 //! A single wheel has the inputs `load` (N), `slip`, `wheel_speed` (rad/s) and any of `drawbar_pull` (N), `torque` (N m),
 //! `sinkage` (m), one steady point a row; a `condition` column of labels may replace `group`. A traverse has `time` (s),
-//! `wheel[k].speed_command` (rad/s) or `wheel[k].torque_command` (N m) and any of the rover's [signals](crate::signals), also
-//! sums of them over wheels. A missing measurement is an empty cell.
+//! `wheel[k].speed_command` (rad/s) or `wheel[k].torque_command` (N m), or where none were recorded the measured
+//! `wheel[k].speed` of every wheel, and any of the rover's [signals](crate::signals), also sums of them over wheels. A missing
+//! measurement is an empty cell.
 //!
 //! Reading is strict: whatever cannot be right is an [`ExperimentError`] that names the file, the line and the column and says
 //! what was expected; what is unlikely is among [`Experiment::doubts`]. Nothing is repaired silently. The way of a file:
@@ -42,6 +43,7 @@ mod convert;
 mod derive;
 mod dialect;
 mod doubts;
+mod drive;
 mod error;
 mod experiment;
 mod files;

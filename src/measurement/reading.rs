@@ -145,6 +145,7 @@ fn checked(
         known
     };
     let first = use_of(&mut grid);
+    kind.format().complete(&mut grid, doubts)?;
     grid.check_limits(&first)?;
     derive(&mut grid, radius, doubts)?;
     // What was derived has limits too.

@@ -1,6 +1,6 @@
 //! What the columns of a file are: by the settings, or by their own names.
 
-use super::columns::{mend, quoted};
+use super::columns::{Column, Use, mend, quoted};
 use super::doubts::Doubts;
 use super::error::{ExperimentError, Problem};
 use super::experiment::Kind;
@@ -41,11 +41,12 @@ pub(super) fn recognised(
             unknown.push((position, name));
         }
     }
-    let known: Vec<String> = {
+    let columns = {
         let mut signals: Vec<String> = found.iter().flat_map(|column| names(&column.target)).cloned().collect();
         signals.extend(run.inputs.iter().map(|(name, ..)| name.clone()));
-        settings.kind.format().columns(&signals, 1.0).into_iter().map(|column| column.name).collect()
+        settings.kind.format().columns(&signals, 1.0)
     };
+    let known: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
     // A signal of a wheel that no command names.
     let beyond = |column: &&Recognised| names(&column.target).iter().any(|name| !known.contains(name));
     unknown.extend(found.iter().filter(beyond).map(|column| (column.position, &sheet.header[column.position])));
@@ -55,8 +56,21 @@ pub(super) fn recognised(
     }
     for column in &found {
         check_unit(sheet, settings.kind, column, doubts)?;
+        check_once(sheet, column, &columns)?;
     }
     Ok(found)
+}
+
+/// Fails where one sensor is to be compared with several wheels: its values would count several times.
+fn check_once(sheet: &Sheet, column: &Recognised, known: &[Column]) -> Result<(), ExperimentError> {
+    let measured = |name: &String| known.iter().any(|known| known.name == *name && known.used == Use::Measured);
+    let signals = names(&column.target);
+    if signals.len() > 1 && signals.iter().any(measured) {
+        let problem = "one measured speed for several wheels drives them where there is no command; beside commands give it to one wheel";
+        let name = &sheet.header[column.position];
+        return Err(sheet.error(Problem::Header(problem)).at_line(sheet.header_line).at_column(name));
+    }
+    Ok(())
 }
 
 /// The signals that a column gives.

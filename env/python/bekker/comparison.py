@@ -161,7 +161,8 @@ class Comparison:
     cautions: list[str]
     """What the reader of a calibration should beware of."""
     sources: list[str]
-    """What was taken from where, where two places disagree; priors of a class of soil."""
+    """What was taken from where, where two places disagree; priors of a class of soil; what drives the rover where no command
+    was recorded."""
     model: Model
     """The model of ``fit``: with what is known of the rig and, after a calibration, with what that found; compared with the
     same experiment it gives the same errors. A wheel on a carriage (``model.kind``) where a single wheel was measured and no

@@ -144,7 +144,8 @@ class Diagnosis:
     :func:`bekker.steady_points`, where a single wheel was measured and no rover is named: ``rover.with_rig_of(improved)`` puts
     it on one. What the experiment says of single runs is not part of it."""
     sources: list[str]
-    """What was taken from where, where two places disagree; priors of a class of soil."""
+    """What was taken from where, where two places disagree; priors of a class of soil; what drives the rover where no command
+    was recorded."""
     _json: str = field(repr=False)
     _native: "_bekker.NativeDiagnosis | None" = field(repr=False)
 

@@ -38,7 +38,8 @@ class MeasuredRun:
 
     Other names and units are mapped by ``columns`` of the :class:`Experiment`. A single wheel needs ``load`` (N), ``slip`` and ``wheel_speed`` (rad/s) and any of ``drawbar_pull`` (N), ``torque``
     (N m), ``sinkage`` (m), one steady point a row; ``condition`` may label rows that repeat one set-point. A traverse
-    needs ``time`` (s), ``wheel[k].speed_command`` (rad/s) or ``wheel[k].torque_command`` (N m), and any signals.
+    needs ``time`` (s), ``wheel[k].speed_command`` (rad/s) or ``wheel[k].torque_command`` (N m), and any signals; where no command
+    was recorded, the measured ``wheel[k].speed`` of every wheel drives the rover and is not compared.
     """
 
     data: Columns

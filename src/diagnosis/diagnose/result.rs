@@ -223,8 +223,8 @@ pub struct Diagnosis {
     /// single wheel was measured and no rover is named.
     #[serde(skip)]
     pub improved: Model,
-    /// What was taken from where, in words, where two places disagree; priors of a class of soil.
-    #[serde(skip)]
+    /// What was taken from where, in words, where two places disagree; priors of a class of soil; what drives the rover where no
+    /// command was recorded.
     pub sources: Vec<String>,
     /// Whether the work was cut short; what was not done is missing from the lists.
     pub interrupted: bool,

@@ -221,18 +221,14 @@ fn bodies(rover: &Rover) -> (Vec<usize>, Vec<usize>) {
     (rover.links.iter().map(|link| link.parent).collect(), rover.wheels.iter().map(|wheel| wheel.body).collect())
 }
 
-/// The commands row by row, wheel 1 first whatever their order in the file, each within its range.
+/// What drives the wheels row by row, wheel 1 first whatever their order in the file, each within its range: the commands or,
+/// where none were recorded, the measured speeds.
 fn commands(model: &Model, run: &Measured) -> Result<Vec<f64>, PredictionError> {
-    let torque = model.control.kind == ControlKind::Torque;
-    let suffix = if torque { "torque_command" } else { "speed_command" };
-    let column = |wheel: usize| run.data.column(&format!("wheel[{wheel}].{suffix}")).unwrap_or_default();
-    let columns: Vec<&[f64]> = (1..=run.inputs.len()).map(column).collect();
+    let columns: Vec<Vec<f64>> = (1..=run.inputs.len()).map(|wheel| run.held_inputs(wheel)).collect();
     let mut inputs = model.inputs();
     let mut commands = Vec::new();
     for row in 0..run.data.rows() {
-        // A missing cell commands nothing.
-        let values = columns.iter().map(|values| values.get(row).copied().filter(|v| !v.is_nan()).unwrap_or(0.0));
-        commands.extend(values);
+        commands.extend(columns.iter().map(|values| values.get(row).copied().unwrap_or(0.0)));
         let present = &commands[row * columns.len()..];
         let failed = |source| PredictionError::Simulation { run: run.name.clone(), source: Box::new(source) };
         inputs.set_all(present).map_err(failed)?;

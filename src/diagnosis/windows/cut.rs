@@ -87,7 +87,7 @@ pub(crate) fn unsettled(experiment: &Experiment, windows: &Windows) -> Vec<(usiz
 /// Path of a run whose commands are followed as they are.
 fn of_run(run: &Run, model: &Model) -> Option<Path> {
     let speeds = commanded(run);
-    if model.control.kind == ControlKind::SpeedLoop {
+    if model.control.kind == ControlKind::SpeedLoop && !run.follows_measured_speeds() {
         return None;
     }
     path(run, model.rover.wheel.radius, run.x0.unwrap_or(model.start.x0), &speeds)

@@ -5,6 +5,7 @@ mod single_wheel;
 mod traverse;
 
 use super::columns::Column;
+use super::doubts::Doubts;
 use super::error::ExperimentError;
 use super::experiment::{Experiment, Kind};
 use super::grid::Grid;
@@ -55,6 +56,14 @@ pub(super) trait Format: Sync {
 
     /// Fails where commands are missing or contradict each other; `names` are those of all signals, derived ones included.
     fn check_commands(&self, sheet: &Sheet, names: &[String]) -> Result<(), ExperimentError>;
+
+    /// Fills in missing cells of inputs as far as this is safe, and says so.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] where a cell that is needed is missing.
+    fn complete(&self, _grid: &mut Grid, _doubts: &mut Doubts) -> Result<(), ExperimentError> {
+        Ok(())
+    }
 
     /// Fails where rows cannot be right by the physics; `radius` is the wheel's, m.
     fn check_rows(&self, grid: &Grid, radius: f64) -> Result<(), ExperimentError>;

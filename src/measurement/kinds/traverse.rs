@@ -1,6 +1,8 @@
 //! Files of a rover on a profile: one time series a run.
 
 use super::super::columns::{Column, Use, column, sinkage, slip, velocity, wheel_speed, within};
+use super::super::doubts::Doubts;
+use super::super::drive;
 use super::super::error::{ExperimentError, Problem};
 use super::super::experiment::{Experiment, Kind};
 use super::super::grid::Grid;
@@ -18,6 +20,10 @@ use std::f64::consts::PI;
 
 /// Signals of single wheels that may be recorded as one sum over several of them, say the current of one motor driver.
 const SUMMED: [&str; 4] = ["current", "torque", "normal_force", "drawbar_pull"];
+
+/// Fields of wheels by which a rover was told to move, and measured ones that stand in where there are none.
+const COMMANDS: [&str; 3] = ["speed_command", "torque_command", "rim_speed_command"];
+const MEASURED_SPEEDS: [&str; 2] = ["speed", "rim_speed"];
 
 /// The format of a traverse.
 pub(super) struct Traverse;
@@ -58,6 +64,7 @@ impl Format for Traverse {
 
     fn columns(&self, names: &[String], radius: f64) -> Vec<Column> {
         let (wheels, links) = (wheels(names), links(names));
+        let drive = |field: &str, used: Use| if driving(names).contains(&field) { used } else { Use::Measured };
         let mut columns = vec![column("time", Use::Time, None)];
         for k in 1..=wheels {
             columns.push(column(format!("wheel[{k}].speed_command"), Use::Input, wheel_speed(radius)));
@@ -77,10 +84,12 @@ impl Format for Traverse {
                 "velocity" => velocity(),
                 _ => None,
             };
-            columns.push(column(variable.name, Use::Measured, limits));
+            let used = if variable.name.starts_with("wheel[") { drive(field, Use::Input) } else { Use::Measured };
+            columns.push(column(variable.name, used, limits));
         }
-        // Missing rim speeds are missing wheel speeds, which may be.
-        columns.extend((1..=wheels).map(|k| column(format!("wheel[{k}].rim_speed"), Use::Measured, velocity())));
+        // Missing rim speeds are missing wheel speeds, which may be where they do not drive.
+        let rim = drive("rim_speed", Use::Intermediate);
+        columns.extend((1..=wheels).map(|k| column(format!("wheel[{k}].rim_speed"), rim, velocity())));
         let sums = names.iter().filter(|name| {
             let several = numbered(name).is_some_and(|(_, _, n)| n.len() > 1 && n.iter().all(|k| *k <= wheels));
             several && self.signal_unit(name).is_some()
@@ -96,8 +105,9 @@ impl Format for Traverse {
     fn check_commands(&self, sheet: &Sheet, names: &[String]) -> Result<(), ExperimentError> {
         let commands = |what: &str| names.iter().filter(|n| n.ends_with(what)).count();
         let (speeds, torques) = (commands(".speed_command"), commands(".torque_command"));
-        if speeds + torques == 0 {
-            let instead = " or `wheel[1].torque_command`";
+        let measured = names.iter().any(|name| name == "wheel[1].speed");
+        if speeds + torques == 0 && !measured {
+            let instead = " or `wheel[1].torque_command`, or the measured `wheel[k].speed` of every wheel";
             return Err(missing_column(sheet, Kind::Traverse, "wheel[1].speed_command", instead));
         }
         if speeds > 0 && torques > 0 {
@@ -106,6 +116,10 @@ impl Format for Traverse {
                 .at_line(sheet.header_line));
         }
         Ok(())
+    }
+
+    fn complete(&self, grid: &mut Grid, doubts: &mut Doubts) -> Result<(), ExperimentError> {
+        drive::fill(grid, &MEASURED_SPEEDS, doubts)
     }
 
     fn check_rows(&self, _: &Grid, _: f64) -> Result<(), ExperimentError> {
@@ -158,7 +172,7 @@ impl Format for Traverse {
     }
 
     fn mend<'s>(&self, survey: &'s Survey, found: &mut Vec<(&'s FoundColumn, Entry)>, plan: &mut Plan) {
-        command_by_speed(found);
+        drive_by_speed(found);
         runs_by_label(survey, found, plan);
     }
 
@@ -186,13 +200,18 @@ impl Format for Traverse {
     }
 }
 
-/// How many wheels the commands of a traverse name: wheels are numbered from 1 without a gap.
+/// Fields of wheels that drive a traverse: commands or, where `names` have none, measured speeds.
+fn driving(names: &[String]) -> &'static [&'static str] {
+    let commanded = |name: &String| numbered(name).is_some_and(|(_, field, _)| COMMANDS.contains(&field));
+    if names.iter().any(commanded) { &COMMANDS } else { &MEASURED_SPEEDS }
+}
+
+/// How many wheels the commands of a traverse name, or the measured speeds in their place: wheels are numbered from 1
+/// without a gap.
 fn wheels(names: &[String]) -> usize {
-    let commands = |k: usize| {
-        let own = |what: &str| names.iter().any(|n| *n == format!("wheel[{k}].{what}"));
-        own("speed_command") || own("torque_command") || own("rim_speed_command")
-    };
-    (1..).take_while(|k| commands(*k)).count()
+    let driven =
+        |k: usize| driving(names).iter().any(|field| names.iter().any(|name| *name == format!("wheel[{k}].{field}")));
+    (1..).take_while(|k| driven(*k)).count()
 }
 
 /// How many links a traverse measures: as many as the highest number that a column names, no more than a rover may have.
@@ -201,8 +220,8 @@ fn links(names: &[String]) -> usize {
     (1..=MAX_COORDINATES - 3).rev().find(|k| has(*k)).unwrap_or(0)
 }
 
-/// Without a command the recorded speed of the wheels is what the model is to follow.
-fn command_by_speed(found: &mut [(&FoundColumn, Entry)]) {
+/// Without a command the recorded speeds of the wheels drive the model.
+fn drive_by_speed(found: &mut [(&FoundColumn, Entry)]) {
     if found.iter().any(|(_, entry)| entry.signal().is_some_and(|signal| signal.ends_with("command"))) {
         return;
     }
@@ -212,8 +231,8 @@ fn command_by_speed(found: &mut [(&FoundColumn, Entry)]) {
         // A number in the name is that of the wheel; else the speed is that of all of a side.
         let own = column.name.chars().any(|c| c.is_ascii_digit());
         let wheels = if own { numbers } else { (1..=USUAL_WHEELS).collect() };
-        entry.target = To::Wheels(format!("{field}_command"), wheels);
-        entry.guesses.push("there is no command: the model follows this recorded speed".to_owned());
+        entry.target = To::Wheels(field.to_owned(), wheels);
+        entry.guesses.push("there is no command: this recorded speed drives the model".to_owned());
     }
 }
 

@@ -1,6 +1,6 @@
 //! A rover on a profile: what its recorded speeds, angles and torques say of each other.
 
-use super::super::columns::{mend, mend_sign};
+use super::super::columns::{Use, mend, mend_sign};
 use super::super::grid::{Grid, GridColumn};
 use super::{largest, mean, present};
 
@@ -20,6 +20,9 @@ pub(in crate::measurement) fn look(grid: &Grid, radius: Option<f64>) -> Vec<Stri
         let field = column.name.rsplit('.').next().unwrap_or_default();
         match field {
             "pitch" | "contact_angle" => doubts.extend(steep(column)),
+            "speed" if column.used == Use::Input => {
+                doubts.extend(radius.and_then(|radius| unlike_the_rover(grid, column, radius)));
+            }
             "torque" | "current" | "speed" => doubts.extend(against_the_speed(grid, column)),
             "speed_command" => doubts.extend(radius.and_then(|radius| unlike_the_rover(grid, column, radius))),
             _ => {}
@@ -57,6 +60,7 @@ fn against_the_speed(grid: &Grid, column: &GridColumn) -> Option<String> {
     })
 }
 
+/// Wheels turn, as commanded or measured, as the rover moves.
 fn unlike_the_rover(grid: &Grid, command: &GridColumn, radius: f64) -> Option<String> {
     let speed = grid.column("velocity")?;
     let moving = |speed: f64| speed.abs() > MOVING;
@@ -66,7 +70,7 @@ fn unlike_the_rover(grid: &Grid, command: &GridColumn, radius: f64) -> Option<St
     let same = mean(rows.map(|(command, speed)| command.signum() * speed.signum()))?;
     let against = (same < -0.5).then(|| {
         format!(
-            "`{}` is commanded against the recorded `{}`; if the sign of the latter is turned, write under [columns]: {}",
+            "`{}` has the opposite sign of the recorded `{}`; if the sign of the latter is turned, write under [columns]: {}",
             command.source,
             speed.source,
             mend_sign(&speed.source, "velocity")

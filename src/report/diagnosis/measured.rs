@@ -21,7 +21,8 @@ pub(super) fn add_measured(page: &mut Page, diagnosis: &Diagnosis) {
         .map(|(name, prior)| format!("{name} = {} \u{b1} {}", short(prior.mean), short(prior.deviation)))
         .collect();
     let priors = if priors.is_empty() { String::new() } else { format!("Priors (SI units): {}.", priors.join(", ")) };
-    begin(page, "measured", (known + &priors).trim());
+    let drive = experiment.measured_drive().map_or_else(String::new, |note| format!(" Of the {note}."));
+    begin(page, "measured", (known + &priors + &drive).trim());
     page.html(&ranges(experiment));
     let rows: Vec<Vec<String>> = groups(experiment);
     let count = rows.len();

@@ -20,12 +20,14 @@ impl Presentation for Traverse {
         &["time", "x", "pitch"]
     }
 
-    /// Where slip or velocity were not recorded, they are computed from the commands.
+    /// Where slip or velocity were not recorded, they are computed from what drives the wheels.
     fn conditions(&self, experiment: &Experiment, wheel: usize, radius: f64) -> Vec<Condition> {
         let recorded = format!("wheel[{wheel}].slip");
         let knows = |name: &str| experiment.runs.iter().any(|run| run.data.column(name).is_some());
         let slip = if knows(&recorded) { Condition::column(&recorded) } else { Condition::Slip { wheel, radius } };
-        let speed = if knows("velocity") { "velocity".to_owned() } else { format!("wheel[{wheel}].speed_command") };
+        let of_wheel = |field: &str| format!("wheel[{wheel}].{field}");
+        let speeds = ["velocity".to_owned(), of_wheel("speed_command"), of_wheel("speed")];
+        let speed = speeds.iter().find(|name| knows(name)).unwrap_or(&speeds[1]).clone();
         let mut all: Vec<Condition> = self.residual_conditions().iter().map(|name| Condition::column(name)).collect();
         all.extend([slip, Condition::column(&speed)]);
         all

@@ -11,10 +11,10 @@ pub(super) fn place(mut model: Model, run: &Measured) -> Result<Model, Predictio
     if commands != wheels {
         return Err(PredictionError::Wheels { run: run.name.clone(), commands, wheels });
     }
-    let speed = run.inputs.iter().any(|name| name.ends_with(".speed_command"));
-    // Speed commands are followed exactly unless the model describes the drives' loop and limits.
-    model.control.kind = match (speed, model.control.kind) {
-        (true, ControlKind::SpeedLoop) => ControlKind::SpeedLoop,
+    // Speed commands are followed exactly unless the model describes the drives' loop and limits. Measured speeds are what came
+    // of loop and limits already.
+    model.control.kind = match (run.imposes_speeds(), model.control.kind) {
+        (true, ControlKind::SpeedLoop) if !run.follows_measured_speeds() => ControlKind::SpeedLoop,
         (true, _) => ControlKind::Speed,
         (false, _) => ControlKind::Torque,
     };

@@ -63,9 +63,9 @@ fn along_model(experiment: &Experiment, layout: &Layout, modelled: &[f64], name:
     })
 }
 
-/// Angle of the rear wheel as commanded, rad; `None` where torques are commanded.
+/// Angle of the rear wheel as its imposed speed gives it, rad; `None` where torques are commanded.
 fn wheel_angle(run: &Run) -> Option<Vec<f64>> {
-    let speed = run.data.column(run.inputs.iter().find(|name| name.ends_with(".speed_command"))?)?;
+    let speed = run.data.column(run.inputs.first().filter(|_| run.imposes_speeds())?)?;
     let time = run.data.column("time")?;
     let mut angle = vec![0.0];
     for k in 1..time.len() {

@@ -23,7 +23,7 @@ const SPEED: f64 = 0.1;
 pub(super) fn variations(model: &Model, experiment: &Experiment, halt: Halt) -> Vec<Variation> {
     let radius = experiment.parameters.get("wheel.radius").copied().unwrap_or(model.rover.wheel.radius);
     let commands = |run: &Run| {
-        let speeds = run.inputs.iter().filter(|name| name.ends_with(".speed_command"));
+        let speeds = run.inputs.iter().filter(|_| run.imposes_speeds());
         let all = speeds.flat_map(|name| run.data.column(name).unwrap_or_default());
         all.map(|speed| radius * speed).filter(|speed| *speed != 0.0).collect::<Vec<_>>()
     };
