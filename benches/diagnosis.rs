@@ -66,6 +66,7 @@ fn experiment() -> Experiment {
         parameters: BTreeMap::new(),
         priors: BTreeMap::new(),
         soil_class: None,
+        sensors: BTreeMap::new(),
         model: None,
         noise: BTreeMap::new(),
         runs: (0..18).map(run).collect(),

@@ -83,6 +83,7 @@ fn drive(change: impl Fn(usize, &mut Vec<Option<f64>>) -> bool) -> Experiment {
         parameters: known.map(|(name, value)| (name.to_owned(), value)).into(),
         priors: BTreeMap::new(),
         soil_class: None,
+        sensors: BTreeMap::new(),
         model: None,
         noise: MEASURED.iter().zip(noise).map(|(name, noise)| ((*name).to_owned(), noise)).collect(),
         runs: vec![Run {

@@ -61,6 +61,39 @@ def test_property_priors_of_every_form() -> None:
         read(priors={"soil.friction_angle": 0.05})
 
 
+def log(**options: Any) -> bekker.Experiment:
+    """A log of a rover without commands."""
+    rows = np.arange(40)
+    columns = {"time": 0.05 * rows, "encoder": 2.0 + 0.1 * np.sin(rows), "x": 0.01 * rows, "velocity": np.full(40, 0.2)}
+    encoder = {"signal": "speed", "wheels": [1, 2]}
+    return bekker.Experiment("traverse", [columns], columns={"encoder": encoder}, model="two_wheeled_speed", **options)
+
+
+def test_property_measured_wheel_speeds_drive_where_there_is_no_command() -> None:
+    experiment = log()
+    assert experiment.signals == ("x", "velocity")
+    comparison = bekker.compare(experiment)
+    assert any("measured wheel speeds drive the rover" in line for line in comparison.sources)
+
+
+def test_property_errors_of_sensors_are_stated_and_found() -> None:
+    sensors = {"velocity": {"delay": 0.05, "gain": (1.0, 0.02), "bias": {"sd": 1, "unit": "cm/s"}}}
+    soil = {"soil.cohesion": 1000.0, "soil.exponent": 1.0, "soil.shear_modulus": 0.02, "soil.c1": 0.4, "soil.c2": 0.2}
+    experiment = log(sensors=sensors, parameters=soil, noise={"x": 0.01, "velocity": 0.01})
+    calibration = bekker.compare(experiment, calibrate=True).calibration
+    assert calibration is not None
+    found = {parameter.name: parameter for parameter in calibration.parameters}
+    for error in ("delay", "gain", "bias"):
+        parameter = found[f"sensors.velocity.{error}"]
+        assert parameter.deviation is None or parameter.deviation > 0.0
+    with pytest.raises(bekker.InputError, match=r"`velocty` is no signal .* did you mean velocity"):
+        log(sensors={"velocty": {"delay": 0.05}})
+    with pytest.raises(bekker.InputError, match="a standard deviation is positive"):
+        log(sensors={"velocity": {"delay": -0.05}})
+    with pytest.raises(bekker.InputError, match="expected a mapping such as"):
+        log(sensors={"velocity": 0.05})
+
+
 def test_property_dates_become_seconds_and_commands_go_to_several_wheels() -> None:
     log = pd.DataFrame(
         {

@@ -122,7 +122,7 @@ pub struct Comparison {
     pub sources: Vec<String>,
     /// The model of [`fit`](Self::fit), which states all its values: compared with the same experiment it gives the same
     /// errors. A wheel on a carriage where a single wheel was measured and no rover is named. What the experiment says of
-    /// single runs is not part of it.
+    /// single runs is not part of it, nor are errors of its sensors.
     pub model: Model,
     best: Fit,
 }

@@ -1,7 +1,7 @@
 //! A parameter that a fit may move, and the coordinate in which it is searched.
 
 use super::linear_algebra::Reach;
-use crate::measurement::Prior;
+use crate::measurement::{Experiment, Prior, SensorError};
 use bekker_modeldescription::Variable;
 
 /// Ratio of the bounds from which a positive parameter is searched in logarithms.
@@ -19,6 +19,17 @@ pub(crate) struct Free {
 }
 
 impl Free {
+    /// Errors of the sensors of an experiment, which every fit moves within their priors.
+    pub fn of_sensors(experiment: &Experiment) -> impl Iterator<Item = Self> {
+        let known = experiment.sensor_parameters().into_iter();
+        known.map(|(variable, prior)| Self { start: prior.mean, prior: Some(prior), variable })
+    }
+
+    /// Whether it is an error of a sensor rather than a parameter of the model.
+    pub fn is_of_a_sensor(&self) -> bool {
+        SensorError::is_named(&self.variable.name)
+    }
+
     fn logarithmic(&self) -> bool {
         self.variable.min > 0.0 && self.variable.max / self.variable.min >= DECADES
     }

@@ -27,7 +27,8 @@ pub fn modelled(given: impl Into<Given>, experiment: &Experiment) -> Result<Vec<
     predicting(given, experiment, &[], |predict, free| Ok(predict.values(free)?))
 }
 
-/// The modelled values of an experiment of either kind and their derivatives in the `parameters`, by name.
+/// The modelled values of an experiment of either kind and their derivatives in the `parameters`, by name: of
+/// the model, or [errors of sensors](crate::measurement::SensorError::parameter) that the experiment states.
 ///
 /// # Errors
 /// [`CompareError`] where the experiment does not fit the model, a parameter is unknown or a row cannot be computed.
@@ -53,6 +54,10 @@ fn predicting<R>(
     let listed = problem.known.list();
     let mut free = Vec::new();
     for name in parameters {
+        if let Some(of_a_sensor) = Free::of_sensors(experiment).find(|free| free.variable.name == *name) {
+            free.push(of_a_sensor);
+            continue;
+        }
         let Some((variable, start)) = listed.iter().find(|(variable, _)| variable.name == *name) else {
             let place = "sensitivity".to_owned();
             return Err(CompareError::Parameter { place, source: problem.known.unknown(name) });

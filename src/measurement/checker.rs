@@ -7,7 +7,7 @@ use super::mapping::{ColumnEntry, Factor, Target};
 use super::settings::{File, Priors, Quantities, RunSettings, RunTable};
 use super::suspicion;
 use super::vocabulary;
-use super::written::{PriorEntry, Quantity, SettingsText, Written, parameter_factor};
+use super::written::{PriorEntry, Quantity, SettingsText, parameter_factor};
 use crate::effects::EffectDefinition;
 use crate::soil_class::SoilClass;
 use bekker_modeldescription::Unit;
@@ -75,11 +75,11 @@ impl Checker<'_> {
         Ok((name.to_owned(), self.finite(&key, number, at)?, factor))
     }
 
-    fn signal(&self, name: &str) -> Option<Unit> {
+    pub fn signal(&self, name: &str) -> Option<Unit> {
         self.kind.format().signal_unit(name)
     }
 
-    fn unknown_signal(&self, key: &str, at: usize, name: &str) -> ExperimentError {
+    pub fn unknown_signal(&self, key: &str, at: usize, name: &str) -> ExperimentError {
         let near = vocabulary::alike(self.kind, name);
         let near = if near.is_empty() { String::new() } else { format!("; did you mean {}?", near.join(", ")) };
         let message = format!("`{name}` is no signal of a `{}` experiment{near}", self.kind.name());
@@ -134,13 +134,7 @@ impl Checker<'_> {
         let prior = |(name, entry): (&String, &Spanned<PriorEntry>)| {
             let (key, at) = (format!("priors.{name}"), entry.span().start);
             let refused = |message: String| self.text.error(&key, at, message);
-            let (mean, deviation, unit) = match entry.get_ref() {
-                Written::Plain(deviation) => (None, *deviation, None),
-                Written::Table(table) => (table.mean, table.sd, table.unit.as_deref()),
-            };
-            if !deviation.is_finite() || deviation <= 0.0 {
-                return Err(refused(format!("a standard deviation is positive and finite, not {deviation}")));
-            }
+            let (mean, deviation, unit) = entry.get_ref().parts().map_err(refused)?;
             let factor = parameter_factor(name, unit, self.effects).map_err(refused)?;
             let missing = || {
                 refused(format!(

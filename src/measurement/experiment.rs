@@ -4,6 +4,7 @@ use super::doubts::Doubts;
 use super::error::{ExperimentError, Problem};
 use super::files::Files;
 use super::reading::read_runs;
+use super::sensor::Sensor;
 use super::settings::Settings;
 use super::suspicion;
 use super::table::Table;
@@ -62,6 +63,8 @@ pub struct Experiment {
     pub model: Option<String>,
     /// Stated standard deviation of one sample, by signal.
     pub noise: BTreeMap<String, f64>,
+    /// What may be wrong with the sensors of measured signals, by signal; sensors are perfect where it does not say so.
+    pub sensors: BTreeMap<String, Sensor>,
     /// Effects of the user's own, neutral unless a parameter says otherwise; candidates of a diagnosis.
     pub effects: Vec<EffectDefinition>,
     /// The runs, in the order of the file.
@@ -130,18 +133,21 @@ impl Experiment {
             model: settings.model,
             effects: settings.effects,
             noise: settings.noise.iter().map(|(name, (sd, _))| (name.clone(), *sd)).collect(),
+            sensors: settings.sensors.iter().map(|(name, (sensor, _))| (name.clone(), *sensor)).collect(),
             runs,
             doubts: Vec::new(),
         };
         experiment.doubts = doubts.texts();
         experiment.doubts.extend(suspicion::of_parameters(&experiment));
         let measured = experiment.signals();
-        for (name, (_, line)) in &settings.noise {
+        let noise = settings.noise.iter().map(|(name, (_, line))| ("noise", name, line));
+        let sensors = settings.sensors.iter().map(|(name, (_, line))| ("sensors", name, line));
+        for (table, name, line) in noise.chain(sensors) {
             if !measured.contains(name) {
                 let message = format!("no run measures this signal; measured are {}", measured.join(", "));
                 return Err(ExperimentError::in_file(&settings.file, Problem::Setting(message))
                     .at_line(*line)
-                    .at_column(format!("noise.{name}")));
+                    .at_column(format!("{table}.{name}")));
             }
         }
         experiment.check_groups()?;

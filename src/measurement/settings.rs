@@ -7,6 +7,7 @@ use super::experiment::{Kind, Prior};
 use super::files::{Files, SETTINGS};
 use super::filter::Filter;
 use super::mapping::{ColumnEntry, Factor, Target};
+use super::sensor::{Sensor, SensorTable};
 use super::written::{PriorEntry, Quantity, SettingsText};
 use crate::effects::EffectDefinition;
 use serde::Deserialize;
@@ -39,6 +40,8 @@ pub(super) struct File {
     pub model: Option<String>,
     #[serde(default)]
     pub noise: Quantities,
+    #[serde(default)]
+    pub sensors: BTreeMap<String, Spanned<SensorTable>>,
     #[serde(default)]
     pub effect: Vec<Spanned<EffectDefinition>>,
     pub run: Vec<RunTable>,
@@ -81,6 +84,8 @@ pub(super) struct Settings {
     pub model: Option<String>,
     /// Standard deviation and the line on which it stands.
     pub noise: BTreeMap<String, (f64, u64)>,
+    /// Errors of sensors by signal, and the line on which they stand.
+    pub sensors: BTreeMap<String, (Sensor, u64)>,
     /// Candidates of the user's own.
     pub effects: Vec<EffectDefinition>,
     pub runs: Vec<RunSettings>,
@@ -129,6 +134,7 @@ impl Settings {
             priors,
             soil_class: file.soil.as_ref().map(|soil| check.soil_class(&soil.class)).transpose()?,
             noise: file.noise.iter().map(|(name, sd)| check.noise(name, sd)).collect::<Result<_, _>>()?,
+            sensors: check.sensors(&file.sensors)?,
             runs,
             name: file.name,
             kind: file.kind,

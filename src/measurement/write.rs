@@ -1,6 +1,7 @@
 //! Writing an experiment folder.
 
 use super::experiment::{Experiment, Kind, Prior, Run};
+use super::sensor::Sensor;
 use crate::effects::EffectDefinition;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -48,6 +49,8 @@ struct File<'a> {
     priors: &'a BTreeMap<String, Prior>,
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     noise: &'a BTreeMap<String, f64>,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    sensors: &'a BTreeMap<String, Sensor>,
     run: Vec<RunTable<'a>>,
     #[serde(skip_serializing_if = "<[EffectDefinition]>::is_empty")]
     effect: &'a [EffectDefinition],
@@ -111,6 +114,7 @@ impl Experiment {
             parameters,
             priors: &self.priors,
             noise: &self.noise,
+            sensors: &self.sensors,
             run: tables,
             effect: &self.effects,
         };

@@ -76,6 +76,23 @@ impl Quantity {
 /// A prior: a deviation alone, or a table.
 pub(super) type PriorEntry = Written<f64, PriorTable>;
 
+impl PriorEntry {
+    /// Mean and standard deviation as written, and their unit where it is.
+    ///
+    /// # Errors
+    /// A message where the standard deviation is none.
+    pub fn parts(&self) -> Result<(Option<f64>, f64, Option<&str>), String> {
+        let (mean, deviation, unit) = match self {
+            Self::Plain(deviation) => (None, *deviation, None),
+            Self::Table(table) => (table.mean, table.sd, table.unit.as_deref()),
+        };
+        if deviation.is_finite() && deviation > 0.0 {
+            return Ok((mean, deviation, unit));
+        }
+        Err(format!("a standard deviation is positive and finite, not {deviation}"))
+    }
+}
+
 /// `{ mean = 3.0, sd = 0.5, unit = "kPa" }`; without a mean it stands about the value in `[parameters]`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]

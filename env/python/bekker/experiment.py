@@ -74,6 +74,10 @@ class Experiment:
     or a standard deviation alone about the value in ``parameters``."""
     noise: Mapping[str, Quantity] = field(default_factory=dict)
     """Standard deviation of one sample by signal, where repeats do not tell it."""
+    sensors: Mapping[str, Mapping[str, float | tuple[float, float] | Mapping[str, float | str]]] = field(default_factory=dict)
+    """Traverse: what may be wrong with the sensor of a signal, which every fit finds with its prior: ``{"velocity": {"delay": 0.05}}``.
+    The record is ``gain * signal(t - delay) + bias``; each of ``delay`` (s), ``gain`` and ``bias`` (in the signal's unit) has a prior as
+    in ``priors``, about a perfect sensor where it has no mean."""
     ignore: Sequence[str] = ()
     """Columns that are not for the model; a ``*`` at the end stands for any end of a name."""
     columns: Mapping[str, str | Mapping[str, Any]] = field(default_factory=dict)
@@ -143,6 +147,7 @@ def _arrays(experiment: Experiment) -> Arrays:
     for table in ("parameters", "noise", "inputs"):
         lines += [f"[{table}]", *toml_text.numbers(table, getattr(experiment, table))]
     lines += ["[priors]", *toml_text.numbers("priors", _priors(experiment.priors))]
+    lines += ["[sensors]", *_sensors(experiment.sensors)]
     lines += ["[columns]", *_mapped(experiment.columns)]
     labels = {"condition"} | {name for name, entry in experiment.columns.items() if _is_label(entry)}
     tables: dict[str, Table] = {}
@@ -186,6 +191,17 @@ def _prior(prior: Any) -> Any:
     if isinstance(prior, (tuple, list)) and len(prior) == 2:
         return {"mean": prior[0], "sd": prior[1]}
     return prior
+
+
+def _sensors(sensors: Mapping[str, Any]) -> list[str]:
+    if not isinstance(sensors, Mapping):
+        raise InputError(f"sensors: expected a mapping from signal to its errors, found {type(sensors).__name__}")
+    for name, errors in sensors.items():
+        if not isinstance(errors, Mapping):
+            expected = 'expected a mapping such as {"delay": 0.05}'
+            raise InputError(f"sensors, `{name}`: {expected}, found {type(errors).__name__}")
+    entries = {name: _priors(errors) for name, errors in sensors.items()}
+    return [f"{toml_text.text(name)} = {toml_text.value(f'sensors, `{name}`', entry)}" for name, entry in entries.items()]
 
 
 def _mapped(columns: Mapping[str, str | Mapping[str, Any]]) -> list[str]:

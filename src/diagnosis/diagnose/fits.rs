@@ -72,7 +72,7 @@ pub struct Task {
     /// Runs and rows that no fit of the diagnosis counts, since its calibrated baseline has no answer there.
     #[serde(default)]
     pub unanswered: Vec<(usize, usize)>,
-    /// Factor on the standard deviations of all priors: 1, or large to see what the data say by themselves.
+    /// Factor on the standard deviations of all priors of the model: 1, or large to see what the data say by themselves.
     pub prior_factor: f64,
 }
 
@@ -131,7 +131,8 @@ pub(super) fn with_problem<R>(
     let mut free = problem.free(&task.effects);
     let of_base = |name: &str| problem.base.iter().any(|free| free.variable.name == name);
     free.retain(|free| of_base(&free.variable.name) || task.parameters.contains(&free.variable.name));
-    for prior in free.iter_mut().filter_map(|free| free.prior.as_mut()) {
+    let of_model = free.iter_mut().filter(|free| !free.is_of_a_sensor());
+    for prior in of_model.filter_map(|free| free.prior.as_mut()) {
         prior.deviation *= task.prior_factor;
     }
     let mut left_out = task.left_out.clone();

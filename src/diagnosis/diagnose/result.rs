@@ -217,7 +217,8 @@ pub struct Diagnosis {
     pub whole_drive: Option<WholeDrive>,
     /// What the reader should beware of, in words.
     pub cautions: Vec<String>,
-    /// The final model: calibrated, effects switched on; what the experiment says of single runs is not part of it.
+    /// The final model: calibrated, effects switched on; what the experiment says of single runs is not part of it, nor are
+    /// errors of its sensors.
     /// It states all its values: compared with the same experiment it gives the same errors, those of the whole drive where runs
     /// were cut into windows. A wheel on a carriage where a
     /// single wheel was measured and no rover is named.

@@ -32,7 +32,10 @@ pub(crate) fn unbelievable(search: &mut Search, effects: &[String], fit: &Calibr
 /// What a class of soil would add, where the experiment names none and nothing else is known of the soil.
 pub(crate) fn offer(problem: &Problem) -> Option<String> {
     let open = problem.base.iter().any(|free| free.variable.name.starts_with("soil."));
-    if problem.experiment.soil_class.is_some() || problem.base.iter().any(|free| free.prior.is_some()) || !open {
+    if problem.experiment.soil_class.is_some()
+        || problem.base.iter().any(|free| free.prior.is_some() && !free.is_of_a_sensor())
+        || !open
+    {
         return None;
     }
     let class = &SOIL_CLASSES[0];

@@ -148,6 +148,7 @@ mod tests {
             parameters: BTreeMap::new(),
             priors: BTreeMap::new(),
             soil_class: None,
+            sensors: BTreeMap::new(),
             model: None,
             noise: BTreeMap::new(),
             effects: Vec::new(),

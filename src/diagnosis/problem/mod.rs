@@ -13,6 +13,7 @@ use super::kinds::{Strategy, strategy};
 use super::layout::Layout;
 use super::precedence::{Resolved, resolve};
 use super::prediction::{Predict, PredictionError};
+use super::readings::{Readings, Sensors};
 use super::windows::Windows;
 use crate::carriage::Rig;
 use crate::measurement::Experiment;
@@ -75,6 +76,7 @@ impl<'a> Problem<'a> {
         let Resolved { mut known, runs: models, held, priors, carriage, sources } = resolve(&given, experiment)?;
         let mut base = base_parameters(&mut known, experiment, &held, &priors);
         let library = library(&mut known, &held, &base);
+        base.extend(Free::of_sensors(experiment));
         let mut kept = Vec::new();
         refuse_twice(added)?;
         for id in added {
@@ -178,12 +180,18 @@ impl<'a> Problem<'a> {
         values
     }
 
-    /// Calls `f` with what the model predicts as a function of `free`.
+    /// Calls `f` with what the model predicts as a function of `free`, as the sensors record it.
     ///
     /// # Errors
     /// [`PredictionError`] where the model cannot be placed on the experiment's runs.
     pub fn predict<R>(&self, free: &[Free], f: impl FnOnce(&dyn Predict) -> R) -> Result<R, PredictionError> {
-        Ok(f(&*self.strategy().prediction(self, free)?))
+        if self.experiment.sensors.is_empty() {
+            return Ok(f(&*self.strategy().prediction(self, free)?));
+        }
+        let sensors = Sensors::of(self, free);
+        let of_model = sensors.model_part(free);
+        let signals = &*self.strategy().prediction(self, &of_model)?;
+        Ok(f(&Readings { signals, sensors: &sensors }))
     }
 
     /// The wheel, soil and effects on a run, with these values of parameters; what the run itself states holds against them.

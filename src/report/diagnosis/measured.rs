@@ -15,9 +15,9 @@ pub(super) fn add_measured(page: &mut Page, diagnosis: &Diagnosis) {
         experiment.parameters.iter().map(|(name, value)| format!("{name} = {}", short(*value))).collect();
     let known =
         if known.is_empty() { String::new() } else { format!("Known of the rig (SI units): {}. ", known.join(", ")) };
-    let priors: Vec<String> = experiment
-        .priors
-        .iter()
+    let of_sensors = experiment.sensor_parameters().into_iter().map(|(variable, prior)| (variable.name, prior));
+    let priors = experiment.priors.iter().map(|(name, prior)| (name.clone(), *prior)).chain(of_sensors);
+    let priors: Vec<String> = priors
         .map(|(name, prior)| format!("{name} = {} \u{b1} {}", short(prior.mean), short(prior.deviation)))
         .collect();
     let priors = if priors.is_empty() { String::new() } else { format!("Priors (SI units): {}.", priors.join(", ")) };

@@ -20,6 +20,7 @@ use crate::diagnosis::least_squares::Pace;
 use crate::diagnosis::precedence::Choice;
 use crate::diagnosis::prediction::{Predict, PredictionError};
 use crate::diagnosis::problem::Problem;
+use crate::diagnosis::readings::Sensors;
 use crate::diagnosis::separate::variation::Variation;
 use crate::diagnosis::windows::free::FreeStart;
 use crate::diagnosis::windows::{Windows, cut};
@@ -80,7 +81,9 @@ impl Strategy for Traverse {
     }
 
     fn free_starts(&self, problem: &Problem, free: &[Free], values: &[f64]) -> Result<Vec<FreeStart>, PredictionError> {
-        prediction(problem, free)?.free_starts(values)
+        let mut starts = prediction(problem, free)?.free_starts(values)?;
+        Sensors::of(problem, free).record_starts(&mut starts, values);
+        Ok(starts)
     }
 
     fn conditions(&self, experiment: &Experiment) -> Vec<String> {
