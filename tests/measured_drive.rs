@@ -161,3 +161,19 @@ fn regress_a_written_log_is_driven_by_its_speeds_again() {
     assert_eq!(again.runs[0].inputs, experiment.runs[0].inputs);
     assert_eq!(again.runs[0].data, experiment.runs[0].data);
 }
+
+#[test]
+fn property_the_note_names_the_runs_without_commands() {
+    let toml = "name = \"two\"\nkind = \"traverse\"\n[[run]]\nfile = \"a.csv\"\n[[run]]\nfile = \"b.csv\"\n";
+    let files = [
+        ("experiment.toml", toml.to_owned()),
+        ("a.csv", log("wheel[1].speed,wheel[2].speed", speed)),
+        ("b.csv", log("wheel[1].speed_command,wheel[2].speed_command", speed)),
+    ];
+    let experiment = Experiment::from_texts(&files.map(|(name, text)| (name.to_owned(), text)).into()).unwrap();
+    let note = experiment.measured_drive().unwrap();
+    assert!(note.contains("no command was recorded in a; there the measured wheel speeds drive"), "{note}");
+    let [measured, commanded] = experiment.runs.as_slice() else { panic!("{:?}", experiment.runs) };
+    assert!(measured.follows_measured_speeds() && !commanded.follows_measured_speeds());
+    assert_eq!((measured.held_inputs(2)[3], commanded.held_inputs(2)[3]), (between(3), speed(3)));
+}

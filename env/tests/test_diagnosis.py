@@ -56,7 +56,7 @@ def test_property_objects_have_the_keys_of_the_schema() -> None:
         ("properties/pairs/items/properties", (bekker.diagnosis.Pair,)),
         ("properties/lack_of_fit/properties", (bekker.diagnosis.LackOfFit,)),
         ("properties/suggestions/items/properties", (bekker.diagnosis.Suggestion,)),
-        ("properties/unanswered/items/properties", (bekker.comparison.UnansweredRows,)),
+        ("$defs/rows/items/properties", (bekker.comparison.UnansweredRows,)),
         ("$defs/step/properties", (bekker.diagnosis.Step,)),
         ("$defs/candidate/properties", (bekker.diagnosis.Candidate,)),
         ("$defs/curves/properties", (bekker.curves.Curves,)),

@@ -67,11 +67,12 @@ impl<'p> Sensors<'p> {
                 let held = || sensor.prior(error).map_or(error.neutral(), |prior| prior.mean);
                 free.iter().position(|free| free.variable.name == name).map_or_else(|| Place::Held(held()), Place::Free)
             };
-            let windows = problem.windows.get(block.run).filter(|windows| !windows.is_empty());
-            let stretches = windows.map_or_else(
-                || vec![0..block.range.len()],
-                |windows| windows.iter().map(|window| window.rows.clone()).collect(),
-            );
+            let whole = 0..block.range.len();
+            let windows = problem.windows.get(block.run).map_or(&[][..], Vec::as_slice);
+            let stretches = match windows {
+                [] => vec![whole],
+                _ => windows.iter().map(|window| window.rows.clone()).collect(),
+            };
             Some(Channel {
                 run: block.run,
                 signal: problem.layout.of_run(block.run).position(|own| own.signal == block.signal)?,

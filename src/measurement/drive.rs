@@ -51,14 +51,12 @@ impl Experiment {
             self.runs.iter().filter(|run| run.follows_measured_speeds()).map(|run| run.name.as_str()).collect();
         let place = match driven.len() {
             0 => return None,
-            all if all == self.runs.len() => String::new(),
-            few if few <= NAMED => format!(" in {}", driven.join(", ")),
-            many => format!(" in {} and {} more runs", driven[..NAMED].join(", "), many - NAMED),
+            all if all == self.runs.len() => ";".to_owned(),
+            few if few <= NAMED => format!(" in {}; there", driven.join(", ")),
+            many => format!(" in {} and {} more runs; there", driven[..NAMED].join(", "), many - NAMED),
         };
-        Some(format!(
-            "drive: no command was recorded{place}, so the measured wheel speeds drive the rover there and are not compared \
-             with the model"
-        ))
+        let what = "the measured wheel speeds drive the rover and are not compared with the model";
+        Some(format!("drive: no command was recorded{place} {what}"))
     }
 }
 
