@@ -137,13 +137,15 @@ impl Experiment {
 
 fn variable(signal: &str, unit: Unit, error: SensorError, prior: Prior) -> Variable {
     let range = error.range();
+    // Bounds are read by people; a prior says its width to a digit or two.
+    let rounded = |bound: f64| format!("{bound:.3e}").parse().unwrap_or(bound);
     Variable {
         name: error.parameter(signal),
         doc: Cow::Borrowed(error.doc()),
         unit: error.unit(unit),
         default: error.neutral(),
-        min: (prior.mean - WITHIN * prior.deviation).max(*range.start()),
-        max: (prior.mean + WITHIN * prior.deviation).min(*range.end()),
+        min: rounded(prior.mean - WITHIN * prior.deviation).max(*range.start()),
+        max: rounded(prior.mean + WITHIN * prior.deviation).min(*range.end()),
         role: Role::Fixed,
         source: Cow::Borrowed("[sensors] of the experiment"),
     }
