@@ -168,7 +168,9 @@ def write_settings(folder, bench, truth, case, rng, run_lines):
     factor = {"noise_half": 0.5, "noise_double": 2.0}.get(case)
     if factor:
         stated = {name: factor * value for name, value in truth["deviation"].items()}
-    lines = [f'name = "seed {truth["seed"]}"', f'kind = "{bench.kind}"', "", "[parameters]"]
+    lines = [f'name = "seed {truth["seed"]}"', f'kind = "{bench.kind}"']
+    lines += [f'model = "{bench.model}"'] if bench.model else []
+    lines += ["", "[parameters]"]
     lines += [f'"{name}" = {value!r}' for name, value in parameters.items()]
     for title, table in (("priors", priors), ("noise", stated)):
         if table:
