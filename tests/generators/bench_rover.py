@@ -51,7 +51,7 @@ class RoverBench:
     def __init__(self, seed, size="full", poor=False, under=()):
         self.conditions = conditions.check(under)
         vehicle = self.vehicle = conditions.vehicle(under)
-        self.model = vehicle.model
+        self.model, self.jointed = vehicle.model, bool(vehicle.links)
         self.every_signal = traverse.signals(vehicle)
         self.signals = conditions.recorded(self.every_signal, under)
         self.columns = [self.every_signal.index(name) for name in self.signals]

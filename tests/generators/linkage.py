@@ -10,12 +10,17 @@ Parameters are a dict as in rover.py: numbers or arrays over runs.
 
 import numpy as np
 
+from ground import on
+
+REVERSAL = 0.005  # rad/s, over which dry friction of a joint changes its sign
+STRIBECK = 0.05  # rad/s
+
 
 class Linkage:
     """Levers of a vehicle with parameters `p`; arrays end with (body) for a point, with (body, point) for several."""
 
     def __init__(self, p, vehicle):
-        self.vehicle, links = vehicle, vehicle.links
+        self.p, self.vehicle, links = p, vehicle, vehicle.links
         self.bodies = np.array(vehicle.bodies)
         self.total = vehicle.total_mass(p["mass"])
         centre = [p["centre_x"], p["centre_z"]]
@@ -68,7 +73,8 @@ class Linkage:
         of mass while no pitch accelerates."""
         moment = np.zeros(np.broadcast_shapes(pitch.shape, rate.shape))
         for k, link in enumerate(self.vehicle.links, 1):
-            friction = link.damping * (rate[..., k] - rate[..., 0])
+            turning = rate[..., k] - rate[..., 0]
+            friction = link.damping * turning + self.dry_friction(turning)
             moment[..., k] -= friction
             moment[..., 0] += friction
         lever_x, lever_z = self.levers(pitch, self.centres)
@@ -78,6 +84,15 @@ class Linkage:
             inward_x, inward_z = (np.sum(squared * lever, axis=-1, keepdims=True) for lever in (x, z))
             moment += np.asarray(mass)[..., None] * (x * inward_z - z * inward_x)
         return moment
+
+    def dry_friction(self, turning):
+        """Moment of a joint that turns with this rate, N m."""
+        sign = turning / np.sqrt(turning * turning + REVERSAL * REVERSAL)
+        if (s := on(self.p, "suspension_friction.constant")) is not None:
+            return s * sign
+        if (s := on(self.p, "suspension_friction.stribeck")) is not None:
+            return s * sign * (1.0 + 0.3 * np.exp(-((turning / STRIBECK) ** 2)))
+        return 0.0
 
     def inertia(self, pitch):
         """The block of the mass matrix that belongs to the pitches."""
