@@ -8,7 +8,8 @@ import contact
 import soils
 import terrain
 import traverse
-from rover import VEHICLE
+import vehicles
+from linkage import Linkage
 
 # Slope of the plane (deg), height and length of the hills (m), added mass (kg), first and second wheel speed (rad/s).
 FULL = (
@@ -22,7 +23,11 @@ FULL = (
 REDUCED = (FULL[0], FULL[2], FULL[5], FULL[1])
 POOR = ((0.0, 0.0, 1.0, 0.0, 2.0, 2.0),)
 TIMES = {"full": (24.0, 0.2), "long": (30.0, 0.1), "reduced": (9.0, 0.1)}  # s a run, s a row
-PARTS = {"full": (0.05, 0.1, 0.2, 0.3, 0.35), "long": (0.1, 0.2, 0.3, 0.4), "reduced": (0.1, 0.2, 0.3, 0.4)}  # steps from row to row
+PARTS = {
+    "full": (0.05, 0.1, 0.2, 0.3, 0.35),
+    "long": (0.1, 0.2, 0.3, 0.4),
+    "reduced": (0.1, 0.2, 0.3, 0.4),
+}  # steps from row to row
 COARSE = (0.3, 0.7)  # while signatures are compared
 REPLICATES = {"full": 3, "long": 3, "reduced": 2}
 RISE = 2.0  # s, over which a speed is reached
@@ -45,8 +50,11 @@ class RoverBench:
 
     def __init__(self, seed, size="full", poor=False, under=()):
         self.conditions = conditions.check(under)
-        self.signals = conditions.recorded(traverse.SIGNALS, under)
-        self.columns = [traverse.SIGNALS.index(name) for name in self.signals]
+        vehicle = self.vehicle = conditions.vehicle(under)
+        self.model, self.jointed = vehicle.model, bool(vehicle.links)
+        self.every_signal = traverse.signals(vehicle)
+        self.signals = conditions.recorded(self.every_signal, under)
+        self.columns = [self.every_signal.index(name) for name in self.signals]
         self.own_noise = conditions.own_noise(self.signals, under)
         self.size_name, self.replicates = size, REPLICATES[size]
         self.duration, self.row_time = TIMES[size]
@@ -56,10 +64,10 @@ class RoverBench:
         self.waves = conditions.waves(seed, under)
         slope, height, length, added, first, second = np.array(self.set_points).T
         self.slope, self.height, self.length = np.tan(np.radians(slope)), height, length
-        self.mass = VEHICLE["mass"] + added
+        self.mass = vehicle.parameters["mass"] + added
         one = np.stack([commands(a, b, self.rows, self.row_time) for a, b in zip(first, second)], axis=1)
         one *= conditions.directions(len(self.set_points), under)
-        self.commands = np.repeat(one[..., None], 2, axis=-1)
+        self.commands = np.repeat(one[..., None], len(vehicle.wheels), axis=-1)
         turned = np.abs(np.cumsum(one, axis=0)) * self.row_time
         self.skip = int(np.max(np.argmax(turned >= ROLLED_IN, axis=0))) + 1
         rng = np.random.default_rng([seed, 1])
@@ -67,21 +75,23 @@ class RoverBench:
         if "delay" in under:
             self.extra["body_delay"] = conditions.DELAY
         for _ in range(200):
-            self.soil_name, self.soil = soils.draw(rng, VEHICLE["width"], firm=True)
+            self.soil_name, self.soil = soils.draw(rng, vehicle.parameters["width"], firm=True)
             if self.climbs() and (not self.waves or np.all(np.isfinite(self.simulate([{}], coarse=True)))):
                 return
         raise RuntimeError("no soil carries the rover over these slopes")
 
     def climbs(self):
-        """Whether a wheel under half of the heaviest rover climbs the steepest slope with less than 45 % slip."""
-        load = 0.5 * self.mass.max() * VEHICLE["gravity"]
+        """Whether wheels under the heaviest rover climb the steepest slope with less than 45 % slip."""
+        p = {**self.vehicle.parameters, "mass": self.mass.max()}
+        linkage = Linkage(p, self.vehicle)
+        loads = vehicles.shares(linkage) * linkage.total * p["gravity"]
         rise = max(np.max(self.slope), np.max(np.pi * self.height / self.length), 0.0)
-        pull, *_ = carriage.steady_points({**VEHICLE, **self.soil}, load, 0.45, 2.0)
-        return bool(pull > load * rise)
+        pull, *_ = np.moveaxis(carriage.steady_points({**p, **self.soil}, loads, 0.45, 2.0), -1, 0)
+        return bool(pull.sum() > loads.sum() * rise)
 
     def way(self):
         """What the rims roll, m; negative backwards. Uneven rows count as even ones, which is close enough for a limit."""
-        return VEHICLE["radius"] * self.row_time * self.commands[:, :, 0].sum(axis=0)
+        return self.vehicle.parameters["radius"] * self.row_time * self.commands[:, :, 0].sum(axis=0)
 
     def time(self):
         """Time of each row, s."""
@@ -97,16 +107,18 @@ class RoverBench:
         nodes = NODES if coarse else contact.NODES
         parts = parts or (COARSE if coarse else PARTS[self.size_name])
         repeat = lambda value: np.tile(value, tries)
-        p = {**VEHICLE, **self.soil, **self.extra, "mass": repeat(self.mass)}
+        p = {**self.vehicle.parameters, **self.soil, **self.extra, "mass": repeat(self.mass)}
         for name in {name for change in changes for name in change}:
             default = self.soil.get(name, self.extra.get(name, 0.0))
             p[name] = np.concatenate([np.broadcast_to(change.get(name, default), runs) for change in changes])
         profile = terrain.Profile(repeat(self.slope), repeat(self.height), repeat(self.length), self.waves)
         orders = np.tile(self.commands, (1, tries, 1))
         with np.errstate(all="ignore"):
-            y = traverse.drive_runs(p, profile, orders, self.between[: self.rows - 1], parts, nodes)
+            y = traverse.drive_runs(p, profile, orders, self.between[: self.rows - 1], parts, nodes, vehicle=self.vehicle)
         way = repeat(self.way())
-        stuck = ~(y[-1, :, 0] * np.sign(way) > LEAST_WAY * np.abs(way)) | np.any(y[..., 7:9] > DEEPEST, axis=(0, 2))
+        sinkages = [k for k, name in enumerate(self.every_signal) if name.endswith("sinkage")]
+        sunk = np.any(y[..., sinkages] > DEEPEST, axis=(0, 2))
+        stuck = ~(y[-1, :, 0] * np.sign(way) > LEAST_WAY * np.abs(way)) | sunk
         y[:, stuck] = np.nan
         return y[..., self.columns].reshape(self.rows, tries, runs, -1).transpose(1, 2, 0, 3)
 
@@ -115,7 +127,7 @@ class RoverBench:
         return np.sqrt(np.mean(clean**2, axis=(0, 1)))
 
     def parameters(self):
-        return {}
+        return self.vehicle.stated()
 
     def write(self, folder, runs):
         """Writes the CSV files; `runs` is (group, replicate, signals). Gives the lines of experiment.toml."""
@@ -134,15 +146,16 @@ class RoverBench:
                 rows = ["x,z"] + [f"{a:.4f},{b:.9f}" for a, b in zip(x, z)]
                 (folder / ground).write_text("\n".join(rows) + "\n", encoding="ascii", newline="\n")
                 grounds[ground] = True
-            rows = [",".join(("time", "wheel[1].speed_command", "wheel[2].speed_command") + self.signals)]
-            for t, (rear, front), values in zip(time, self.commands[:, group], measured):
-                cells = ["" if np.isnan(v) else f"{v:.{traverse.DECIMALS[name]}f}" for name, v in zip(self.signals, values)]
-                rows.append(",".join([f"{t:.3f}", f"{rear:.6g}", f"{front:.6g}"] + cells))
+            orders = tuple(f"wheel[{k + 1}].speed_command" for k in range(self.commands.shape[-1]))
+            rows = [",".join(("time",) + orders + self.signals)]
+            for t, speeds, values in zip(time, self.commands[:, group], measured):
+                cells = ["" if np.isnan(v) else f"{v:.{traverse.DECIMALS}f}" for v in values]
+                rows.append(",".join([f"{t:.3f}"] + [f"{speed:.6g}" for speed in speeds] + cells))
             name = f"runs/{label}_{'abcdef'[replicate]}.csv"
             (folder / name).write_text("\n".join(rows) + "\n", encoding="ascii", newline="\n")
             lines += ["", "[[run]]", f'file = "{name}"', f'group = "{label}"', "x0 = 0.0"]
             if not flat:
                 lines.append(f'terrain = "{ground}"')
             if added:
-                lines.append(f'parameters = {{ "rover.mass" = {VEHICLE["mass"] + added:g} }}')
+                lines.append(f'parameters = {{ "rover.mass" = {self.mass[group]:g} }}')
         return lines

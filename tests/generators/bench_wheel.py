@@ -13,6 +13,7 @@ class WheelBench:
     conditions = ()  # only a traverse has them (conditions.py)
     signals = carriage.SIGNALS
     own_noise = np.zeros(len(signals))
+    model, jointed = "", False
     skip = 0  # rows of a run that do not count for what can be detected
 
     def __init__(self, seed, poor=False):

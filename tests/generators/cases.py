@@ -20,6 +20,7 @@ class Form:
     outside: bool = False
     signed: bool = False  # may be negative as well
     rival: float = 0.0  # strength at which its signature as a rival is taken; 0: a twentieth of the typical one
+    jointed: bool = False  # only where the vehicle has joints (condition rocker_bogie)
 
     @property
     def probe(self):
@@ -87,6 +88,8 @@ FORMS = [
     Form("rim_adhesion", "round", 0.4, 0.7, BOTH, library=True, rival=0.3),
     Form("rolling_resistance", "moment", 0.05, 0.2, BOTH, library=True),
     Form("rolling_resistance", "hertz", 0.05, 0.2, BOTH),
+    Form("suspension_friction", "constant", 1.0, 5.0, R, library=True, jointed=True),
+    Form("suspension_friction", "stribeck", 1.0, 5.0, R, jointed=True),
     Form("hump", "slip", 0.05, 0.3, BOTH, outside=True, signed=True),
     Form("ripple", "turn", 0.3, 3.0, BOTH, outside=True),
     Form("drift", "order", 5.0, 40.0, W, outside=True, signed=True),
@@ -101,7 +104,7 @@ def find(kind, case, form=None):
     """The form of a case; its library form where none is named."""
     known = [f for f in FORMS if f.case == case and kind in f.kinds]
     if not known:
-        raise SystemExit(f"no case `{case}` of kind {kind}; known are {', '.join(cases_of(kind))}")
+        raise SystemExit(f"no case `{case}` of kind {kind}; known are {', '.join(cases_of(kind, True))}")
     if form is None:
         return next((f for f in known if f.library), known[0])
     for f in known:
@@ -110,10 +113,10 @@ def find(kind, case, form=None):
     raise SystemExit(f"no form `{form}` of {case}; known are {', '.join(f.form for f in known)}")
 
 
-def cases_of(kind):
-    return list(dict.fromkeys(f.case for f in FORMS if kind in f.kinds))
+def cases_of(kind, jointed=False):
+    return list(dict.fromkeys(f.case for f in FORMS if kind in f.kinds and (jointed or not f.jointed)))
 
 
-def library(kind):
+def library(kind, jointed=False):
     """The library's forms, that a diagnosis of this kind chooses from; an effect of two parameters has several."""
-    return [f for f in FORMS if f.library and kind in f.kinds]
+    return [f for f in FORMS if f.library and kind in f.kinds and (jointed or not f.jointed)]

@@ -6,6 +6,8 @@ effect is decided under them (detect.py).
 
 import numpy as np
 
+import vehicles
+
 SHARE = 0.2  # of the seeds, that have a condition
 CONDITIONS = {
     "noise_5": "noise of 5 % of each signal's RMS in place of 2 %",
@@ -18,6 +20,7 @@ CONDITIONS = {
     "jitter": "rows at uneven times",
     "gaps": "5 % of the measured cells are empty",
     "delay": "position, pitch and velocity are recorded later than the rest, by the same time throughout",
+    "rocker_bogie": "one side of six wheels on a rocker-bogie in place of two wheels on a rigid body",
 }
 
 USUAL_NOISE, STRONG_NOISE = 0.02, 0.05  # share of each signal's RMS
@@ -46,6 +49,10 @@ def check(names):
         if name not in CONDITIONS:
             raise SystemExit(f"no condition `{name}`; known are {', '.join(CONDITIONS)}")
     return tuple(names)
+
+
+def vehicle(names):
+    return vehicles.ROCKER_BOGIE if "rocker_bogie" in names else vehicles.TWO_WHEELED
 
 
 def noise(names, level=USUAL_NOISE):

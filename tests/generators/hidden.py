@@ -103,11 +103,13 @@ def make(folder, kind, case, form=None, level=0.02, seed=17, multiple=None, size
     replicates = 1 if case in ("noise_half", "noise_double") else REPLICATES if kind == cases.WHEEL else bench.replicates
     rng = np.random.default_rng([seed, 2, zlib.crc32(f"{case}/{form}/{level}".encode())])
     forms = hidden_forms(kind, case, form)
+    if any(f.jointed for f in forms) and not bench.jointed:
+        raise SystemExit(f"{case}: this rover has no joints; they come with --condition rocker_bogie")
     if case == "poor":
         forms = [cases.find(kind, "slip_sinkage")]
     chosen, strengths = [], {}
     if forms:
-        detector = detector or Detector(bench, level or 0.02, replicates, cases.library(kind))
+        detector = detector or Detector(bench, level or 0.02, replicates, cases.library(kind, bench.jointed))
         chosen = choose(detector, forms, rng, multiple)
         strengths = {f.key: strength for f, strength, *_ in chosen}
     clean = bench.simulate([strengths])[0]
@@ -168,7 +170,9 @@ def write_settings(folder, bench, truth, case, rng, run_lines):
     factor = {"noise_half": 0.5, "noise_double": 2.0}.get(case)
     if factor:
         stated = {name: factor * value for name, value in truth["deviation"].items()}
-    lines = [f'name = "seed {truth["seed"]}"', f'kind = "{bench.kind}"', "", "[parameters]"]
+    lines = [f'name = "seed {truth["seed"]}"', f'kind = "{bench.kind}"']
+    lines += [f'model = "{bench.model}"'] if bench.model else []
+    lines += ["", "[parameters]"]
     lines += [f'"{name}" = {value!r}' for name, value in parameters.items()]
     for title, table in (("priors", priors), ("noise", stated)):
         if table:

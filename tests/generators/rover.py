@@ -1,11 +1,11 @@
-"""A planar rover with two wheels on a rigid body, driven by imposed wheel speeds: an implicit integrator of its own.
+"""A planar rover on a rigid body or a linkage, driven by imposed wheel speeds: an implicit integrator of its own.
 
-Coordinates are x, z of the centre of mass and the pitch; the mass matrix is then diagonal and constant. Steps are a
-two-stage diagonally implicit Runge-Kutta method (Alexander 1977, L-stable, second order) solved by a chord Newton method
-over all runs at once. The memory of a standing contact (physics: forces build up over a displacement `hold`) is
-integrated along with it in closed form.
+Coordinates are x, z of the centre of mass and the pitch of each body (linkage.py); the mass matrix of a rigid body is then
+diagonal and constant. Steps are a two-stage diagonally implicit Runge-Kutta method (Alexander 1977, L-stable, second order)
+solved by a chord Newton method over all runs at once. The memory of a standing contact (physics: forces build up over a
+displacement `hold`) is integrated along with it in closed form.
 
-Parameters are a dict: numbers or arrays over runs. The wheels are 0 (rear) and 1 (front).
+Parameters are a dict: numbers or arrays over runs. The wheels are numbered from 0 at the rear.
 """
 
 import numpy as np
@@ -13,6 +13,8 @@ import numpy as np
 import contact
 import drive
 import ground
+import vehicles
+from linkage import Linkage
 
 GAMMA = 1.0 - 1.0 / np.sqrt(2.0)
 HOLD_TIME = 0.01  # s, damping of a standing contact
@@ -20,24 +22,6 @@ DAMPING_DEPTH = 0.001  # m, over which the normal damping sets in
 ITERATIONS = 25
 TOLERANCE = 1e-8  # m/s and rad/s
 SLOW = 0.1  # of convergence: a step slower than this renews the Jacobian
-
-VEHICLE = {
-    "radius": 0.10,
-    "width": 0.15,
-    "wheel_inertia": 0.01,
-    "mass": 10.0,
-    "inertia": 0.6,
-    "centre_x": 0.0,
-    "centre_z": 0.1,
-    "rear": -0.35,
-    "front": 0.35,
-    "gravity": 9.81,
-    "damping": 300.0,
-    "hold": 0.0005,
-    "gear": 100.0,
-    "torque_constant": 0.0234,
-    "resistance": 2.32,
-}
 
 
 def wheels(value):
@@ -54,34 +38,43 @@ def smooth(s):
 class Rover:
     """Equations of motion of many runs on their profile; `p` has numbers or arrays over runs."""
 
-    def __init__(self, p, profile, nodes=contact.NODES):
+    def __init__(self, p, profile, nodes=contact.NODES, vehicle=vehicles.TWO_WHEELED):
         self.profile, self.nodes = profile, nodes
+        shares = vehicles.shares(Linkage(p, vehicle))
         p = self.p = loaded(p)
+        self.linkage = Linkage(p, vehicle)
+        self.bodies, self.count = self.linkage.bodies, len(vehicle.wheels)
         self.per_wheel = {name: wheels(value) for name, value in p.items()}
-        self.mounts = np.stack([p["rear"], p["front"]], axis=-1)
-        ones = np.ones_like(np.asarray(p["mass"], float) + 0.0 * profile.slope)
-        self.mass = np.stack([p["mass"] * ones, p["mass"] * ones, (p["inertia"] + 2.0 * p["wheel_inertia"]) * ones], axis=-1)
-        self.start = np.zeros_like(ones)  # x of the reference point at the start
-        self.tracks = np.full(ones.shape + (2,), np.nan)  # where the tracks of the rear and the front wheel begin
+        # What a wheel carries by the data sheet and the mass that there is.
+        self.load = shares * wheels(self.linkage.total) * self.per_wheel["gravity"]
+        self.ones = np.ones_like(np.asarray(p["mass"], float) + 0.0 * profile.slope)
+        total = self.linkage.total * self.ones
+        self.mass = np.stack([total, total] + [inertia * self.ones for inertia in self.linkage.inertias], axis=-1)
+        self.unknowns = self.mass.shape[-1]
+        self.start = np.zeros_like(self.ones)  # x of the reference point at the start
+        self.tracks = np.full(self.ones.shape + (self.count,), np.nan)  # where the tracks of the wheels begin
 
     def geometry(self, q, u):
-        """Reference point, wheel centres relative to the centre of mass, and their velocities."""
-        sin, cos = np.sin(q[..., 2]), np.cos(q[..., 2])
-        c_x, c_z = self.p["centre_x"], self.p["centre_z"]
-        reference = np.stack([-(cos * c_x - sin * c_z), -(sin * c_x + cos * c_z)], axis=-1)
-        arm_x = reference[..., 0:1] + cos[..., None] * self.mounts
-        arm_z = reference[..., 1:2] + sin[..., None] * self.mounts
-        v_x = u[..., 0:1] - u[..., 2:3] * arm_z
-        v_z = u[..., 1:2] + u[..., 2:3] * arm_x
-        return reference, arm_x, arm_z, v_x, v_z
+        """Levers of the reference point and of the wheel centres, (body) and (body, wheel), and velocities of the centres."""
+        reference = np.stack(self.linkage.reference_levers(q[..., 2:]), axis=-1)
+        lever_x, lever_z = self.linkage.levers(q[..., 2:])
+        v_x = u[..., 0:1] - np.sum(u[..., 2:, None] * lever_z, axis=-2)
+        v_z = u[..., 1:2] + np.sum(u[..., 2:, None] * lever_x, axis=-2)
+        return reference, lever_x, lever_z, v_x, v_z
+
+    def reference_point(self, q, u):
+        """Place and velocity of the reference point: x, z, each."""
+        x, z = self.linkage.reference_levers(q[..., 2:])
+        place = q[..., 0] + x.sum(-1), q[..., 1] + z.sum(-1)
+        return place, (u[..., 0] - np.sum(u[..., 2:] * z, axis=-1), u[..., 1] + np.sum(u[..., 2:] * x, axis=-1))
 
     def touch(self, q, u, hold, command, held):
-        """Forces of both wheels. `hold` is the contact's memory; `held` is the time for which it has followed this motion."""
+        """Forces of the wheels. `hold` is the contact's memory; `held` is the time for which it has followed this motion."""
         p = self.per_wheel
-        _, arm_x, arm_z, v_x, v_z = self.geometry(q, u)
-        foot, distance, cos, sin = self.profile.foot(q[..., 0:1] + arm_x, q[..., 1:2] + arm_z)
+        _, lever_x, lever_z, v_x, v_z = self.geometry(q, u)
+        foot, distance, cos, sin = self.profile.foot(q[..., 0:1] + lever_x.sum(-2), q[..., 1:2] + lever_z.sum(-2))
         along, up = v_x * cos + v_z * sin, -v_x * sin + v_z * cos
-        spin = command - u[..., 2:3]
+        spin = command - u[..., 2 + self.bodies]
         rim = p["radius"] * spin
         speed = np.hypot(along, rim)
         memory = follow(hold, along, rim, speed, held, p["hold"])
@@ -90,13 +83,9 @@ class Rover:
         turn = (p["hold"] * memory[1] + HOLD_TIME * rim) * scale
         length = np.minimum(np.hypot(travel, turn), 1.0)
         angle = np.arctan2(sin, cos)
-        load = 0.5 * p["mass"] * p["gravity"]
         nominal = contact.slip_of(travel, turn) * length
-        passed = np.zeros_like(foot)
-        # Forwards the rear wheel follows the front wheel, backwards the other way round.
-        passed[..., 0] = smooth(np.nan_to_num((foot[..., 0] - self.tracks[..., 1]) / 0.02 + 0.5))
-        passed[..., 1] = smooth(np.nan_to_num((self.tracks[..., 0] - foot[..., 1]) / 0.02 + 0.5))
-        place = ground.place_at(nominal, along, p["radius"] - distance, load, angle, foot, passed, nominal[..., ::-1])
+        passed, lead = self.passed(foot, command, nominal)
+        place = ground.place_at(nominal, along, p["radius"] - distance, self.load, angle, foot, passed, lead)
         soil = ground.local_soil(p, place)
         if soil["radius"] is not p["radius"]:
             # A true radius other than the nominal one: sinkage and rim follow it; a flexible wheel descends further.
@@ -110,57 +99,72 @@ class Rover:
         normal, pull, torque = carried + length * (normal - carried), length * pull, length * torque
         pull = pull + ground.added_pull(p, place) * np.sign(along) * length
         torque = torque + ground.added_torque(p, np.maximum(normal, 0.0), turn) * length
-        normal = np.where(
-            sinkage > 0.0, np.maximum(normal - p["damping"] * smooth(sinkage / DAMPING_DEPTH) * up, 0.0), 0.0
-        )
+        normal = np.where(sinkage > 0.0, np.maximum(normal - p["damping"] * smooth(sinkage / DAMPING_DEPTH) * up, 0.0), 0.0)
         slip = contact.slip_of(along, soil.get("true_radius", p["radius"]) * spin)
-        return normal, pull, torque, (arm_x, arm_z, cos, sin), (memory, sinkage, slip, spin)
+        return normal, pull, torque, (lever_x, lever_z, cos, sin), (memory, sinkage, slip, spin)
+
+    def passed(self, foot, command, slip):
+        """How many wheels have passed the ground under each, and the slip of the nearest one that did.
+
+        Forwards the wheels in front have, backwards those behind."""
+        passed = np.zeros_like(foot)
+        for k in range(self.count):
+            for other in range(self.count):
+                side = 1.0 if other > k else -1.0
+                if other != k:
+                    past = side * (foot[..., k] - self.tracks[..., other])
+                    passed[..., k] += smooth(np.nan_to_num(past / 0.02 + 0.5))
+        ahead, behind = np.roll(slip, -1, axis=-1), np.roll(slip, 1, axis=-1)
+        ahead[..., -1], behind[..., 0] = behind[..., -1], ahead[..., 0]
+        return passed, np.where(command >= 0.0, ahead, behind)
 
     def acceleration(self, q, u, hold, command, held):
         p = self.p
-        normal, pull, torque, (arm_x, arm_z, cos, sin), _ = self.touch(q, u, hold, command, held)
+        normal, pull, torque, (lever_x, lever_z, cos, sin), _ = self.touch(q, u, hold, command, held)
         f_x, f_z = pull * cos - normal * sin, pull * sin + normal * cos
-        reference, *_ = self.geometry(q, u)
-        v_reference = u[..., 0] - u[..., 2] * reference[..., 1]
-        extra = drive.resistance(p, v_reference, q[..., 0] + reference[..., 0] - self.start)
-        force = np.stack(
-            [
-                f_x.sum(-1) + extra,
-                f_z.sum(-1) - p["mass"] * p["gravity"],
-                (arm_x * f_z - arm_z * f_x + torque).sum(-1) - extra * reference[..., 1],
-            ],
-            axis=-1,
-        )
-        return force / self.mass
+        (x, _), (velocity, _) = self.reference_point(q, u)
+        extra = drive.resistance(p, velocity, x - self.start)
+        at_wheels = lever_x * f_z[..., None, :] - lever_z * f_x[..., None, :] + self.linkage.carried * torque[..., None, :]
+        _, reference_z = self.linkage.reference_levers(q[..., 2:])
+        moments = at_wheels.sum(-1) - extra[..., None] * reference_z
+        forces = np.stack([f_x.sum(-1) + extra, f_z.sum(-1) - self.linkage.total * p["gravity"]], axis=-1)
+        if self.unknowns == 3:
+            return np.concatenate([forces, moments], axis=-1) / self.mass
+        moments = moments + self.linkage.moments(q[..., 2:], u[..., 2:])
+        pitching = np.linalg.solve(self.linkage.inertia(q[..., 2:]), moments[..., None])[..., 0]
+        return np.concatenate([forces / self.mass[..., :2], pitching], axis=-1)
 
     def settle(self, x0):
         """At rest with the reference point above x0, held on a slope by locked wheels (NaN where it cannot stand): unknown are the share of the
-        friction that holds, z and the pitch."""
+        friction that holds, z and the pitches."""
         runs = self.mass.shape[:-1]
         height, slope, _ = self.profile.at(np.full(runs, x0))
-        unknown = np.stack([np.zeros(runs), height + self.p["radius"] * 0.95, np.arctan(slope)], axis=-1)
-        zero, still = np.zeros(runs + (2,)), np.zeros(runs + (3,))
+        pitches = [np.arctan(slope)] * (self.unknowns - 2)
+        unknown = np.stack([np.zeros(runs), height + self.p["radius"] * 0.95] + pitches, axis=-1)
+        zero, still = np.zeros(runs + (self.count,)), np.zeros(runs + (self.unknowns,))
 
         def left(y):
-            q = np.stack([np.zeros(y.shape[:-1]), np.zeros(y.shape[:-1]), y[..., 2]], axis=-1)
-            reference, *_ = self.geometry(q, np.zeros_like(q))
-            q = np.stack([x0 - reference[..., 0], y[..., 1] - reference[..., 1], y[..., 2]], axis=-1)
-            hold = (np.broadcast_to(-np.clip(y[..., 0:1], -1.0, 1.0), y.shape[:-1] + (2,)), np.zeros(y.shape[:-1] + (2,)))
+            level = np.zeros(y.shape[:-1])
+            q = np.concatenate([np.stack([level, level], axis=-1), y[..., 2:]], axis=-1)
+            (x, z), _ = self.reference_point(q, np.zeros_like(q))
+            q = np.concatenate([np.stack([x0 - x, y[..., 1] - z], axis=-1), y[..., 2:]], axis=-1)
+            shape = y.shape[:-1] + (self.count,)
+            hold = (np.broadcast_to(-np.clip(y[..., 0:1], -1.0, 1.0), shape), np.zeros(shape))
             return self.acceleration(q, 0.0 * q, hold, zero, 0.0), q, hold
 
         for _ in range(60):
             residual, q, hold = left(unknown)
             if np.all(np.abs(residual) < 1e-7):
                 break
-            steps = 1e-6 * np.eye(3)
+            steps = 1e-6 * np.eye(self.unknowns)
             slopes = np.stack([(left(unknown + d)[0] - residual) / 1e-6 for d in steps], axis=-1)
             change = (np.linalg.pinv(np.nan_to_num(slopes)) @ np.nan_to_num(residual)[..., None])[..., 0]
-            limit = np.abs(change) / np.array([0.5, 0.01, 0.05])
+            limit = np.abs(change) / np.array([0.5, 0.01] + [0.05] * (self.unknowns - 2))
             unknown = unknown - change / np.maximum(np.max(limit, axis=-1, keepdims=True), 1.0)
         q = np.where(np.all(np.abs(residual[..., 1:]) < 1e-3, axis=-1)[..., None], q, np.nan)
         self.start = np.full(runs, float(x0))
-        _, arm_x, *_ = self.geometry(q, still)
-        self.tracks = q[..., 0:1] + arm_x
+        lever_x, _ = self.linkage.levers(q[..., 2:])
+        self.tracks = q[..., 0:1] + lever_x.sum(-2)
         return q, still, hold
 
     def step(self, q, u, hold, command, dt, slopes):
@@ -183,8 +187,9 @@ class Rover:
         left = residual(v)
         for _ in range(ITERATIONS):
             if slopes.get("span") != h:
-                columns = (residual(v + 1e-6 * np.eye(3)[:, None, :]) - left) / 1e-6
-                columns = np.where(np.isfinite(columns), columns, np.eye(3)[:, None, :])
+                each = np.eye(self.unknowns)[:, None, :]
+                columns = (residual(v + 1e-6 * each) - left) / 1e-6
+                columns = np.where(np.isfinite(columns), columns, each)
                 slopes["inverse"], slopes["span"] = np.linalg.inv(np.moveaxis(columns, 0, -1)), h
             change = np.clip(np.einsum("...ij,...j->...i", slopes["inverse"], left), -0.2, 0.2)
             before, (v, left) = np.sum(left**2, axis=-1), (v - change, residual(v - change))

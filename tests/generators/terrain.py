@@ -19,9 +19,9 @@ class Profile:
         self.slope, self.height = np.asarray(slope, float), np.asarray(height, float)
         self.number = 2.0 * np.pi / np.asarray(length, float)
 
-    def at(self, x):
-        """Height, slope and curvature at x, (..., run, wheel) or (..., run)."""
-        fit = lambda a: a.reshape(a.shape + (1,) * (x.ndim > 1 and x.shape[-1] == 2))
+    def at(self, x, per_wheel=False):
+        """Height, slope and curvature at x, (..., run), or (..., run, wheel) where `per_wheel`."""
+        fit = lambda a: a[..., None] if per_wheel else a
         slope, height, number = fit(self.slope), fit(self.height), fit(self.number)
         z = slope * x + 0.5 * height * (1.0 - np.cos(number * x))
         rise, bend = slope + 0.5 * height * number * np.sin(number * x), 0.5 * height * number**2 * np.cos(number * x)
@@ -35,9 +35,9 @@ class Profile:
         """The nearest point to (x, z): its x, distance along the normal, tangent (cos, sin)."""
         at = x
         for _ in range(FOOT_STEPS):
-            h, slope, bend = self.at(at)
+            h, slope, bend = self.at(at, True)
             at = at - (at - x + (h - z) * slope) / np.maximum(1.0 + slope * slope + (h - z) * bend, 0.1)
-        h, slope, _ = self.at(at)
+        h, slope, _ = self.at(at, True)
         cos = 1.0 / np.sqrt(1.0 + slope * slope)
         sin = slope * cos
         return at, (z - h) * cos - (x - at) * sin, cos, sin

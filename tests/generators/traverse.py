@@ -4,38 +4,34 @@ import numpy as np
 
 import drive
 import ground
+import vehicles
 from rover import Rover
 
-SIGNALS = (
-    "x",
-    "pitch",
-    "velocity",
-    "wheel[1].torque",
-    "wheel[2].torque",
-    "wheel[1].current",
-    "wheel[2].current",
-    "wheel[1].sinkage",
-    "wheel[2].sinkage",
-    "power",
-)
 # Steps of the first rows, as shares of a row: there the contacts break loose.
 FIRST_ROWS = 4
 FIRST = (0.02, 0.03, 0.05, 0.1, 0.2, 0.3, 0.3)
 
-DECIMALS = dict.fromkeys(SIGNALS, 6)
+DECIMALS = 6  # of a signal
 
 
-def drive_runs(p, profile, commands, row_time, parts, nodes, x0=0.0):
+def signals(vehicle):
+    """What is recorded of a vehicle; wheels and links are numbered from 1."""
+    each = [f"wheel[{k}].{what}" for what in ("torque", "current", "sinkage") for k in range(1, len(vehicle.wheels) + 1)]
+    angles = [f"link[{k}].angle" for k in range(1, len(vehicle.links) + 1)]
+    return ("x", "pitch", "velocity", *each, "power", *angles)
+
+
+def drive_runs(p, profile, commands, row_time, parts, nodes, x0=0.0, vehicle=vehicles.TWO_WHEELED):
     """Signals (rows, runs, signals) of runs that start at rest and follow `commands` (rows, runs, wheels). `row_time` is the time
     from row to row, s: a number, or one for each row but the first.
 
     `parts` are the steps from row to row as shares of the time between them: short ones first, since the slip settles
     within milliseconds after a command. Signals of a row are read before its command acts. NaN from where a run cannot go on.
     """
-    rover = Rover(p, profile, nodes)
+    rover = Rover(p, profile, nodes, vehicle)
     q, u, hold = rover.settle(x0)
     a = np.zeros_like(u)
-    turned = np.zeros(u.shape[:-1] + (2,))
+    turned = np.zeros(u.shape[:-1] + (rover.count,))
     states, slopes, time, at = [], {}, [0.0], []
     command = np.zeros_like(turned)
     between = np.broadcast_to(row_time, len(commands) - 1)
@@ -51,21 +47,20 @@ def drive_runs(p, profile, commands, row_time, parts, nodes, x0=0.0):
         at.append(len(states) - 1)
         command = commands[row]
         slopes.clear()
-    return sensors(p, np.stack(states), np.array(time))[at]
+    return sensors(p, np.stack(states), np.array(time), rover.count)[at]
 
 
 def read(rover, q, u, hold, command, acceleration, turned):
-    """What there is to measure at one instant: x, pitch, velocity, rim torques, sinkages, wheel speeds, turns."""
-    reference, *_ = rover.geometry(q, u)
+    """What there is to measure at one instant: x, pitch, velocity, rim torques, sinkages, wheel speeds, turns, joint angles."""
     _, _, torque, _, (_, sinkage, _, _) = rover.touch(q, u, hold, command, 0.0)
-    v_x = u[..., 0] - u[..., 2] * reference[..., 1]
-    v_z = u[..., 1] + u[..., 2] * reference[..., 0]
+    (x, _), (v_x, v_z) = rover.reference_point(q, u)
     if not np.any(u):
         torque = 0.0 * torque  # parked: the brakes hold until the first command
-    # The wheels turn with the body's pitching at a given speed relative to it.
-    torque = torque - wheels_inertia(rover) * acceleration[..., 2:3]
-    body = [q[..., 0] + reference[..., 0], q[..., 2], np.copysign(np.hypot(v_x, v_z), v_x)]
-    return np.concatenate([np.stack(body, axis=-1), torque, sinkage, command, turned], axis=-1)
+    # The wheels turn with their body's pitching at a given speed relative to it.
+    torque = torque - wheels_inertia(rover) * acceleration[..., 2 + rover.bodies]
+    body = [x, q[..., 2], np.copysign(np.hypot(v_x, v_z), v_x)]
+    angles = q[..., 3:] - q[..., 2:3]
+    return np.concatenate([np.stack(body, axis=-1), torque, sinkage, command, turned, angles], axis=-1)
 
 
 def wheels_inertia(rover):
@@ -73,12 +68,12 @@ def wheels_inertia(rover):
     return value if value.ndim == 0 else value[..., None]
 
 
-def sensors(p, states, time):
+def sensors(p, states, time, wheels):
     """Recorded signals from the states (steps, runs, values)."""
     per_wheel = {name: np.asarray(v, float)[..., None] if np.ndim(v) else v for name, v in p.items()}
     clock = time[:, None, None]
-    body, torque, sinkage = states[..., :3].copy(), states[..., 3:5], states[..., 5:7]
-    speed, turned = states[..., 7:9], states[..., 9:11]
+    body, torque, sinkage, speed, turned, angles = np.split(states, 3 + wheels * np.arange(5), axis=-1)
+    body = body.copy()
     motor = drive.motor_torque(per_wheel, torque, speed) + drive.ripple(per_wheel, turned)
     cold = p["resistance"] * (motor / (p["gear"] * p["torque_constant"])) ** 2
     heat, magnet = drive.windings(per_wheel, time, cold)
@@ -87,12 +82,12 @@ def sensors(p, states, time):
     current = shown / (p["gear"] * p["torque_constant"] * magnet)
     power = np.sum(p["resistance"] * heat * current**2, axis=-1, keepdims=True)
     if (s := ground.on(per_wheel, "drift.time")) is not None:  # outside the library: the rear torque cell drifts
-        shown = shown + s * (clock / time[-1]) * np.array([1.0, 0.0])
+        shown = shown + s * (clock / time[-1]) * np.eye(wheels)[0]
     if (s := ground.on(p, "pitch_bias.constant")) is not None:
         body[..., 1] += s
     if (s := ground.on(p, "pitch_bias.drifting")) is not None:  # an inclinometer that also creeps while it warms up
         body[..., 1] += s * (1.0 + 0.2 * time[:, None] / time[-1])
     if (s := ground.on(p, "body_delay")) is not None:  # a condition of the study: one clock is late
         body = drive.delayed(body, np.broadcast_to(np.asarray(s, float).ravel(), body.shape[1:2]), time)
-    signals = np.concatenate([body, shown, current, sinkage, power], axis=-1)
+    signals = np.concatenate([body, shown, current, sinkage, power, angles], axis=-1)
     return drive.sensor_lag(per_wheel, time, signals)

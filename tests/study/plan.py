@@ -59,8 +59,9 @@ def form_for(set_name, kind, case):
     return "+".join(parts)
 
 
-def all_cases(kind):
-    return ["clean", *cases.cases_of(kind), *PAIRS[kind], *cases.CAUTION]
+def all_cases(kind, under=()):
+    jointed = "rocker_bogie" in under
+    return ["clean", *cases.cases_of(kind, jointed), *PAIRS[kind], *cases.CAUTION]
 
 
 def jobs(set_name, kinds, size, wanted, noises, seeds, first_seed=None, drawn=False):
@@ -71,8 +72,8 @@ def jobs(set_name, kinds, size, wanted, noises, seeds, first_seed=None, drawn=Fa
         for seed in range(first, first + seeds):
             under = conditions.drawn(seed) if drawn and kind == cases.ROVER else ()
             levels = [conditions.noise(under)] if drawn and kind == cases.ROVER else noises
-            for case in wanted or all_cases(kind):
-                if case in all_cases(kind):
+            for case in wanted or all_cases(kind, under):
+                if case in all_cases(kind, under):
                     form = form_for(set_name, kind, case)
                     made += [Job(set_name, kind, size, case, form, level, seed, under) for level in levels]
     return made

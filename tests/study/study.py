@@ -45,7 +45,7 @@ def make(job, folder, detectors):
             detectors.clear()
             bench = hidden.make_bench(job.kind, job.seed, job.size, False, job.conditions)
             replicates = hidden.REPLICATES if job.kind == cases.WHEEL else bench.replicates
-            detectors[key] = Detector(bench, job.noise, replicates, cases.library(job.kind))
+            detectors[key] = Detector(bench, job.noise, replicates, cases.library(job.kind, bench.jointed))
         detector = detectors[key].with_noise(job.noise)
     form, under = job.form or None, job.conditions
     return hidden.make(folder, job.kind, job.case, form, job.noise, job.seed, size=job.size, detector=detector, under=under)
