@@ -5,8 +5,7 @@ use crate::scalar::{LaneAccess, MapScalar, Mask, Scalar, lanes, smooth_step};
 use crate::snapshot::Moving;
 use bekker_modeldescription::{Unit, parameters};
 
-/// Distance inside the end of a track over which its ground turns from fresh to passed, m: about the length of a
-/// small wheel's contact, so that the ground under a wheel is not yet ground that it has passed.
+/// Distance over which the ground at the end of a track turns from fresh to passed, m: about the length of a small wheel's contact.
 const EDGE: f64 = 0.05;
 
 parameters! {
@@ -66,22 +65,38 @@ impl<S: Scalar> Track<S> {
         self.high = S::select(covers, self.high.larger(x), self.high);
     }
 
-    /// How far the ground at `x` counts as passed: 0 at the ends and outside, 1 well inside.
-    #[must_use]
-    pub fn covers(&self, x: S) -> S {
+    /// How far the ground at `x` counts as passed by another wheel: half at the ends, since half of a contact that stands there is
+    /// on passed ground.
+    fn covers(&self, x: S) -> S {
+        self.widened(EDGE / 2.0).inside(x)
+    }
+
+    /// The same on a wheel's own track: none at the ends. While the wheel goes on, it stands at its track's end, and ground that
+    /// bears it is not yet ground that it has passed.
+    fn covers_itself(&self, x: S) -> S {
+        self.inside(x)
+    }
+
+    fn widened(&self, by: f64) -> Self {
+        Self { low: self.low - by, high: self.high + by }
+    }
+
+    /// 0 at the ends and outside, 1 well inside.
+    fn inside(&self, x: S) -> S {
         let inside = self.low.below(x) & x.below(self.high);
         if !inside.any() {
             return S::from(0.0);
         }
         S::select(inside, smooth_step((x - self.low) / EDGE) * smooth_step((self.high - x) / EDGE), S::from(0.0))
     }
-    /// Number of wheels that have passed the ground at `x`, from the tracks of all. Each counts once, however often it came;
-    /// a wheel counts on its own track once it has reversed by the length of a contact: while it goes on, it stands at its
-    /// track's end.
-    pub(crate) fn passes<'a>(tracks: impl Iterator<Item = &'a Self>, x: S) -> S
+
+    /// Number of wheels that have passed the ground at the foot `x` of wheel `own`, from the tracks of all. Each counts once, however
+    /// often it came; a wheel counts on its own track once it has reversed by the length of a contact.
+    pub(crate) fn passes<'a>(tracks: impl Iterator<Item = &'a Self>, own: usize, x: S) -> S
     where
         S: 'a,
     {
-        tracks.fold(S::from(0.0), |sum, track| sum + track.covers(x))
+        let covers = |(k, track): (usize, &Self)| if k == own { track.covers_itself(x) } else { track.covers(x) };
+        tracks.enumerate().map(covers).fold(S::from(0.0), |sum, share| sum + share)
     }
 }

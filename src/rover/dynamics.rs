@@ -260,7 +260,7 @@ impl<S: Scalar> Evaluation<S> {
         let place = Place {
             wheel: k,
             x: Some(x),
-            passes: if rover.effects.counts_passes() { Track::passes(tracks, x) } else { S::from(0.0) },
+            passes: if rover.effects.counts_passes() { Track::passes(tracks, k, x) } else { S::from(0.0) },
             contact_angle: foot.angle,
             slip: motion.established_slip(&true_wheel, &soil),
             sinkage: motion.sinkage,
