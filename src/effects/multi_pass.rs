@@ -100,3 +100,26 @@ impl<S: Scalar> Track<S> {
         tracks.enumerate().map(covers).fold(S::from(0.0), |sum, share| sum + share)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rounding of the distance to an end, by a transition of 5 cm.
+    const ROUNDING: f64 = 1e-12;
+
+    #[test]
+    fn property_a_track_end_counts_half_for_another_wheel_and_not_for_its_own() {
+        let track = Track { low: 0.0, high: 1.0 };
+        let passes = |own, x| Track::passes([track, Track::default()].iter(), own, x);
+        for end in [track.low, track.high] {
+            assert!((passes(1, end) - 0.5).abs() < ROUNDING);
+            assert_eq!(passes(0, end), 0.0);
+        }
+        for own in [0, 1] {
+            assert_eq!(passes(own, 0.5), 1.0);
+            assert_eq!(passes(own, -EDGE), 0.0);
+            assert_eq!(passes(own, 1.0 + EDGE), 0.0);
+        }
+    }
+}

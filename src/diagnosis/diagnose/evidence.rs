@@ -133,6 +133,7 @@ impl Probabilities {
     }
 
     fn sum(&self, counts: impl Fn(&[String]) -> bool) -> f64 {
-        self.sets.iter().filter(|(set, _)| counts(set)).map(|(_, weight)| weight).sum()
+        // From +0, since the sum of nothing is -0 and would be written so.
+        self.sets.iter().filter(|(set, _)| counts(set)).fold(0.0, |sum, (_, weight)| sum + weight)
     }
 }
