@@ -23,8 +23,9 @@ const NEAR_BOUND: f64 = 1e-3;
 /// Share by which the cost may rise where a parameter is put on its bound: rounding, no measurable misfit.
 const SAME_COST: f64 = 1e-6;
 
-/// Two searches agree where their costs differ by less than this share.
-const AGREEING_COST: f64 = 1e-4;
+/// Two searches agree where their costs differ by less than this share: a few times that within which a search ends
+/// (`gauss_newton::NOTHING_OF_MISFIT`).
+const AGREEING_COST: f64 = 1e-3;
 
 /// Singular values below this share of the largest count as zero: the experiment does not determine that direction.
 const RANK_TOLERANCE: f64 = 1e-10;
@@ -131,14 +132,15 @@ pub(crate) fn calibrate_from(
     let given = starts.iter().map(|values| weighted.coordinates(values)).filter(|u| problem.cost_at(u).is_finite());
     let mut draws = Draws::new(&problem, weighted.free);
     let starts: Vec<Vec<f64>> = given.chain(draws.best(effort.draws, effort.searches)).collect();
-    let near = search(weighted, &problem, &starts, weights, effort.pace);
-    match effort.where_far.filter(|_| near.as_ref().is_none_or(Calibration::is_far)) {
-        None => near,
-        Some((count, searches)) => {
-            let wide = search(weighted, &problem, &draws.best(count, searches), weights, effort.pace);
-            better(near, wide)
+    let mut best = search(weighted, &problem, &starts, weights, effort.pace);
+    let Some((count, most)) = effort.until_agreed else { return best };
+    for start in draws.best(count, most) {
+        if best.as_ref().is_some_and(|best| best.agreeing > 1) {
+            break;
         }
+        best = better(best, search(weighted, &problem, &[start], weights, effort.pace));
     }
+    best
 }
 
 /// The one with less misfit.

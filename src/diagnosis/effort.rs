@@ -16,19 +16,19 @@ pub(crate) struct Effort {
     pub searches: usize,
     /// How long a search is followed.
     pub pace: Pace,
-    /// Draws and searches that are added where the first searches end far from the measurements.
-    pub where_far: Option<(usize, usize)>,
+    /// Draws, and how many of the best are searched from, one after the other, until two searches have ended at the least cost.
+    pub until_agreed: Option<(usize, usize)>,
 }
 
 impl Effort {
     /// A first look at an effect on a traverse, from the given starts and so many draws.
     pub fn scouting(searches: usize) -> Self {
-        Self { draws: 8 * searches, searches, pace: Pace::SHORT, where_far: None }
+        Self { draws: 8 * searches, searches, pace: Pace::SHORT, until_agreed: None }
     }
 
     /// From the given starts only.
     pub fn without_draws(self) -> Self {
-        Self { draws: 0, searches: 0, where_far: None, ..self }
+        Self { draws: 0, searches: 0, until_agreed: None, ..self }
     }
 }
 

@@ -77,6 +77,9 @@ pub(crate) const HELD: f64 = 0.02;
 
 /// Chi-square over its freedom beyond which a fit is far from the measurements: sensitivities there predict gains poorly.
 pub(crate) const FAR: f64 = 2.0;
+/// Share of the chi-square of left-out rows by which their simulation may differ from what a linear step had promised: a step that
+/// went too far differs by about all of it, and one that is a little off is still near the least of the kept rows. Argument.
+pub(crate) const LINEAR: f64 = 0.1;
 /// Share of the best predicted gain from which a single effect is refitted, where not all are.
 pub(crate) const WORTH_A_REFIT: f64 = 0.3;
 /// A predicted gain that noise alone reaches with this probability is not worth a refit while another is larger.

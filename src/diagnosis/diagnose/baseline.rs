@@ -18,10 +18,10 @@ pub(super) fn refitted(
     first: Calibration,
     unanswered: &mut Vec<Unanswered>,
 ) -> Result<Calibration, CompareError> {
-    let again = fitted(problem, noise, &[first.values()], unanswered)?;
+    let again = fitted_again(problem, noise, &first, unanswered)?;
     // A search that starts where the first one ended may find no step to make.
     let converged = again.converged || (first.converged && is_at(&again, &first));
-    let mut baseline = Calibration { searches: first.searches, agreeing: first.agreeing, converged, ..again };
+    let mut baseline = Calibration { converged, ..again };
     // Under a first guess of the noise a fit may have looked near that is far.
     if baseline.is_far() && !first.is_far() {
         let counted = problem.layout.present();
@@ -32,6 +32,18 @@ pub(super) fn refitted(
         baseline = better(Some(baseline), Some(anew)).ok_or(CompareError::NoFit)?;
     }
     Ok(led_baseline(problem, noise, baseline))
+}
+
+/// The same search once more from where it ended, since the noise or the windows' starts are others now. How many searches agreed
+/// is what the first ones showed.
+pub(super) fn fitted_again(
+    problem: &mut Problem,
+    noise: &Noise,
+    known: &Calibration,
+    unanswered: &mut Vec<Unanswered>,
+) -> Result<Calibration, CompareError> {
+    let again = fitted(problem, noise, &[known.values()], unanswered)?;
+    Ok(Calibration { searches: known.searches, agreeing: known.agreeing, ..again })
 }
 
 /// Fits the baseline and leaves out the rows that have no answer at the best fit, until all that count have one. `starts` as

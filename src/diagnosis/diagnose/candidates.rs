@@ -18,8 +18,12 @@ impl Search<'_> {
     /// # Errors
     /// [`PredictionError`].
     pub fn candidates(&mut self, stage: Stage) -> Result<Stage, PredictionError> {
-        let stage = self.led_baseline(stage)?;
+        let mut stage = self.led_baseline(stage)?;
         self.singles(&stage);
+        if self.lower_valleys(1) {
+            stage = self.stage(&[])?.unwrap_or(stage);
+            self.singles_again(&stage);
+        }
         if stage.fit.is_far() {
             self.afresh(&stage);
         }
@@ -64,6 +68,16 @@ impl Search<'_> {
             let gains = sets.iter().filter_map(|set| Some(stage.fit.chi_square - self.fits.get(set)?.chi_square));
             gained = gains.fold(gained, f64::max);
         }
+    }
+
+    /// Single effects on top of a baseline that has changed: those that are fitted once more from there, too.
+    fn singles_again(&mut self, stage: &Stage) {
+        self.looks.clear();
+        let fitted = (0..stage.gains.singles.len()).filter(|k| self.fits.get(&self.with(stage, *k)).is_some());
+        let again: Vec<Start> = fitted.map(|k| self.start(stage, k)).collect();
+        let again: Vec<_> = again.into_iter().map(|(effects, starts)| self.problem.task(&effects, starts)).collect();
+        self.settle_all(&again);
+        self.singles(stage);
     }
 
     /// What candidate number `k` promises to gain on top of a stage, and where its fit starts: by the sensitivities, unless

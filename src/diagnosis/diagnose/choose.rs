@@ -24,6 +24,7 @@ pub(super) fn choose(
     let grown = if chosen.is_empty() { None } else { further(search, &chosen)? };
     if grown.is_some() || chosen.is_empty() {
         search.pairs(stage);
+        search.lower_valleys(1);
         if let Some(pair) = best_pair(search, &chosen, grown)? {
             chosen = pair;
         }

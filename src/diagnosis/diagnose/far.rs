@@ -85,7 +85,7 @@ fn is_far(problem: &Problem, noise: &Noise, task: &Task) -> Option<bool> {
 }
 
 /// Chi-square at each start of a task, infinite where the model has no answer, and the degrees of freedom.
-fn costs(problem: &Problem, noise: &Noise, task: &Task) -> Option<(Vec<f64>, f64)> {
+pub(super) fn costs(problem: &Problem, noise: &Noise, task: &Task) -> Option<(Vec<f64>, f64)> {
     with_problem(problem, noise, task, false, |weighted, _| {
         let square = |start: &Vec<f64>| weighted.residual(&weighted.coordinates(start)).iter().map(|r| r * r).sum();
         let freedom = weighted.freedom().saturating_sub(weighted.free.len());

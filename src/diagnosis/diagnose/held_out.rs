@@ -1,8 +1,9 @@
 //! Prediction of what was left out of the fit: whole conditions or whole runs.
 //!
 //! How the fit to everything becomes one without a fold is said by the [kind](crate::diagnosis::kinds) of the experiment: by a
-//! refit, by one Gauss-Newton step within the bounds where refits are dear, or by a refit of few steps. The left-out runs are then simulated with those
-//! values, so that the prediction itself is not linearised. A rover that gets stuck in them predicts that it stays there, and
+//! refit, by one Gauss-Newton step within the bounds where refits are dear, or by a refit of few steps. The left-out runs are then
+//! simulated with those values, so that the prediction itself is not linearised; where the simulation differs from what the step had
+//! promised there, the step went too far and a refit takes its place. A rover that gets stuck in them predicts that it stays there, and
 //! a row of a carriage without an answer counts as missed, see [`unanswered`](crate::diagnosis::unanswered).
 //! What the kept conditions do not determine widens the prediction: else a fit that extrapolates into a left-out end of the
 //! slips is judged by chance.
@@ -14,6 +15,7 @@ use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::kinds::LeftOut;
 use crate::diagnosis::least_squares::{LeastSquares, Pace};
 use crate::diagnosis::problem::Problem;
+use crate::diagnosis::thresholds::LINEAR;
 use crate::diagnosis::weighted::Weighted;
 use nalgebra::{DMatrix, DVector};
 use std::collections::{BTreeMap, BTreeSet};
@@ -55,8 +57,13 @@ pub(crate) fn held_out(
         }
     };
     let (mut density, mut squares) = (Vec::new(), BTreeMap::<String, (f64, usize)>::new());
-    for (fold, kept) in folds.iter().zip(&fitted) {
-        let modelled = predict(problem, effects, &kept.values, fold)?;
+    for (fold, kept) in folds.iter().zip(fitted) {
+        let mut kept = kept;
+        let mut modelled = predict(problem, effects, &kept.values, fold)?;
+        if !is_linear(problem, noise, &kept, &modelled, fold)? {
+            kept = opened(problem, noise, effects, refit(fold, None)?, fold)?;
+            modelled = predict(problem, effects, &kept.values, fold)?;
+        }
         let inside: BTreeSet<_> = fold.iter().copied().collect();
         let difference: Vec<f64> =
             problem.layout.measured.iter().zip(&modelled).map(|(measured, modelled)| measured - modelled).collect();
@@ -101,6 +108,18 @@ fn predict(problem: &Problem, effects: &[String], values: &[f64], fold: &Fold) -
     Some(all)
 }
 
+/// Whether the left-out rows are what a linear step had promised, beside what the prediction misses of the measurements.
+fn is_linear(problem: &Problem, noise: &Noise, kept: &Kept, modelled: &[f64], fold: &Fold) -> Option<bool> {
+    let Some(promised) = &kept.promised else { return Some(true) };
+    let inside: BTreeSet<_> = fold.iter().copied().collect();
+    let whitening = noise.whitening(problem, &|run, row| inside.contains(&(run, row)))?;
+    let square = |other: &[f64]| {
+        let difference: Vec<f64> = other.iter().zip(modelled).map(|(other, modelled)| other - modelled).collect();
+        whitening.apply(&difference).iter().map(|r| r * r).sum::<f64>()
+    };
+    Some(square(promised) <= LINEAR * square(&problem.layout.measured))
+}
+
 /// What the runs outside a fold say.
 struct Kept {
     values: Vec<f64>,
@@ -108,12 +127,14 @@ struct Kept {
     precision: DMatrix<f64>,
     /// Derivatives of all rows in these coordinates; none where a far rover's values are taken as known.
     columns: Rc<Vec<Vec<f64>>>,
+    /// What a linear step promises of all rows; `None` after a refit.
+    promised: Option<Vec<f64>>,
 }
 
 impl Kept {
     /// Values around which nothing counts as open.
     fn known(values: Vec<f64>) -> Self {
-        Self { values, precision: DMatrix::zeros(0, 0), columns: Rc::default() }
+        Self { values, precision: DMatrix::zeros(0, 0), columns: Rc::default(), promised: None }
     }
 }
 
@@ -128,7 +149,7 @@ fn opened(problem: &Problem, noise: &Noise, effects: &[String], values: Vec<f64>
         Weighted { predict, layout, free, whitening: &whitening, robust, whole: false }.columns(&slopes, &values)
     };
     let precision = precision(&free, &problem.predict(&free, kept).ok()?);
-    Some(Kept { columns: Rc::new(scaled(&free, &slopes, &values)), precision, values })
+    Some(Kept { columns: Rc::new(scaled(&free, &slopes, &values)), precision, values, promised: None })
 }
 
 /// Derivatives in the search coordinates.
@@ -152,8 +173,13 @@ fn stepped(problem: &Problem, noise: &Noise, effects: &[String], values: &[f64],
             let weighted = Weighted { predict, layout, free, whitening: &whitening, robust, whole: false };
             let residual = weighted.whitened(&modelled, values);
             let columns = weighted.columns(&slopes, values);
-            let values = weighted.values(&linear_optimum(free, &u, &residual, &columns)?);
-            Some(Kept { values, precision: precision(free, &columns), columns: Rc::clone(&all) })
+            let to = linear_optimum(free, &u, &residual, &columns)?;
+            let mut promised = modelled.clone();
+            for ((column, to), from) in all.iter().zip(&to).zip(&u) {
+                promised.iter_mut().zip(column).for_each(|(value, slope)| *value += slope * (to - from));
+            }
+            let (values, precision) = (weighted.values(&to), precision(free, &columns));
+            Some(Kept { values, precision, columns: Rc::clone(&all), promised: Some(promised) })
         };
         folds.iter().map(kept).collect::<Option<Vec<_>>>()
     };

@@ -8,7 +8,7 @@
 //!    and what the calibrated parameters cannot absorb of them (`signature`); what noise alone would give, by a parametric
 //!    bootstrap (`stage`, `bootstrap`);
 //! 3. **candidates**: every single effect and pair refitted jointly with the calibration, a long list first screened by its
-//!    sensitivities where a refit is dear (`candidates`, `search`, `starts`, `scout`);
+//!    sensitivities where a refit is dear (`candidates`, `search`, `starts`, `scout`, `valleys`);
 //! 4. **choice** of the effects that gain more than the best of all candidates does by noise alone (`choose`);
 //! 5. **verdict**: gains on left-out conditions (`held_out`, `folds`), probabilities over candidates, "enough" and "something
 //!    else" (`evidence`, `probability`), doubts (`doubts`, `soil`), and what follows (`judge`, `verdict`);
@@ -48,6 +48,7 @@ mod soil;
 mod stage;
 mod starts;
 mod untried;
+mod valleys;
 mod verdict;
 mod watch;
 

@@ -3,7 +3,7 @@
 //!
 //! [`compare`]: crate::diagnosis::compare()
 
-use super::baseline::{fitted, refitted};
+use super::baseline::{fitted, fitted_again, refitted};
 use super::discrepancy::{self, Shape};
 use super::fits::Noise;
 use super::inner_step::is_coarse;
@@ -77,11 +77,11 @@ pub(crate) fn calibrated_baseline(problem: &mut Problem) -> Result<Prepared, Com
             // Rows that had no answer may have one, or end elsewhere.
             problem.layout.clone_from(&all);
             unanswered.clear();
-            first = fitted(problem, &guess, &[first.values()], &mut unanswered)?;
+            first = fitted_again(problem, &guess, &first, &mut unanswered)?;
         }
         if problem.is_cut() {
             problem.refine_starts(&guess, &first.values())?;
-            first = fitted(problem, &guess, &[first.values()], &mut unanswered)?;
+            first = fitted_again(problem, &guess, &first, &mut unanswered)?;
         }
         let found = noise_about(problem, &repeats, &first)?;
         if !is_coarse(problem, &found.noise, &first.values())? {
@@ -95,7 +95,7 @@ pub(crate) fn calibrated_baseline(problem: &mut Problem) -> Result<Prepared, Com
         noise.around = baseline.values();
         problem.refine_starts(&noise, &noise.around)?;
         noise.windows.clone_from(&problem.windows);
-        baseline = fitted(problem, &noise, &[baseline.values()], &mut unanswered)?;
+        baseline = fitted_again(problem, &noise, &baseline, &mut unanswered)?;
     }
     let modelled = modelled(problem, &baseline.values())?.values;
     let mut floors = noise_floors(&problem.experiment, &problem.layout, &modelled);

@@ -88,7 +88,7 @@ impl Strategy for SingleWheel {
     /// Fits are cheap: every effect is refitted, from many starts.
     fn budget(&self) -> Budget {
         Budget {
-            calibration: Effort { draws: 64, searches: 5, pace: Pace::PATIENT, where_far: None },
+            calibration: Effort { draws: 64, searches: 5, pace: Pace::PATIENT, until_agreed: None },
             singles: None,
             pairs: 24,
             soil_classes: usize::MAX,

@@ -106,11 +106,12 @@ impl Strategy for Traverse {
         shapes::modulations(experiment, layout, modelled)
     }
 
-    /// Fits are dear. The given values do as a start, unless the search from there ends far from the measurements: where a soil
-    /// lets the rover get stuck its cost is flat, so that draws are needed to find one that gets through.
+    /// Fits are dear: a second search shows whether the first has found the least cost, and more are made only where they differ.
+    /// One search alone may end in a soil of another kind, whose misfit then looks like a missing effect; and where a soil
+    /// lets the rover get stuck the cost is flat, so that draws are needed to find one that gets through.
     fn budget(&self) -> Budget {
         Budget {
-            calibration: Effort { draws: 0, searches: 0, pace: Pace::BRISK, where_far: Some((24, 2)) },
+            calibration: Effort { draws: 0, searches: 0, pace: Pace::BRISK, until_agreed: Some((24, 6)) },
             singles: Some(8),
             pairs: 4,
             soil_classes: 1,
