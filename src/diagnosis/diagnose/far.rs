@@ -22,11 +22,12 @@ pub(super) fn rough(problem: &Problem, noise: &Noise, task: &Task) -> Option<Cal
     best_way(&thin, noise, task)
 }
 
-/// A first look is made over a few windows, and only its end is seen over all; `None` as for [`rough`], or where nothing is found.
+/// A first look is made over a few windows where there are many, and only its end is seen over all; `None` where nothing is found.
 pub(super) fn look(problem: &Problem, noise: &Noise, task: &Task) -> Option<Outcome> {
-    let thin = problem.thinned()?;
+    let thinned = problem.thinned();
+    let thin = thinned.as_ref().unwrap_or(problem);
     let found =
-        if is_far(&thin, noise, task)? { best_way(&thin, noise, task)? } else { run_over(&thin, noise, task, false)? };
+        if is_far(thin, noise, task)? { best_way(thin, noise, task)? } else { run_over(thin, noise, task, false)? };
     let there = Task { starts: vec![found.values()], ..task.clone() };
     let chi_square = costs(problem, noise, &there)?.0[0];
     chi_square.is_finite().then(|| Outcome { values: found.values(), chi_square })
