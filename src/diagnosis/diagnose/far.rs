@@ -1,9 +1,8 @@
 //! How a fit that begins far from the measurements finds its way.
 //!
 //! The baseline has bent its soil to stand in for what it lacks: from there a search often ends in a soil in which the rover gets
-//! stuck. So a search begins in several ways over a few windows, and the best end is where the fit over all windows begins:
-//! from its starts as they are; from next to nothing of its effects; and, for a first look, with rovers that are led at the
-//! measured velocity (`guide.rs`), whose slip is then the measured one whatever the soil, and on from there without the lead.
+//! stuck. So a search begins in two ways over a few windows, and the best end is where the fit over all windows begins:
+//! from its starts as they are, and from next to nothing of its effects.
 
 use super::fits::{Noise, Outcome, Task, run_over, with_problem};
 use crate::diagnosis::calibrate::Calibration;
@@ -39,16 +38,7 @@ fn best_way(thin: &Problem, noise: &Noise, task: &Task) -> Option<Calibration> {
     if !task.effects.is_empty() && !task.starts.is_empty() {
         ends.push(run_over(thin, noise, &weakened(thin, task), false));
     }
-    if task.scouting.is_some() || task.starts.is_empty() {
-        ends.push(led(thin, noise, task));
-    }
     ends.into_iter().flatten().min_by(|a, b| a.chi_square.total_cmp(&b.chi_square))
-}
-
-/// The end of a search that goes on, without the lead, from where one with led rovers ended.
-fn led(thin: &Problem, noise: &Noise, task: &Task) -> Option<Calibration> {
-    let led = run_over(thin, noise, &Task { guided: true, ..task.clone() }, false)?;
-    run_over(thin, noise, &Task { starts: vec![led.values()], ..task.clone() }, false)
 }
 
 /// The same task from next to nothing of its effects, where that leaves less misfit than all of its starts, which are far from the
