@@ -193,7 +193,7 @@ fn windows(run: &Run, path: Option<&Path>) -> Vec<Window> {
 }
 
 /// Stretches without a gap.
-fn pieces(time: &[f64]) -> Vec<std::ops::Range<usize>> {
+pub(crate) fn pieces(time: &[f64]) -> Vec<std::ops::Range<usize>> {
     let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let mut sorted = steps.clone();
     sorted.sort_by(f64::total_cmp);
