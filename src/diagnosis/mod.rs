@@ -74,5 +74,5 @@ pub use separate::{
     SmallestStrength, Suggestion, separate,
 };
 pub use unanswered::UnansweredRows;
-pub use uncounted::{Uncounted, UncountedRows};
+pub use uncounted::{Uncounted, UncountedGroup, UncountedRows};
 pub use windows::{Moving, Window};

@@ -3,6 +3,7 @@
 use super::problem::Problem;
 use super::unanswered::{UnansweredRows, first_and_last};
 use super::windows::cut;
+use crate::measurement::Run;
 use serde::Serialize;
 use std::fmt;
 
@@ -70,9 +71,77 @@ impl fmt::Display for UncountedRows {
     }
 }
 
+/// Stretches of rows that are told as one: starts of runs for the same reason, or a single stretch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UncountedGroup<'a> {
+    /// The stretches, in the order of the experiment.
+    pub stretches: Vec<&'a UncountedRows>,
+}
+
+impl<'a> UncountedGroup<'a> {
+    /// Of all stretches, in the order in which each reason first occurs.
+    #[must_use]
+    pub fn of(all: &'a [UncountedRows]) -> Vec<Self> {
+        let mut groups: Vec<Self> = Vec::new();
+        for rows in all {
+            let alike = |group: &&mut Self| {
+                rows.why == Uncounted::Start && group.stretches.iter().all(|other| other.reason == rows.reason)
+            };
+            match groups.iter_mut().find(alike) {
+                Some(group) => group.stretches.push(rows),
+                None => groups.push(Self { stretches: vec![rows] }),
+            }
+        }
+        groups
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.stretches.iter().map(|rows| rows.count()).sum()
+    }
+
+    /// Of which runs: the name of one, or how many.
+    #[must_use]
+    pub fn runs(&self) -> String {
+        match self.stretches.as_slice() {
+            [one] => one.run.clone(),
+            several => format!("{} runs", several.len()),
+        }
+    }
+
+    /// When, as a reader says it.
+    #[must_use]
+    pub fn when(&self) -> String {
+        let lengths: Vec<f64> = self.stretches.iter().filter_map(|rows| rows.seconds).map(|[a, b]| b - a).collect();
+        let longest = lengths.iter().copied().fold(0.0, f64::max);
+        let shortest = lengths.iter().copied().fold(f64::INFINITY, f64::min);
+        match (self.stretches[0].why, self.stretches[0].seconds) {
+            (Uncounted::Start, Some(_)) if longest - shortest < 0.05 => format!("the first {longest:.1} s"),
+            (Uncounted::Start, Some(_)) => format!("the first {shortest:.1} to {longest:.1} s"),
+            (_, Some([from, to])) => format!("{from:.1} to {to:.1} s"),
+            (_, None) => format!("rows {} to {}", self.stretches[0].rows.0, self.stretches[0].rows.1),
+        }
+    }
+
+    /// Why.
+    #[must_use]
+    pub fn reason(&self) -> &str {
+        &self.stretches[0].reason
+    }
+}
+
+impl fmt::Display for UncountedGroup<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let one = self.stretches.len() == 1;
+        let run = if one { format!("run {}", self.runs()) } else { self.runs() };
+        write!(f, "{run}, {} ({} rows): {}", self.when(), self.count(), self.reason())
+    }
+}
+
 /// Why a rover's first rows do not count.
 const FROM_REST: &str = "start from rest: how the contacts break loose is an assumption of the model";
-const IN_MOTION: &str = "start in motion: the simulation begins from the measured state and has not settled yet";
+const IN_MOTION: &str = "start in motion: what came before is not known, and what is quick settles first";
 
 /// All rows that do not count, in the order of the experiment; `odd` (run, row) are odd stretches, `unanswered` the rows in which the
 /// calibrated model has no answer.
@@ -99,7 +168,7 @@ pub(crate) fn uncounted(
                 continue;
             };
             let reason = match (why, without) {
-                (Uncounted::Start, _) => start(problem, number).to_owned(),
+                (Uncounted::Start, _) => start(run).to_owned(),
                 (Uncounted::Gap, _) => gap(time.unwrap_or_default(), row),
                 (Uncounted::NoAnswer, Some(rows)) => format!("the model has no answer: {}", rows.reason),
                 _ => "differs from the rest of the drive, and no effect accounts for it".to_owned(),
@@ -119,9 +188,8 @@ pub(crate) fn uncounted(
     all
 }
 
-fn start(problem: &Problem, run: usize) -> &'static str {
-    let first = problem.windows.get(run).and_then(|windows| windows.first());
-    if first.is_some_and(|window| window.start.is_some()) { IN_MOTION } else { FROM_REST }
+fn start(run: &Run) -> &'static str {
+    if cut::starts_in_motion(run) { IN_MOTION } else { FROM_REST }
 }
 
 /// Words on the gap before a row, with the time of its last row before and of the first behind it.

@@ -6,7 +6,7 @@ mod places;
 mod scene;
 mod stretch;
 
-use crate::diagnosis::{Uncounted, UncountedRows};
+use crate::diagnosis::{Uncounted, UncountedGroup, UncountedRows};
 use crate::measurement::Kind;
 use crate::report::page::{Page, escape, table};
 use crate::report::plots::{DrawnModel, REASONS, View, list, models};
@@ -161,26 +161,9 @@ fn uncounted(view: &View) -> String {
     if view.uncounted.is_empty() {
         return "<p>Every row counts.</p>".to_owned();
     }
-    let mut groups: Vec<(&UncountedRows, Vec<&UncountedRows>)> = Vec::new();
-    for rows in view.uncounted {
-        let alike = |(first, _): &&mut (&UncountedRows, _)| rows.why == Uncounted::Start && first.reason == rows.reason;
-        match groups.iter_mut().find(alike) {
-            Some((_, all)) => all.push(rows),
-            None => groups.push((rows, vec![rows])),
-        }
-    }
-    let row = |(first, all): &(&UncountedRows, Vec<&UncountedRows>)| {
-        let lengths = all.iter().filter_map(|rows| rows.seconds).map(|[from, to]| to - from);
-        let longest = lengths.fold(0.0, f64::max);
-        let rows: usize = all.iter().map(|rows| rows.count()).sum();
-        let (run, when) = match (all.len(), first.seconds) {
-            (1, Some([from, to])) => (first.run.clone(), format!("{from:.1} to {to:.1} s")),
-            (1, None) => (first.run.clone(), format!("rows {} to {}", first.rows.0, first.rows.1)),
-            (n, _) => (format!("{n} runs"), format!("the first {longest:.1} s at most")),
-        };
-        vec![run, when, rows.to_string(), first.reason.clone()]
-    };
-    let cells: Vec<Vec<String>> = groups.iter().map(row).collect();
+    let row =
+        |group: &UncountedGroup| vec![group.runs(), group.when(), group.count().to_string(), group.reason().to_owned()];
+    let cells: Vec<Vec<String>> = UncountedGroup::of(view.uncounted).iter().map(row).collect();
     let header = ["run", "when", "rows", "why"];
     let shown = |rows: &[Vec<String>]| format!("<div class=\"words\">{}</div>", table(&header, rows));
     let open = shown(&cells[..cells.len().min(LISTED)]);

@@ -83,7 +83,9 @@ function sceneOf(host) {
   }
   function drawNear() {
     const here = modelled(state.row), there = ghost(state.row), middle = there || here;
-    const traces = [{ x: run().ground[0], y: run().ground[1], mode: "lines", fill: "tozeroy", fillcolor: "rgba(139, 148, 158, 0.18)", line: { color: "#8b949e", width: 2 }, name: "ground", showlegend: false, hoverinfo: "skip" }];
+    // The soil under the ground: down to below what is shown.
+    const [xs, zs] = run().ground, bottom = Math.min(...zs) - 100 * data.radius;
+    const traces = [{ x: [...xs, xs[xs.length - 1], xs[0]], y: [...zs, bottom, bottom], mode: "lines", fill: "toself", fillcolor: "rgba(139, 148, 158, 0.18)", line: { color: "#8b949e", width: 2 }, name: "ground", showlegend: false, hoverinfo: "skip" }];
     const add = (rover, name, line) => {
       if (!rover) return;
       const [x, y] = outline(rover);
@@ -94,7 +96,7 @@ function sceneOf(host) {
     const reach = middle ? Math.max(...middle.wheels.map(([x]) => Math.abs(x - middle.x))) + 3 * data.radius : 1;
     const [x, z] = middle ? [middle.x, ground(middle.x)] : [0, 0];
     Plotly.react(near, traces, layout(
-      { range: [x - 1.3 * reach, x + 1.3 * reach], constrain: "domain" },
+      { range: [x - 1.3 * reach, x + 1.3 * reach] },
       { range: [z - 0.5 * reach, z + 1.1 * reach], scaleanchor: "x", scaleratio: 1 }, { uirevision: null },
     ), options);
   }
