@@ -4,7 +4,7 @@ use super::stretch::{Stretch, stretches};
 use crate::report::page::escape;
 use crate::report::plots::{DrawnModel, REASONS, View, axis, layout_with, rounded};
 use crate::report::units::{digits, spoken};
-use plotly::layout::AxisType;
+use plotly::layout::BarMode;
 use plotly::{Plot, Trace};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -53,8 +53,11 @@ pub(super) fn map(view: &View) -> Plot {
         add_uncounted(&mut plot, view, &stretches(view, model));
     }
     let runs = view.experiment.runs.len();
-    let mut layout = layout_with(axis("time (s)"), axis(run_axis(view)).type_(AxisType::Category), true);
-    layout = layout.height(130 + 22 * runs);
+    // The first run on top.
+    let rows = axis(run_axis(view)).range(vec![runs as f64 - 0.5, -0.5]);
+    let rows = rows.tick_values((0..runs).map(|run| run as f64).collect());
+    let rows = rows.tick_text((0..runs).map(|run| escape(&label(view, run))).collect());
+    let layout = layout_with(axis("time (s)"), rows, true).bar_mode(BarMode::Overlay).height(130 + 22 * runs);
     plot.set_layout(layout);
     plot
 }
@@ -72,16 +75,16 @@ fn run_axis(view: &View) -> &'static str {
     if are_short(view) { "run" } else { "run number" }
 }
 
-/// Where bars stand, the first run on top.
+/// Where bars stand.
 fn places<'s>(view: &View, stretches: impl Iterator<Item = &'s Stretch>) -> Value {
     let (mut y, mut base, mut x, mut at) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for stretch in stretches {
-        y.push(label(view, stretch.run));
+        y.push(stretch.run);
         base.push(rounded(stretch.seconds[0]));
         x.push(rounded(stretch.seconds[1] - stretch.seconds[0]));
         at.push(json!([stretch.run, rounded(stretch.seconds[0])]));
     }
-    json!({ "type": "bar", "orientation": "h", "y": y, "base": base, "x": x, "customdata": at })
+    json!({ "type": "bar", "orientation": "h", "y": y, "base": base, "x": x, "width": 0.8, "customdata": at })
 }
 
 fn bars(
