@@ -145,6 +145,7 @@ fn property_the_window_that_is_wrong_is_named_first_and_coloured() {
     let error = |k: usize| colours[k].as_f64().unwrap();
     let largest = (0..colours.len()).max_by(|a, b| error(*a).total_cmp(&error(*b))).unwrap();
     assert!((begins[largest].as_f64().unwrap() - time).abs() < 0.1);
-    // Half of the noise of a torque and more than ten times it.
-    assert!(error(0) < 1.0 && error(largest) > 5.0, "{colours:?}");
+    // The fit spreads a part of what is wrong over the other windows.
+    assert!(error(largest) > 5.0, "{colours:?}");
+    assert!((0..colours.len()).all(|k| k == largest || error(k) < 0.5 * error(largest)), "{colours:?}");
 }
