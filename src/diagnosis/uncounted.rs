@@ -141,6 +141,8 @@ impl fmt::Display for UncountedGroup<'_> {
 
 /// Why a rover's first rows do not count.
 const FROM_REST: &str = "start from rest: how the contacts break loose is an assumption of the model";
+const UNKNOWN: &str = "taken for a start from rest, since neither position nor velocity was measured: how the contacts break loose is an \
+                       assumption of the model";
 const IN_MOTION: &str = "start in motion: what came before is not known, and what is quick settles first";
 
 /// All rows that do not count, in the order of the experiment; `odd` (run, row) are odd stretches, `unanswered` the rows in which the
@@ -189,7 +191,12 @@ pub(crate) fn uncounted(
 }
 
 fn start(run: &Run) -> &'static str {
-    if cut::starts_in_motion(run) { IN_MOTION } else { FROM_REST }
+    let moves = |signal: &String| signal == "x" || signal == "velocity";
+    match run.measured.iter().any(moves) {
+        false => UNKNOWN,
+        true if cut::starts_in_motion(run) => IN_MOTION,
+        true => FROM_REST,
+    }
 }
 
 /// Words on the gap before a row, with the time of its last row before and of the first behind it.

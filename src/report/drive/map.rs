@@ -17,6 +17,8 @@ pub(super) const COLOURS: [(f64, &str); 5] =
     [(0.0, "#3b82f6"), (0.2, "#3b82f6"), (0.4, "#e8c31e"), (0.7, "#e8871e"), (1.0, "#b3261e")];
 /// Names of runs longer than this leave no room on a phone: their numbers stand in for them.
 const LONG_NAME: usize = 12;
+/// Height of the plot of few runs, pixels: the scale of its colours has to be legible.
+const LEAST_HEIGHT: usize = 240;
 /// Signals that the text of a window names.
 const NAMED: usize = 3;
 
@@ -57,7 +59,9 @@ pub(super) fn map(view: &View) -> Plot {
     let rows = axis(run_axis(view)).range(vec![runs as f64 - 0.5, -0.5]);
     let rows = rows.tick_values((0..runs).map(|run| run as f64).collect());
     let rows = rows.tick_text((0..runs).map(|run| escape(&label(view, run))).collect());
-    let layout = layout_with(axis("time (s)"), rows, true).bar_mode(BarMode::Overlay).height(130 + 22 * runs);
+    let layout = layout_with(axis("time (s)"), rows, true)
+        .bar_mode(BarMode::Overlay)
+        .height((130 + 22 * runs).max(LEAST_HEIGHT));
     plot.set_layout(layout);
     plot
 }
@@ -106,7 +110,7 @@ fn bars(
         "cmin": 0.0,
         "cmax": LARGE,
         "showscale": true,
-        "colorbar": { "title": { "text": "error / noise", "side": "right" }, "thickness": 12, "dtick": NOISE },
+        "colorbar": { "title": { "text": format!("error / {}", view.measure()), "side": "right" }, "thickness": 12, "dtick": NOISE },
         "line": { "width": 1, "color": "rgba(128, 128, 128, 0.6)" },
     });
     trace["meta"] = json!(meta);
@@ -142,13 +146,18 @@ fn place(view: &View, stretch: &Stretch) -> String {
 fn words(view: &View, model: &DrawnModel, stretch: &Stretch) -> String {
     let mut lines = vec![place(view, stretch)];
     lines.extend(super::ground_under(view, model, stretch));
-    let one = |(signal, ratio): &(String, f64)| format!("{}: {} times its noise", spoken(signal), digits(*ratio));
+    let one = |(signal, ratio): &(String, f64)| {
+        format!("{}: {} times its {}", spoken(signal), digits(*ratio), view.measure())
+    };
     lines.extend(stretch.ratios.iter().take(NAMED).map(one));
     lines.iter().map(|line| escape(line)).collect::<Vec<_>>().join("<br>")
 }
 
 fn of_signal(view: &View, stretch: &Stretch, signal: &str, ratio: f64) -> String {
-    let text =
-        if ratio.is_nan() { "nothing measured".to_owned() } else { format!("{} times its noise", digits(ratio)) };
+    let text = if ratio.is_nan() {
+        "nothing measured".to_owned()
+    } else {
+        format!("{} times its {}", digits(ratio), view.measure())
+    };
     format!("{}<br>{}", escape(&place(view, stretch)), escape(&format!("{}: {text}", spoken(signal))))
 }

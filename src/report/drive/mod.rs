@@ -38,17 +38,19 @@ pub(super) fn at_first_sight(view: &View) -> String {
 pub(super) fn add(page: &mut Page, view: &View, place: &str, radius: f64) {
     let Some(model) = view.shown().filter(|_| is_shown(view)) else { return };
     page.html("<h3>Every window of every run</h3>");
-    page.html(
-        "<p class=\"lead\">The colour is the error (RMS) of the worst signal in a window, over the noise of one sample: blue is noise, yellow twice the \
-         noise, red far more. Grey and hatched is not counted. A window that is chosen in the plot is shown on its ground below.</p>",
-    );
+    page.html(&format!(
+        "<p class=\"lead\">The colour is the error (RMS) of the worst signal in a window over its {}: blue is no more than that, yellow twice as much, \
+         red far more. Hatched is not counted.{} A window that is chosen in the plot is shown on its ground below.</p>",
+        view.measure(),
+        usual_error(view)
+    ));
     page.html("<div class=\"filtered windows\">");
     let mut errors = vec![("worst".to_owned(), "worst signal".to_owned())];
     errors.extend(view.experiment.signals().into_iter().map(|signal| (signal.clone(), spoken(&signal))));
     // Bars of two models would lie on each other.
     let one_model = models(view, place, false);
     page.html(&format!("<div class=\"controls\">{one_model}{}</div>", list("Signal", "error", "", &errors)));
-    page.plots(&[("Error of each window over the noise".to_owned(), map::map(view))]);
+    page.plots(&[(format!("Error of each window over the {}", view.measure()), map::map(view))]);
     page.html("</div>");
     page.html("<h3>The rover on its ground</h3>");
     page.html(&format!("<p class=\"lead\">{}</p>", escape(&ghost(view))));
@@ -57,13 +59,24 @@ pub(super) fn add(page: &mut Page, view: &View, place: &str, radius: f64) {
         page.script(SCRIPT);
     }
     page.html("<h3>Under which conditions</h3>");
-    page.html(
-        "<p class=\"lead\">Mean residual (measured less model) where it is largest along each condition, in standard deviations of the noise of one sample, \
-         and where that is. Loads are those of the model.</p>",
-    );
+    page.html(&format!(
+        "<p class=\"lead\">Mean residual (measured less model) where it is largest along each condition, over the signal's {}, and where that is. Loads are \
+         those of the model.</p>",
+        view.measure()
+    ));
     page.html(&places::table(view, model, radius));
     page.html("<h3>What is not counted, and why</h3>");
     page.html(&uncounted(view));
+}
+
+/// What stands in for a noise that is not known.
+fn usual_error(view: &View) -> &'static str {
+    if view.measure() == "noise" {
+        ""
+    } else {
+        " Where a noise is not known, nothing says how large an error would be by chance: the usual error, the RMS over all rows that count, stands in \
+         for it, so that colours tell where the model is worse than elsewhere."
+    }
 }
 
 /// What is known of the measured rover.
@@ -96,20 +109,29 @@ fn worst_windows(view: &View, model: &DrawnModel) -> String {
     counted.sort_by(|a, b| b.worst().total_cmp(&a.worst()));
     let out = counted.iter().filter(|stretch| stretch.worst() >= STANDS_OUT).count();
     let total = counted.len();
-    let name = format!("the {}", if model.key == "given" { "model as given" } else { &model.name });
+    let name = match model.key {
+        "given" => "the model as given",
+        "baseline" => "the calibrated model",
+        _ => "the final model",
+    };
+    let measure = view.measure();
     if out == 0 {
-        return format!("in no window of {total} is an error of {name} {STANDS_OUT:.0} times the noise or more.");
+        return format!("in no window of {total} is an error of {name} {STANDS_OUT:.0} times its {measure} or more.");
     }
     let one = |stretch: &&Stretch| {
         let run = &view.experiment.runs[stretch.run].name;
         let (signal, ratio) = &stretch.ratios[0];
         let [from, to] = stretch.seconds;
         let ground = ground_under(view, model, stretch).map_or_else(String::new, |ground| format!(", {ground}"));
-        format!("run {run} at {from:.1} to {to:.1} s{ground}: {} {} times its noise", spoken(signal), digits(*ratio))
+        format!(
+            "run {run} at {from:.1} to {to:.1} s{ground}: {} {} times its {measure}",
+            spoken(signal),
+            digits(*ratio)
+        )
     };
     let worst: Vec<String> = counted.iter().take(NAMED.min(out)).map(one).collect();
     format!(
-        "{out} of {total} windows have a signal in which {name} is off by {STANDS_OUT:.0} times its noise or more; the worst are {}.",
+        "{out} of {total} windows have a signal in which {name} is off by {STANDS_OUT:.0} times its {measure} or more; the worst are {}.",
         worst.join("; ")
     )
 }
@@ -125,8 +147,13 @@ fn ground_under(_: &View, model: &DrawnModel, stretch: &Stretch) -> Option<Strin
     let (x0, x1) = range(&mut motion.chassis[stretch.rows.clone()].iter().map(|chassis| chassis[0]));
     let (s0, s1) = range(&mut motion.slope[stretch.rows.clone()].iter().copied());
     let degrees = of_column("pitch").factor;
-    let slope =
-        if s0 == s1 { String::new() } else { format!(", slope {:.0} to {:.0}\u{b0}", s0 * degrees, s1 * degrees) };
+    let slope = if s0 == s1 {
+        String::new()
+    } else {
+        format!(", slope {:.0} to {:.0}\u{b0}", (s0 * degrees).round() + 0.0, (s1 * degrees).round() + 0.0)
+    };
+    // No sign before a zero.
+    let [x0, x1] = [x0, x1].map(|x| (10.0 * x).round() / 10.0 + 0.0);
     (x0 <= x1).then(|| format!("x {x0:.1} to {x1:.1} m{slope}"))
 }
 

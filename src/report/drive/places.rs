@@ -26,8 +26,9 @@ pub(super) fn table(view: &View, model: &DrawnModel, radius: f64) -> String {
     signals.sort_by(|a, b| size(b).total_cmp(&size(a)));
     let rows: String = signals.iter().map(row).collect();
     format!(
-        "<div class=\"scroll\" tabindex=\"0\"><table class=\"places\">\n<thead><tr><th>largest mean residual, in its noise</th>{head}</tr></thead>\n\
-         <tbody>\n{rows}</tbody></table></div>"
+        "<div class=\"scroll\" tabindex=\"0\"><table class=\"places\">\n<thead><tr><th>largest mean residual over its {}</th>{head}</tr></thead>\n\
+         <tbody>\n{rows}</tbody></table></div>",
+        view.measure()
     )
 }
 

@@ -67,8 +67,8 @@ function sceneOf(host) {
     const traces = [
       { x: run().ground[0], y: run().ground[1], mode: "lines", line: { color: "#8b949e", width: 1.5 }, name: "ground", hoverinfo: "skip" },
       { x: pick(own.x, false), y: pick(under, false), mode: "markers", name: "not counted", marker: { color: "#8b949e", size: 5, symbol: "x-thin", line: { width: 1.5, color: "#8b949e" } }, hoverinfo: "skip" },
-      { x: pick(own.x, true), y: pick(under, true), mode: "markers", name: "error / noise", marker, showlegend: false, customdata: own.x.map((_, k) => k).filter((k) => counts[k]),
-        hovertext: pick(own.error, true).map((error, k) => `error ${error.toFixed(1)} times the noise`), hoverinfo: "text" },
+      { x: pick(own.x, true), y: pick(under, true), mode: "markers", name: "error", marker, showlegend: false, customdata: own.x.map((_, k) => k).filter((k) => counts[k]),
+        hovertext: pick(own.error, true).map((error, k) => `error ${error.toFixed(1)} times the ${data.measure}`), hoverinfo: "text" },
       { x: own.x, y: own.z, mode: "lines", name: style().short, line: { color: style().colour, width: 1.5 }, hoverinfo: "skip" },
     ];
     if (measured.x && measured.z) {
@@ -103,13 +103,13 @@ function sceneOf(host) {
   function tell() {
     const here = modelled(state.row), there = ghost(state.row), own = model(), k = state.row;
     const degrees = (angle) => `${(angle * 180 / Math.PI).toFixed(1)}°`;
-    const both = (name, measured, of, unit) => `${name} ${measured === null || measured === undefined ? "not measured" : of(measured)}${unit}, model ${here ? of(here[name]) + unit : "has no answer"}`;
+    const both = (name, measured, of, unit) => `${name} ${measured === null || measured === undefined ? "not measured" : of(measured) + unit}, model ${here ? of(here[name]) + unit : "has no answer"}`;
     const pitch = run().measured.pitch;
     const parts = [`t = ${run().time[k].toFixed(1)} s`, both("x", there && there.x, (v) => v.toFixed(2), " m"), both("pitch", pitch ? pitch[k] : null, degrees, "")];
     if (own.slope[k] !== null) parts.push(`slope ${degrees(own.slope[k])}`);
     const why = run().why[k];
     if (why > 0) parts.push(`not counted: ${data.reasons[why - 1]}`);
-    else if (own.error[k] !== null) parts.push(`error of the worst signal ${own.error[k].toFixed(1)} times its noise`);
+    else if (own.error[k] !== null) parts.push(`error of the worst signal ${own.error[k].toFixed(1)} times its ${data.measure}`);
     readout.textContent = parts.join(" · ");
   }
   function draw() { drawWhole(); drawNear(); tell(); }

@@ -28,7 +28,7 @@ pub(super) fn scene(view: &View) -> Option<String> {
         .collect();
     let reasons: Vec<&str> = REASONS.iter().map(|(why, _)| why.name()).collect();
     let data = json!({
-        "runs": runs, "models": models, "reasons": reasons, "radius": number(first.radius),
+        "runs": runs, "models": models, "reasons": reasons, "measure": view.measure(), "radius": number(first.radius),
         "shown": view.shown()?.key, "colours": COLOURS.iter().map(|(at, colour)| json!([at, colour])).collect::<Vec<_>>(), "large": LARGE,
     });
     let options = |names: &mut dyn Iterator<Item = (String, String, bool)>| {
@@ -56,14 +56,15 @@ pub(super) fn scene(view: &View) -> Option<String> {
     Some(format!(
         "<div class=\"scene\">\n<div class=\"controls\"><label>Run <select class=\"run\">{of_runs}</select></label>\
          <label>Model <select class=\"model\">{of_models}</select></label></div>\n\
-         <figure><figcaption>The whole run, height exaggerated; the ground is coloured by the error over the noise there</figcaption>\
+         <figure><figcaption>The whole run, height exaggerated; the ground is coloured by the error of the worst signal there over its {}</figcaption>\
          <div class=\"whole-run\" role=\"img\" aria-label=\"The whole run\"></div></figure>\n\
          <div class=\"controls timeline\"><button type=\"button\" class=\"play\">Play</button>\
          <input type=\"range\" class=\"time\" min=\"0\" value=\"0\" step=\"1\" aria-label=\"Time\"></div>\n\
          <p class=\"readout\" aria-live=\"off\"></p>\n\
          <figure><figcaption>To scale at this time: the measured rover as a ghost, the model in colour</figcaption>\
          <div class=\"rover-view\" role=\"img\" aria-label=\"The rover at the chosen time\"></div></figure>\n\
-         <script type=\"application/json\" class=\"scene-data\">{json}</script></div>"
+         <script type=\"application/json\" class=\"scene-data\">{json}</script></div>",
+        view.measure()
     ))
 }
 

@@ -57,6 +57,16 @@ impl View<'_> {
         self.noise.get(signal).copied().or_else(rmse).filter(|scale| *scale > 0.0).unwrap_or(1.0)
     }
 
+    /// What [`scale`](Self::scale) is, in a word or two: the noise, or the usual error where no noise is known.
+    pub fn measure(&self) -> &'static str {
+        let unknown = self.experiment.signals().iter().filter(|signal| !self.noise.contains_key(*signal)).count();
+        match unknown {
+            0 => "noise",
+            n if n == self.experiment.signals().len() => "usual error",
+            _ => "noise or usual error",
+        }
+    }
+
     /// The first of the models that are shown at first.
     pub fn shown(&self) -> Option<&DrawnModel<'_>> {
         self.models.iter().find(|model| self.at_first.first() == Some(&model.key)).or(self.models.last())
