@@ -13,6 +13,10 @@ const MOST_POINTS: usize = 12_000;
 /// A run keeps at least this many of them.
 const FEWEST_POINTS: usize = 150;
 
+/// Time between rows, in usual times between them, from which on it is a gap, and the least that is one, s.
+const GAP: f64 = 3.5;
+const LEAST_GAP: f64 = 0.5;
+
 /// Times and values of one signal of one run, display units.
 type Series = (Vec<f64>, Vec<f64>);
 
@@ -97,7 +101,7 @@ impl Drawing<'_> {
         let measured: Vec<Series> = self.runs.iter().map(|run| self.series(*run, first.fit, true)).collect();
         if let Some(deviation) = self.view.noise.get(self.signal) {
             let half = 2.0 * deviation * of_column(self.signal).factor;
-            let (time, middle) = mean_of_rows(&measured);
+            let (time, middle) = without_gaps(mean_of_rows(&measured));
             let ends = |sign: f64| middle.iter().map(|v| v + sign * half).collect::<Vec<_>>();
             plot.add_trace(area(&time, &ends(-1.0), &ends(1.0), self.colour, 0.16).meta(self.meta("")));
         }
@@ -165,6 +169,21 @@ impl Drawing<'_> {
         }
         series
     }
+}
+
+/// The same with NaN in each gap of the recording, so that nothing is drawn there.
+fn without_gaps((time, values): Series) -> Series {
+    let usual = time.last().zip(time.first()).map_or(0.0, |(last, first)| last - first) / time.len() as f64;
+    let mut series = Series::default();
+    for (row, (t, value)) in time.iter().zip(values).enumerate() {
+        if row > 0 && t - time[row - 1] > (GAP * usual).max(LEAST_GAP) {
+            series.0.push(*t);
+            series.1.push(f64::NAN);
+        }
+        series.0.push(*t);
+        series.1.push(value);
+    }
+    series
 }
 
 /// Mean of repeats row by row, over those that measured the row; NaN where none did.
