@@ -201,7 +201,8 @@ fn start(run: &Run) -> &'static str {
 
 /// Words on the gap before a row, with the time of its last row before and of the first behind it.
 fn gap(time: &[f64], row: usize) -> String {
-    let begin = cut::pieces(time).into_iter().map(|piece| piece.start).filter(|start| (1..=row).contains(start)).last();
+    let begin =
+        cut::pieces(time).into_iter().map(|piece| piece.start).filter(|start| (1..=row).contains(start)).next_back();
     begin.map_or_else(
         || "the motion has not settled yet".to_owned(),
         |begin| {

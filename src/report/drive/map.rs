@@ -80,7 +80,7 @@ fn run_axis(view: &View) -> &'static str {
 }
 
 /// Where bars stand.
-fn places<'s>(view: &View, stretches: impl Iterator<Item = &'s Stretch>) -> Value {
+fn places<'s>(stretches: impl Iterator<Item = &'s Stretch>) -> Value {
     let (mut y, mut base, mut x, mut at) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for stretch in stretches {
         y.push(stretch.run);
@@ -98,7 +98,7 @@ fn bars(
     words: &[String],
     meta: &str,
 ) -> Box<dyn Trace> {
-    let mut trace = places(view, stretches.iter().copied());
+    let mut trace = places(stretches.iter().copied());
     let colour = |stretch: &&Stretch| {
         let ratio = ratio(stretch);
         ratio.is_finite().then(|| rounded(ratio))
@@ -126,7 +126,7 @@ fn add_uncounted(plot: &mut Plot, view: &View, all: &[Stretch]) {
         if own.is_empty() {
             continue;
         }
-        let mut trace = places(view, own.iter().copied());
+        let mut trace = places(own.iter().copied());
         let words = |stretch: &&Stretch| escape(&format!("{}: not counted, {}", place(view, stretch), why.name()));
         trace["marker"] = json!({ "color": colour, "opacity": 0.45, "pattern": { "shape": "/", "size": 6 } });
         trace["name"] = json!(format!("not counted: {}", why.name()));
@@ -145,7 +145,7 @@ fn place(view: &View, stretch: &Stretch) -> String {
 
 fn words(view: &View, model: &DrawnModel, stretch: &Stretch) -> String {
     let mut lines = vec![place(view, stretch)];
-    lines.extend(super::ground_under(view, model, stretch));
+    lines.extend(super::ground_under(model, stretch));
     let one = |(signal, ratio): &(String, f64)| {
         format!("{}: {} times its {}", spoken(signal), digits(*ratio), view.measure())
     };

@@ -122,7 +122,7 @@ fn worst_windows(view: &View, model: &DrawnModel) -> String {
         let run = &view.experiment.runs[stretch.run].name;
         let (signal, ratio) = &stretch.ratios[0];
         let [from, to] = stretch.seconds;
-        let ground = ground_under(view, model, stretch).map_or_else(String::new, |ground| format!(", {ground}"));
+        let ground = ground_under(model, stretch).map_or_else(String::new, |ground| format!(", {ground}"));
         format!(
             "run {run} at {from:.1} to {to:.1} s{ground}: {} {} times its {measure}",
             spoken(signal),
@@ -137,7 +137,7 @@ fn worst_windows(view: &View, model: &DrawnModel) -> String {
 }
 
 /// Position and slope of the ground under a stretch.
-fn ground_under(_: &View, model: &DrawnModel, stretch: &Stretch) -> Option<String> {
+fn ground_under(model: &DrawnModel, stretch: &Stretch) -> Option<String> {
     let motion = model.fit.motion.get(stretch.run)?;
     let range = |values: &mut dyn Iterator<Item = f64>| {
         values
