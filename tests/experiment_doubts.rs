@@ -157,6 +157,30 @@ fn property_units_and_signs_of_a_drive_are_doubted() {
 }
 
 #[test]
+fn property_a_rover_that_stands_at_the_end_while_its_wheels_turn_is_doubted() {
+    // Of 20 rows at 10 Hz the last twelve: 1.1 s. The rover of each call counts its rows by itself.
+    let ending = |standing: i32, speed: f64| {
+        let row_number = std::cell::Cell::new(0);
+        rover(move |row| {
+            if row_number.get() >= 20 - standing {
+                (row[0], row[1]) = (speed, 0.001);
+            }
+            row_number.set(row_number.get() + 1);
+        })
+    };
+    let doubts = ending(12, 1.1);
+    assert_eq!(doubts.len(), 1, "{doubts:?}");
+    assert!(
+        doubts[0].contains("from 0.8 s to the last row the rover stands while `wheel[1].speed_command` goes on"),
+        "{doubts:?}"
+    );
+    assert!(doubts[0].contains("at the same value in every row"), "{doubts:?}");
+    // A short halt, and a rover whose wheels stand too, are no doubt.
+    assert_eq!(ending(8, 1.1), [] as [String; 0]);
+    assert_eq!(ending(12, 0.0), [] as [String; 0]);
+}
+
+#[test]
 fn property_the_same_doubt_about_several_files_is_said_once() {
     let rows = |degrees: f64| {
         let row = |k: usize| format!("{k},1,{}\n", degrees + k as f64 * 0.01);

@@ -1,12 +1,15 @@
 //! `bekker compare`.
 
+use crate::diagnosis_text::print_uncounted;
 use crate::import;
 use crate::model::ModelArguments;
 use crate::output::{check_writable, say};
 use crate::progress::Reporter;
 use crate::saving::{Saving, print_sources};
 use anyhow::{Context, Result};
-use bekker::diagnosis::{Calibration, CompareOptions, Comparison, STANDARD_ERROR, UnansweredRows, compare};
+use bekker::diagnosis::{
+    Calibration, CompareOptions, Comparison, STANDARD_ERROR, UnansweredRows, Uncounted, UncountedRows, compare,
+};
 use bekker::report::comparison_page;
 use std::path::{Path, PathBuf};
 
@@ -70,6 +73,8 @@ pub fn print(comparison: &Comparison, indent: &str) -> Result<()> {
     if comparison.calibrated.is_some() {
         print_unanswered(comparison, "calibrated", &comparison.unanswered, indent)?;
     }
+    let others = |rows: &&UncountedRows| rows.why != Uncounted::NoAnswer;
+    print_uncounted(&comparison.uncounted.iter().filter(others).cloned().collect::<Vec<_>>(), indent)?;
     for caution in &comparison.cautions {
         say!("{indent}caution: {caution}");
     }

@@ -2,7 +2,9 @@
 
 use crate::output::say;
 use anyhow::Result;
-use bekker::diagnosis::{CandidateResult, Diagnosis, ParameterResult, STANDARD_ERROR, Verdict};
+use bekker::diagnosis::{
+    CandidateResult, Diagnosis, ParameterResult, STANDARD_ERROR, UncountedGroup, UncountedRows, Verdict,
+};
 
 /// Candidates that are listed.
 const LISTED: usize = 10;
@@ -19,6 +21,7 @@ pub fn print(diagnosis: &Diagnosis) -> Result<()> {
             say!("  - {caution}");
         }
     }
+    print_uncounted(&diagnosis.uncounted, "")?;
     print_whole(diagnosis)?;
     print_partial(diagnosis)?;
     let mut suggestions = diagnosis.suggestions.iter();
@@ -27,6 +30,26 @@ pub fn print(diagnosis: &Diagnosis) -> Result<()> {
         for suggestion in suggestions {
             say!("  or: {}", suggestion.text);
         }
+    }
+    Ok(())
+}
+
+/// Stretches of rows that do not count which are printed.
+const MOST_UNCOUNTED: usize = 8;
+
+/// Which rows no fit counts, and why.
+pub fn print_uncounted(uncounted: &[UncountedRows], indent: &str) -> Result<()> {
+    let groups = UncountedGroup::of(uncounted);
+    if groups.is_empty() {
+        return Ok(());
+    }
+    let count: usize = groups.iter().map(UncountedGroup::count).sum();
+    say!("\n{indent}not counted: {count} rows");
+    for group in groups.iter().take(MOST_UNCOUNTED) {
+        say!("{indent}  {group}");
+    }
+    if groups.len() > MOST_UNCOUNTED {
+        say!("{indent}  and {} more stretches", groups.len() - MOST_UNCOUNTED);
     }
     Ok(())
 }

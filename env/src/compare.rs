@@ -6,7 +6,7 @@ use crate::finding::text;
 use crate::model::PyModel;
 use bekker::diagnosis::{
     Calibration, CompareError, CompareOptions, Comparison, Curves, Failure, Fit, Given, NoiseFloor, UnansweredRows,
-    compare as core_compare,
+    UncountedRows, compare as core_compare,
 };
 use bekker::modeldescription::ParameterError;
 use pyo3::prelude::*;
@@ -74,6 +74,7 @@ struct Described<'a> {
     curves: &'a [Curves],
     unanswered: &'a [UnansweredRows],
     given_unanswered: &'a [UnansweredRows],
+    uncounted: &'a [UncountedRows],
     cautions: &'a [String],
     sources: &'a [String],
 }
@@ -91,6 +92,7 @@ impl<'a> Described<'a> {
             curves: &core.curves,
             unanswered: &core.unanswered,
             given_unanswered: &core.given_unanswered,
+            uncounted: &core.uncounted,
             cautions: &core.cautions,
             sources: &core.sources,
         }

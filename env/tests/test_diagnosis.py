@@ -57,6 +57,7 @@ def test_property_objects_have_the_keys_of_the_schema() -> None:
         ("properties/lack_of_fit/properties", (bekker.diagnosis.LackOfFit,)),
         ("properties/suggestions/items/properties", (bekker.diagnosis.Suggestion,)),
         ("$defs/rows/items/properties", (bekker.comparison.UnansweredRows,)),
+        ("properties/uncounted/items/properties", (bekker.comparison.UncountedRows,)),
         ("$defs/step/properties", (bekker.diagnosis.Step,)),
         ("$defs/candidate/properties", (bekker.diagnosis.Candidate,)),
         ("$defs/curves/properties", (bekker.curves.Curves,)),

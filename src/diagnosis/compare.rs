@@ -10,6 +10,7 @@ use super::noise::{NoiseFloor, noise_floors};
 use super::prediction::PredictionError;
 use super::problem::Problem;
 use super::unanswered::{Answers, UnansweredRows, listed};
+use super::uncounted::{UncountedRows, uncounted};
 use crate::effects::DefinitionError;
 use crate::measurement::Experiment;
 use crate::model::Model;
@@ -115,6 +116,8 @@ pub struct Comparison {
     /// Rows that the [best fit](Comparison::fit) leaves without an answer: left out of its errors, of the noise and of the
     /// calibration. In the search for that fit they counted as missed by three times the scatter of their signals or more.
     pub unanswered: Vec<UnansweredRows>,
+    /// All rows that the best fit does not count, and why: starts of runs, what follows a gap, and rows without an answer.
+    pub uncounted: Vec<UncountedRows>,
     /// What the reader of a calibration should beware of, in words.
     pub cautions: Vec<String>,
     /// What was taken from where, in words, where two places disagree; priors of a class of soil; what drives the rover where no
@@ -174,7 +177,8 @@ fn as_it_is(problem: &Problem) -> Result<Result<Answers, PredictionError>, Compa
 fn as_given(problem: &Problem, given: Answers) -> Result<Comparison, CompareError> {
     let (experiment, layout) = (&*problem.experiment, &problem.layout);
     let noise_floor = noise_floors(experiment, layout, &given.values);
-    let best = Fit::new(experiment, layout, &given.values);
+    let start: Vec<f64> = problem.base.iter().map(|free| free.start).collect();
+    let best = Fit::new(experiment, layout, &given.values).in_motion(problem, &[], &start)?;
     let unanswered = listed(given.missing(layout));
     Ok(Comparison {
         experiment: experiment.clone(),
@@ -184,10 +188,11 @@ fn as_given(problem: &Problem, given: Answers) -> Result<Comparison, CompareErro
         failures: failures(experiment, &best, &noise_floor),
         noise_floor,
         curves: curves_of_calibration(problem, None),
+        uncounted: uncounted(problem, &[], &unanswered),
         unanswered,
         cautions: Vec::new(),
         sources: problem.sources.clone(),
-        model: problem.saved(&problem.base, &problem.base.iter().map(|free| free.start).collect::<Vec<_>>()),
+        model: problem.saved(&problem.base, &start),
         best,
     })
 }
@@ -200,16 +205,21 @@ fn calibrated(problem: Problem, given: Result<Answers, PredictionError>) -> Resu
     let prepared = calibrated_baseline(&mut posed)?;
     let experiment = &*problem.experiment;
     let values = prepared.baseline.values();
-    let best = Fit::new(experiment, &posed.layout, &prepared.modelled);
+    let best = Fit::new(experiment, &posed.layout, &prepared.modelled).in_motion(&posed, &[], &values)?;
+    let start: Vec<f64> = problem.base.iter().map(|free| free.start).collect();
     let unanswered = given.as_ref().map_or_else(|_| Vec::new(), |given| listed(given.missing(&problem.layout)));
     Ok(Comparison {
         experiment: experiment.clone(),
-        given: given.map(|given| Fit::new(experiment, &problem.layout, &given.values)),
+        given: match given {
+            Ok(given) => Ok(Fit::new(experiment, &problem.layout, &given.values).in_motion(&problem, &[], &start)?),
+            Err(error) => Err(error),
+        },
         given_unanswered: unanswered,
         calibrated: Some((prepared.baseline.clone(), best.clone())),
         failures: failures(experiment, &best, &prepared.floors),
         noise_floor: prepared.floors,
         curves: curves_of_calibration(&problem, Some(&prepared.baseline)),
+        uncounted: uncounted(&posed, &[], &prepared.unanswered),
         unanswered: prepared.unanswered,
         cautions: prepared.cautions,
         sources: problem.sources.clone(),

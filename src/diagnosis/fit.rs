@@ -1,6 +1,9 @@
 //! Measured, modelled and residual values by run and signal.
 
 use super::layout::Layout;
+use super::motion::{Motion, motions};
+use super::prediction::PredictionError;
+use super::problem::Problem;
 use crate::measurement::Experiment;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
@@ -59,6 +62,9 @@ pub struct Fit {
     /// Root mean square of the residual by signal, in the signal's unit, over the rows that are compared; without the
     /// signals of which no row is.
     pub rmse: BTreeMap<String, f64>,
+    /// How the model's rover moves in each run of a traverse; empty where it was not asked for, or the work was interrupted.
+    #[serde(skip)]
+    pub motion: Vec<Motion>,
 }
 
 impl Fit {
@@ -85,6 +91,19 @@ impl Fit {
         }
         squares.retain(|_, (_, count)| *count > 0);
         let rmse = squares.into_iter().map(|(name, (sum, count))| (name, (sum / count as f64).sqrt())).collect();
-        Self { runs, rmse }
+        Self { runs, rmse, motion: Vec::new() }
+    }
+
+    /// The same with the motion of the model's rover, at `values` of the parameters that are free with `effects`.
+    ///
+    /// # Errors
+    /// [`PredictionError`] where the model cannot be placed on the experiment's runs.
+    pub(crate) fn in_motion(
+        self,
+        problem: &Problem,
+        effects: &[String],
+        values: &[f64],
+    ) -> Result<Self, PredictionError> {
+        Ok(Self { motion: motions(problem, effects, values)?, ..self })
     }
 }

@@ -57,6 +57,20 @@ impl Layout {
         layout
     }
 
+    /// Places for values that nobody measured: the signals of each run of `experiment`, no value of which counts.
+    pub fn unmeasured(experiment: &Experiment) -> Self {
+        let mut layout = Self::new(experiment);
+        let mut end = 0;
+        for block in &mut layout.blocks {
+            let start = end;
+            end += experiment.runs[block.run].data.rows();
+            block.range = start..end;
+        }
+        layout.measured = vec![f64::NAN; end];
+        layout.recorded.clone_from(&layout.measured);
+        layout
+    }
+
     /// The layout of some of the runs, which `experiment` holds in this order.
     pub fn of_runs(&self, experiment: &Experiment, runs: &[usize]) -> Self {
         let mut part = Self::new(experiment);

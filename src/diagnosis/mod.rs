@@ -27,6 +27,7 @@ mod layout;
 mod least_squares;
 mod linear_algebra;
 mod local_line;
+mod motion;
 mod noise;
 mod precedence;
 mod prediction;
@@ -39,6 +40,7 @@ mod separate;
 mod shift;
 mod thresholds;
 mod unanswered;
+mod uncounted;
 mod weighted;
 mod windows;
 
@@ -60,6 +62,9 @@ pub use given::Given;
 pub use kinds::{SingleWheelPlan, TraversePlan};
 #[cfg(feature = "report")]
 pub(crate) use local_line::{LocalLine, Smoothed};
+#[cfg(feature = "report")]
+pub(crate) use motion::Ground;
+pub use motion::Motion;
 pub use noise::{FloorSource, NoiseFloor, NoiseModel, Pooled};
 pub use prediction::{Derivatives, PredictionError};
 pub use replay::{Replay, ReplayError};
@@ -69,4 +74,5 @@ pub use separate::{
     SmallestStrength, Suggestion, separate,
 };
 pub use unanswered::UnansweredRows;
+pub use uncounted::{Uncounted, UncountedGroup, UncountedRows};
 pub use windows::{Moving, Window};

@@ -34,7 +34,7 @@ pub struct UnansweredRows {
 }
 
 /// The keys of a range of rows.
-fn first_and_last<S: Serializer>((first_row, last_row): &(usize, usize), to: S) -> Result<S::Ok, S::Error> {
+pub(super) fn first_and_last<S: Serializer>((first_row, last_row): &(usize, usize), to: S) -> Result<S::Ok, S::Error> {
     to.collect_map([("first_row", first_row), ("last_row", last_row)])
 }
 

@@ -2,6 +2,7 @@
 //! the noise, what do measurement and model look like, where does it fail, what did the calibration do.
 
 use super::diagnosis::{add_panels, how_drawn};
+use super::drive;
 use super::page::{Page, escape, table};
 use super::plots::{Condition, DrawnModel, Samples, View, residuals};
 use super::units::{digits, of_column, of_unit, short, spoken};
@@ -22,6 +23,8 @@ pub fn comparison_page(comparison: &Comparison) -> String {
     page.html(&format!("<p class=\"lead\">{}</p>", escape(&what_was_measured(&comparison.experiment))));
     let sentences: String = summary(comparison).iter().map(|s| format!("<p>{}</p>", escape(s))).collect();
     page.html(&format!("<div class=\"verdict\">{sentences}</div>"));
+    let view = view(comparison);
+    page.html(&drive::at_first_sight(&view));
     page.html(&errors(comparison));
     page.html(&unanswered("As given", &comparison.given_unanswered));
     if comparison.calibrated.is_some() {
@@ -29,7 +32,11 @@ pub fn comparison_page(comparison: &Comparison) -> String {
     }
     let cautions: String = comparison.cautions.iter().map(|c| format!("<p>{}</p>", escape(c))).collect();
     page.html(&cautions);
-    add_overlays(&mut page, comparison);
+    if drive::is_shown(&view) {
+        page.section_at("drive", "The drive", "");
+        drive::add(&mut page, &view, "drive", comparison.model.rover.wheel.radius);
+    }
+    add_overlays(&mut page, &view);
     add_failures(&mut page, comparison);
     if let Some((calibration, _)) = &comparison.calibrated {
         add_parameters(&mut page, calibration);
@@ -75,7 +82,8 @@ fn unanswered(which: &str, unanswered: &[UnansweredRows]) -> String {
     format!("<p>{which}, the model has no answer in {count} rows, which its errors leave out:</p><ul>{items}</ul>")
 }
 
-fn add_overlays(page: &mut Page, comparison: &Comparison) {
+/// The models that the page shows: as given and, where there was a calibration, calibrated, which is shown at first.
+fn view(comparison: &Comparison) -> View<'_> {
     let mut models: Vec<DrawnModel> = comparison.given.iter().map(DrawnModel::given).collect();
     models.extend(
         comparison
@@ -85,15 +93,19 @@ fn add_overlays(page: &mut Page, comparison: &Comparison) {
     );
     let at_first = models.last().map(|model| model.key).into_iter().collect();
     let noise = comparison.noise_floor.iter().filter_map(|(signal, floor)| Some((signal.clone(), floor.value()?)));
-    let view = View {
+    View {
         experiment: &comparison.experiment,
         noise: noise.collect(),
         curves: &comparison.curves,
+        uncounted: &comparison.uncounted,
         models,
         at_first,
-    };
-    page.section("Measured and modelled", &how_drawn(&view));
-    add_panels(page, &view);
+    }
+}
+
+fn add_overlays(page: &mut Page, view: &View) {
+    page.section("Measured and modelled", &how_drawn(view));
+    add_panels(page, view);
 }
 
 fn add_failures(page: &mut Page, comparison: &Comparison) {

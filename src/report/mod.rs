@@ -2,6 +2,7 @@
 
 mod comparison;
 mod diagnosis;
+mod drive;
 mod kinds;
 mod page;
 mod plots;

@@ -44,6 +44,7 @@ function draw(host) {
   const options = { responsive: true, displayModeBar: false };
   Plotly.react(host, plot.data.map((data) => trace(host, data)), themed(plot.layout), options);
   host.dataset.drawn = "yes";
+  host.dispatchEvent(new Event("plot-drawn", { bubbles: true }));
 }
 // Parts of a filtered frame that stand there only under some choice.
 function show(frame) {

@@ -11,19 +11,28 @@ pub struct Page {
     title: String,
     body: String,
     plots: usize,
+    /// Scripts beside that of every page, each once.
+    scripts: Vec<&'static str>,
 }
 
 impl Page {
     /// An empty page with its title, plain text.
     #[must_use]
     pub fn new(title: &str) -> Self {
-        Self { title: escape(title), body: String::new(), plots: 0 }
+        Self { title: escape(title), body: String::new(), plots: 0, scripts: Vec::new() }
     }
 
     /// Adds HTML as it is.
     pub fn html(&mut self, html: &str) {
         self.body.push_str(html);
         self.body.push('\n');
+    }
+
+    /// Runs a script once after that of every page.
+    pub(super) fn script(&mut self, script: &'static str) {
+        if !self.scripts.contains(&script) {
+            self.scripts.push(script);
+        }
     }
 
     /// Adds a heading and the sentence under it, both plain text.
@@ -84,8 +93,9 @@ impl Page {
     /// The finished page; it states its own size.
     #[must_use]
     pub fn finish(self) -> String {
-        let Self { title, mut body, .. } = self;
-        let size = (plotting_library().len() + STYLE.len() + SCRIPT.len() + body.len()) as f64 / 1e6;
+        let Self { title, mut body, scripts, .. } = self;
+        let scripts = std::iter::once(SCRIPT).chain(scripts).collect::<Vec<_>>().join("\n");
+        let size = (plotting_library().len() + STYLE.len() + scripts.len() + body.len()) as f64 / 1e6;
         body.push_str(&format!(
             "<p class=\"small\">Written by Bekker {}. This page is one file of {size:.1} MB and loads nothing from elsewhere.</p>\n\
              <noscript><p>The plots need JavaScript; text and tables do not.</p></noscript>\n",
@@ -96,7 +106,7 @@ impl Page {
             "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n\
-             {library}</head>\n<body>\n<main>\n{body}</main>\n<script>\n{SCRIPT}</script>\n</body>\n</html>\n"
+             {library}</head>\n<body>\n<main>\n{body}</main>\n<script>\n{scripts}</script>\n</body>\n</html>\n"
         )
     }
 }

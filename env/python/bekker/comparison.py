@@ -27,6 +27,7 @@ __all__ = [
     "NoiseFloor",
     "SignalFit",
     "UnansweredRows",
+    "UncountedRows",
     "calibrate",
     "compare",
 ]
@@ -140,6 +141,28 @@ class UnansweredRows:
 
 
 @dataclass(frozen=True)
+class UncountedRows:
+    """Neighbouring rows of a run that no fit counts."""
+
+    run: str
+    first_row: int
+    """Counted from 1."""
+    last_row: int
+    """The last of them, included."""
+    seconds: tuple[float, float] | None
+    """Times of these rows; None where rows have no time."""
+    why: str
+    """``start`` of a run, ``gap`` (what follows one), ``odd`` stretch, or ``no_answer`` of the model."""
+    reason: str
+    """The same in words."""
+
+    def __str__(self) -> str:
+        rows = f"rows {self.first_row} to {self.last_row}"
+        when = rows if self.seconds is None else f"{self.seconds[0]:.1f} to {self.seconds[1]:.1f} s"
+        return f"run {self.run}, {when}: {self.reason}"
+
+
+@dataclass(frozen=True)
 class Comparison:
     """A model beside an experiment."""
 
@@ -158,6 +181,8 @@ class Comparison:
     """Rows that ``fit`` leaves without an answer: left out of its errors, of the noise and of the calibration."""
     given_unanswered: list[UnansweredRows]
     """Rows that the given parameters leave without an answer: left out of the errors of ``given``."""
+    uncounted: list[UncountedRows]
+    """All rows that ``fit`` does not count, and why; those without an answer stand in ``unanswered`` too."""
     cautions: list[str]
     """What the reader of a calibration should beware of."""
     sources: list[str]

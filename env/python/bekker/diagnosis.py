@@ -12,7 +12,7 @@ import numpy as np
 
 from . import _bekker
 from ._bekker import Model
-from .comparison import Failure, Fit, NoiseFloor, UnansweredRows
+from .comparison import Failure, Fit, NoiseFloor, UnansweredRows, UncountedRows
 from .curves import Curves
 from .errors import BekkerError, DiagnosisInterrupted, InputError
 from .experiment import ExperimentLike, source
@@ -130,6 +130,8 @@ class Diagnosis:
     """Which model :attr:`improved` is, in words."""
     unanswered: list[UnansweredRows]
     """Rows that are left out of everything, since the calibrated baseline has no answer there."""
+    uncounted: list[UncountedRows]
+    """All rows that no fit counts, and why: starts of runs, what follows a gap, odd stretches, rows without an answer."""
     whole_drive: WholeDrive | None
     """The final model over the whole of each run, where runs were cut into windows; None where they were not."""
     cautions: list[str]

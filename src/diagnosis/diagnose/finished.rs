@@ -19,6 +19,7 @@ use crate::diagnosis::fit::Fit;
 use crate::diagnosis::linear_algebra::norm;
 use crate::diagnosis::separate::{Question, Suggestion, suggest};
 use crate::diagnosis::thresholds::DETECTABLE;
+use crate::diagnosis::uncounted::uncounted;
 use crate::model::Model;
 
 /// A finished search.
@@ -61,6 +62,7 @@ impl Finished<'_> {
             noise: prepared.noise.models.clone(),
             given,
             unanswered: prepared.unanswered.clone(),
+            uncounted: uncounted(problem, &prepared.noise.odd, &prepared.unanswered),
             whole_drive: None,
             pairs: pairs(self),
             invisible: prepared.invisible.clone(),
@@ -96,7 +98,8 @@ impl Finished<'_> {
         let start: Vec<f64> = problem.base.iter().map(|free| free.start).collect();
         let given = problem.predict(&problem.base, |predict| predict.answers(&start))?;
         let given = given.ok().filter(|given| given.any(&problem.layout));
-        Ok(given.map(|given| Fit::new(&problem.experiment, &problem.layout, &given.values)))
+        let shown = given.map(|given| Fit::new(&problem.experiment, &problem.layout, &given.values));
+        Ok(shown.map(|fit| fit.in_motion(problem, &[], &start)).transpose()?)
     }
 
     fn lack_of_fit(&self) -> LackOfFit {
@@ -164,7 +167,7 @@ fn steps(finished: &Finished, chosen: &[String]) -> Result<Vec<Step>, CompareErr
         let known = effects.is_empty() && search.watch.stopped() && fit.chi_square == stage.fit.chi_square;
         let modelled = if known { Some(stage.modelled.clone()) } else { search.modelled(effects)? };
         let Some(modelled) = modelled else { continue };
-        let shown = Fit::new(&problem.experiment, &problem.layout, &modelled);
+        let shown = Fit::new(&problem.experiment, &problem.layout, &modelled).in_motion(problem, effects, &values)?;
         let left = match count {
             0 => 1.0,
             _ => left(search, stage, effects, &search.whitened_residual(effects, &values)?).0,

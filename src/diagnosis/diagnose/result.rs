@@ -10,7 +10,7 @@ use crate::diagnosis::curves::Curves;
 use crate::diagnosis::fit::Fit;
 use crate::diagnosis::noise::{FloorSource, NoiseModel};
 use crate::diagnosis::separate::Suggestion;
-use crate::diagnosis::{Failure, NoiseFloor, UnansweredRows};
+use crate::diagnosis::{Failure, NoiseFloor, UnansweredRows, UncountedRows};
 use crate::measurement::Experiment;
 use crate::model::Model;
 use serde::{Deserialize, Serialize};
@@ -212,6 +212,8 @@ pub struct Diagnosis {
     pub suggestions: Vec<Suggestion>,
     /// Rows that are left out of everything, since the calibrated baseline has no answer there.
     pub unanswered: Vec<UnansweredRows>,
+    /// All rows that no fit counts, and why: starts of runs, what follows a gap, odd stretches, and rows without an answer.
+    pub uncounted: Vec<UncountedRows>,
     /// The final model over the whole of each run, where runs were cut into windows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub whole_drive: Option<WholeDrive>,

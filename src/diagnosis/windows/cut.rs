@@ -40,12 +40,15 @@ pub(crate) fn cut(experiment: &Experiment, models: &[Model]) -> Windows {
 /// Number of rows at the start of a run that no fit counts: how contacts break loose is an assumption of the model.
 pub(crate) fn uncounted(run: &Run) -> usize {
     let Some(time) = run.data.column("time") else { return 0 };
-    let speeds = commanded(run);
-    // Neither the radius nor the place decides on whether a run begins at rest.
-    let at_rest = path(run, 1.0, 0.0, &speeds).is_none_or(|path| begins_at_rest(run, &path));
-    let until = if at_rest { rolled_in(time, &speeds) + LEAD } else { time[0] + UNKNOWN_START };
+    let until = if starts_in_motion(run) { time[0] + UNKNOWN_START } else { rolled_in(time, &commanded(run)) + LEAD };
     let early = time.partition_point(|t| *t < until);
     early.min((BREAKING_LOOSE_SHARE * time.len() as f64) as usize)
+}
+
+/// Whether a run begins in motion, as far as its measurements tell.
+pub(crate) fn starts_in_motion(run: &Run) -> bool {
+    // Neither the radius nor the place decides on whether a run begins at rest.
+    path(run, 1.0, 0.0, &commanded(run)).is_some_and(|path| !begins_at_rest(run, &path))
 }
 
 /// Time by which every wheel has turned far enough from the start; the start itself where speeds are unknown.
@@ -193,7 +196,7 @@ fn windows(run: &Run, path: Option<&Path>) -> Vec<Window> {
 }
 
 /// Stretches without a gap.
-fn pieces(time: &[f64]) -> Vec<std::ops::Range<usize>> {
+pub(crate) fn pieces(time: &[f64]) -> Vec<std::ops::Range<usize>> {
     let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let mut sorted = steps.clone();
     sorted.sort_by(f64::total_cmp);

@@ -14,6 +14,12 @@ const RIM_RATIO: f64 = 5.0;
 /// Speeds below this, m/s, are standstill and say nothing of a ratio.
 const MOVING: f64 = 1e-3;
 
+/// Share of its largest speed under which a rover stands, share of its usual speed at which a wheel still turns, and the time, s, for
+/// which both hold until the last row.
+const STANDS: f64 = 0.1;
+const STILL_TURNS: f64 = 0.5;
+const STANDS_FOR: f64 = 1.0;
+
 pub(in crate::measurement) fn look(grid: &Grid, radius: Option<f64>) -> Vec<String> {
     let mut doubts = Vec::new();
     for column in &grid.columns {
@@ -28,7 +34,30 @@ pub(in crate::measurement) fn look(grid: &Grid, radius: Option<f64>) -> Vec<Stri
             _ => {}
         }
     }
+    doubts.extend(stands_at_its_end(grid));
     doubts
+}
+
+/// The rover stands while its wheels turn until the recording ends: it is stuck, or their speed was no longer updated.
+fn stands_at_its_end(grid: &Grid) -> Option<String> {
+    let (time, velocity) = (grid.values("time")?, grid.column("velocity")?);
+    let turns = |column: &&GridColumn| column.name.ends_with("].speed_command") || column.name.ends_with("].speed");
+    let wheel = grid.columns.iter().find(turns)?;
+    let fastest = largest(&velocity.values)?;
+    let usual = mean(present(&wheel.values).map(f64::abs))?;
+    let stands =
+        |row: &usize| velocity.values[*row].abs() < STANDS * fastest && wheel.values[*row].abs() >= STILL_TURNS * usual;
+    let first = (0..time.len()).rev().take_while(stands).last().filter(|_| usual > 0.0)?;
+    let held = wheel.values[first..].windows(2).all(|pair| (pair[0] - pair[1]).abs() < f64::EPSILON);
+    (time[time.len() - 1] - time[first] >= STANDS_FOR).then(|| {
+        format!(
+            "from {:.1} s to the last row the rover stands while `{}` goes on{}: it is stuck, or that speed was no longer updated, \
+             in which case these rows do not belong to the drive and should be left out",
+            time[first],
+            wheel.source,
+            if held { " at the same value in every row" } else { "" }
+        )
+    })
 }
 
 fn steep(column: &GridColumn) -> Option<String> {

@@ -11,6 +11,7 @@ mod words;
 
 pub(super) use measured::{add_panels, how_drawn};
 
+use super::drive;
 use super::page::{Page, escape};
 use super::plots::{DrawnModel, View};
 use super::units::spoken;
@@ -21,8 +22,12 @@ use plotly::common::DashType;
 use std::collections::BTreeMap;
 use words::listed;
 
+/// The place of what only a drive has.
+const DRIVE: &str = "drive";
+
 /// Places of the page and the questions that they answer.
-const PLACES: [(&str, &str); 11] = [
+const PLACES: [(&str, &str); 12] = [
+    (DRIVE, "The drive"),
     ("measured", "What was measured"),
     ("overlay", "Measured and modelled"),
     ("fails", "Where the baseline fails"),
@@ -43,11 +48,18 @@ pub fn diagnosis_page(diagnosis: &Diagnosis) -> String {
     let mut page = Page::new(&format!("{name}: diagnosis"));
     page.html(&format!("<h1>{}: diagnosis</h1>", escape(name)));
     page.html(&format!("<p class=\"lead\">{}</p>", escape(&what_was_measured(&diagnosis.experiment))));
+    let view = view(diagnosis);
     page.html(&first_screen::verdict(diagnosis));
+    page.html(&drive::at_first_sight(&view));
     page.html(&first_screen::tiles(diagnosis));
     page.html(&first_screen::cautions(diagnosis));
-    let links: String = PLACES.iter().map(|(place, title)| format!("<a href=\"#{place}\">{title}</a> ")).collect();
+    let places = PLACES.iter().filter(|(place, _)| *place != DRIVE || drive::is_shown(&view));
+    let links: String = places.map(|(place, title)| format!("<a href=\"#{place}\">{title}</a> ")).collect();
     page.html(&format!("<nav aria-label=\"Contents\">{links}</nav>"));
+    if drive::is_shown(&view) {
+        begin(&mut page, DRIVE, "");
+        drive::add(&mut page, &view, DRIVE, diagnosis.improved.rover.wheel.radius);
+    }
     measured::add_measured(&mut page, diagnosis);
     let overlays = measured::add_overlays(&mut page, diagnosis);
     misfit::add_failures(&mut page, diagnosis);
@@ -89,7 +101,14 @@ fn view(diagnosis: &Diagnosis) -> View<'_> {
         models.push(DrawnModel::last(final_name(diagnosis), diagnosis.steps.len() - 1, &diagnosis.last().fit));
         at_first.push("final");
     }
-    View { experiment: &diagnosis.experiment, noise: noise(diagnosis), curves: &diagnosis.curves, models, at_first }
+    View {
+        experiment: &diagnosis.experiment,
+        noise: noise(diagnosis),
+        curves: &diagnosis.curves,
+        uncounted: &diagnosis.uncounted,
+        models,
+        at_first,
+    }
 }
 
 /// Standard deviation of one sample by signal, as the diagnosis weighs it.

@@ -29,7 +29,7 @@ impl Presentation for Traverse {
         let speeds = ["velocity".to_owned(), of_wheel("speed_command"), of_wheel("speed")];
         let speed = speeds.iter().find(|name| knows(name)).unwrap_or(&speeds[1]).clone();
         let mut all: Vec<Condition> = self.residual_conditions().iter().map(|name| Condition::column(name)).collect();
-        all.extend([slip, Condition::column(&speed)]);
+        all.extend([Condition::Slope, Condition::Load { wheel }, slip, Condition::column(&speed)]);
         all
     }
 

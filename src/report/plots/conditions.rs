@@ -1,7 +1,7 @@
 //! Residuals and the conditions against which they are drawn.
 
 use super::overlay::groups;
-use crate::diagnosis::{Fit, Level, levels_of};
+use crate::diagnosis::{Fit, Level, Motion, levels_of};
 use crate::measurement::{Experiment, Run};
 use crate::report::kinds::of;
 use crate::report::units::{Shown, of_column, spoken, wheel_and_field};
@@ -16,6 +16,10 @@ pub(in crate::report) enum Condition {
     Column(String),
     /// Slip of a wheel from the velocity and the wheel's speed: 1 - v/(r omega).
     Slip { wheel: usize, radius: f64 },
+    /// Slope of the ground under the rover, rising along x positive.
+    Slope,
+    /// Force of the soil on a wheel along the ground's normal, as the model has it.
+    Load { wheel: usize },
     /// The number of the run, in the order of the experiment: something may have drifted.
     Run,
     /// The number of the wheel; the signal is then the same quantity of every wheel.
@@ -33,6 +37,8 @@ impl Condition {
         match self {
             Self::Column(name) => spoken(name),
             Self::Slip { wheel, .. } => format!("slip of wheel {wheel}"),
+            Self::Slope => "slope of the ground".to_owned(),
+            Self::Load { wheel } => format!("load on wheel {wheel} (model)"),
             Self::Run => "run number".to_owned(),
             Self::Wheel => "wheel number".to_owned(),
         }
@@ -42,6 +48,8 @@ impl Condition {
     pub fn shown(&self) -> Shown {
         match self {
             Self::Column(name) => of_column(name),
+            Self::Slope => of_column("pitch"),
+            Self::Load { .. } => of_column("load"),
             _ => Shown { symbol: "", factor: 1.0 },
         }
     }
@@ -51,8 +59,8 @@ impl Condition {
         matches!(self, Self::Run | Self::Wheel)
     }
 
-    /// The value at a row of a run.
-    fn value(&self, number: usize, run: &Run, row: usize) -> Option<f64> {
+    /// The value at a row of a run, which the model drives like this.
+    fn value(&self, number: usize, run: &Run, motion: Option<&Motion>, row: usize) -> Option<f64> {
         match self {
             Self::Column(name) => run.data.value(name, row),
             Self::Slip { wheel, radius } => {
@@ -62,6 +70,8 @@ impl Condition {
                 let slip = 1.0 - run.data.value("velocity", row)? / rim;
                 (rim.abs() > SLOW).then(|| slip.clamp(-1.0, 1.0))
             }
+            Self::Slope => motion?.slope.get(row).copied(),
+            Self::Load { wheel } => motion?.load.get(wheel - 1)?.get(row).copied(),
             Self::Run => Some((number + 1) as f64),
             Self::Wheel => None,
         }
@@ -85,9 +95,11 @@ impl Samples {
     pub fn new(experiment: &Experiment, fit: &Fit, signal: &str, condition: &Condition) -> Option<Self> {
         let (mut values, mut of_samples) = (Vec::new(), Vec::new());
         let sets = groups(experiment);
+        let motions = &fit.motion;
         let group_of = |run: usize| sets.iter().position(|(_, runs)| runs.contains(&run)).unwrap_or(0);
         for (number, (run, fit)) in experiment.runs.iter().zip(&fit.runs).enumerate() {
             let group = group_of(number);
+            let motion = motions.get(number);
             for own in &fit.signals {
                 let wheel = wheel_and_field(&own.signal).filter(|(_, field)| *field == signal);
                 if own.signal != signal && (*condition != Condition::Wheel || wheel.is_none()) {
@@ -96,7 +108,7 @@ impl Samples {
                 for (row, residual) in own.residual.iter().enumerate().filter(|(_, residual)| !residual.is_nan()) {
                     let at = match (condition, wheel) {
                         (Condition::Wheel, Some((wheel, _))) => Some(wheel as f64),
-                        _ => condition.value(number, run, row),
+                        _ => condition.value(number, run, motion, row).filter(|at| !at.is_nan()),
                     };
                     if let Some(at) = at {
                         values.push((at, *residual));
@@ -120,7 +132,12 @@ impl Samples {
 
     /// The largest mean residual over the levels, in the signal's unit.
     pub fn worst(&self) -> f64 {
-        self.levels.iter().map(|level| level.mean.abs()).fold(0.0, f64::max)
+        self.worst_level().map_or(0.0, |level| level.mean.abs())
+    }
+
+    /// The level with the largest mean residual.
+    pub fn worst_level(&self) -> Option<&Level> {
+        self.levels.iter().max_by(|a, b| a.mean.abs().total_cmp(&b.mean.abs()))
     }
 }
 

@@ -17,12 +17,13 @@ pub(super) use lines::lines;
 pub use lines::{LinePlot, Series};
 pub(super) use map::map;
 pub(super) use overlay::steady::MOST_NAMED;
-pub(super) use overlay::{Panel, controls, over_time, overlays, steady};
+pub(super) use overlay::stretches::REASONS;
+pub(super) use overlay::{Panel, controls, list, models, over_time, overlays, steady};
 pub(super) use profile::profile;
 pub(super) use residuals::residuals;
 pub(super) use steps::steps;
 
-use crate::diagnosis::{Curves, Fit};
+use crate::diagnosis::{Curves, Fit, UncountedRows};
 use crate::measurement::Experiment;
 use plotly::Layout;
 use plotly::common::{Anchor, DashType, Orientation, Title};
@@ -30,8 +31,8 @@ use plotly::layout::{Axis, Legend, Margin, Shape, ShapeLayer, ShapeLine, ShapeTy
 use std::collections::BTreeMap;
 
 /// Readable on white and on near-black.
-const COLOURS: [&str; 6] = ["#3b82f6", "#e8871e", "#12a87b", "#e5484d", "#9b6bdf", "#0ea5b7"];
-const GREY: &str = "#8b949e";
+pub(super) const COLOURS: [&str; 6] = ["#3b82f6", "#e8871e", "#12a87b", "#e5484d", "#9b6bdf", "#0ea5b7"];
+pub(super) const GREY: &str = "#8b949e";
 
 /// A model beside the measurements.
 pub(super) struct DrawnModel<'a> {
@@ -47,6 +48,29 @@ pub(super) struct DrawnModel<'a> {
     pub dash: DashType,
     /// Its colour where colours do not tell groups or wheels apart.
     pub colour: &'static str,
+}
+
+impl View<'_> {
+    /// Standard deviation of one sample of a signal, or where it is unknown the error of the first model shown.
+    pub fn scale(&self, signal: &str) -> f64 {
+        let rmse = || self.shown().and_then(|model| model.fit.rmse.get(signal).copied());
+        self.noise.get(signal).copied().or_else(rmse).filter(|scale| *scale > 0.0).unwrap_or(1.0)
+    }
+
+    /// What [`scale`](Self::scale) is, in a word or two: the noise, or the usual error where no noise is known.
+    pub fn measure(&self) -> &'static str {
+        let unknown = self.experiment.signals().iter().filter(|signal| !self.noise.contains_key(*signal)).count();
+        match unknown {
+            0 => "noise",
+            n if n == self.experiment.signals().len() => "usual error",
+            _ => "noise or usual error",
+        }
+    }
+
+    /// The first of the models that are shown at first.
+    pub fn shown(&self) -> Option<&DrawnModel<'_>> {
+        self.models.iter().find(|model| self.at_first.first() == Some(&model.key)).or(self.models.last())
+    }
 }
 
 impl<'a> DrawnModel<'a> {
@@ -74,13 +98,15 @@ pub(super) struct View<'a> {
     /// Standard deviation of one sample by signal, as it is in force; a signal of unknown noise is missing.
     pub noise: BTreeMap<String, f64>,
     pub curves: &'a [Curves],
+    /// Rows that no fit counts.
+    pub uncounted: &'a [UncountedRows],
     pub models: Vec<DrawnModel<'a>>,
     /// Keys of the models shown at first.
     pub at_first: Vec<&'static str>,
 }
 
 /// A number of a plot: five digits are more than a screen shows, and keep the file small.
-fn rounded(value: f64) -> f64 {
+pub(super) fn rounded(value: f64) -> f64 {
     format!("{value:.4e}").parse().unwrap_or(value)
 }
 
@@ -123,7 +149,7 @@ fn band(half_width: f64) -> Shape {
         .line(ShapeLine::new().width(0.0))
 }
 
-fn axis(title: &str) -> Axis {
+pub(super) fn axis(title: &str) -> Axis {
     Axis::new().title(Title::with_text(title)).auto_margin(true)
 }
 
@@ -131,7 +157,7 @@ fn layout(x: &str, y: &str, legend: bool) -> Layout {
     layout_with(axis(x), axis(y), legend)
 }
 
-fn layout_with(x: Axis, y: Axis, legend: bool) -> Layout {
+pub(super) fn layout_with(x: Axis, y: Axis, legend: bool) -> Layout {
     Layout::new()
         .x_axis(x)
         .y_axis(y)

@@ -2,6 +2,7 @@
 
 pub(in crate::report) mod over_time;
 pub(in crate::report) mod steady;
+pub(super) mod stretches;
 
 use super::{DrawnModel, View, all_rounded, faded};
 use crate::measurement::Experiment;
@@ -25,19 +26,20 @@ pub(in crate::report) fn overlays(view: &View) -> Vec<Panel> {
 /// Buttons, boxes and lists that choose what the overlays show. `place` tells the buttons of one part of the page from
 /// those of another.
 pub(in crate::report) fn controls(view: &View, place: &str) -> String {
-    let mut html = models(view, place);
+    let mut html = models(view, place, true);
     html.push_str(&of(view.experiment).controls(view));
     if html.is_empty() { html } else { format!("<div class=\"controls\">{html}</div>") }
 }
 
-/// Buttons that put each model, and all those shown at first, one click apart.
-fn models(view: &View, place: &str) -> String {
+/// Buttons that put each model one click apart, and with `together` all those that are shown at first.
+pub(in crate::report) fn models(view: &View, place: &str, together: bool) -> String {
     let mut options: Vec<(String, String)> =
         view.models.iter().map(|model| (model.key.to_owned(), model.name.clone())).collect();
     if options.len() < 2 {
         return String::new();
     }
-    let at_first = view.at_first.join(" ");
+    let at_first =
+        if together { view.at_first.join(" ") } else { view.shown().map_or("", |model| model.key).to_owned() };
     if !options.iter().any(|(keys, _)| *keys == at_first) {
         options.push((at_first.clone(), "both".to_owned()));
     }
@@ -53,7 +55,12 @@ fn models(view: &View, place: &str) -> String {
 }
 
 /// A list to choose from, where there is a choice.
-fn list(label: &str, key: &str, attributes: &str, options: &[(impl AsRef<str>, String)]) -> String {
+pub(in crate::report) fn list(
+    label: &str,
+    key: &str,
+    attributes: &str,
+    options: &[(impl AsRef<str>, String)],
+) -> String {
     if options.len() < 2 {
         return String::new();
     }

@@ -1,9 +1,9 @@
 //! A traverse: measured and modelled over time, a colour a wheel where wheels share a plot.
 
-use super::{Panel, area, groups, legend_line, list};
+use super::{Panel, area, groups, legend_line, list, stretches};
 use crate::diagnosis::Fit;
 use crate::measurement::Experiment;
-use crate::report::plots::{COLOURS, GREY, View, all_rounded, layout};
+use crate::report::plots::{COLOURS, GREY, View, all_rounded, axis, layout};
 use crate::report::units::{of_column, spoken, wheel_and_field};
 use plotly::common::{Line, Marker, Mode};
 use plotly::{Plot, Scatter};
@@ -12,6 +12,10 @@ use plotly::{Plot, Scatter};
 const MOST_POINTS: usize = 12_000;
 /// A run keeps at least this many of them.
 const FEWEST_POINTS: usize = 150;
+
+/// Time between rows, in usual times between them, from which on it is a gap, and the least that is one, s.
+const GAP: f64 = 3.5;
+const LEAST_GAP: f64 = 0.5;
 
 /// Times and values of one signal of one run, display units.
 type Series = (Vec<f64>, Vec<f64>);
@@ -76,6 +80,7 @@ pub(super) fn overlay(view: &View, signals: &[String]) -> Plot {
             let colour = COLOURS[k % COLOURS.len()];
             Drawing { view, signal, wheel, colour, group, runs }.draw(&mut plot);
         }
+        stretches::add(&mut plot, view, group, runs);
     }
     if shared {
         view.models.iter().for_each(|model| plot.add_trace(legend_line(model, GREY)));
@@ -85,7 +90,8 @@ pub(super) fn overlay(view: &View, signals: &[String]) -> Plot {
         _ => signals.first().map_or(String::new(), |signal| spoken(signal)),
     };
     let shown = of_column(signals.first().map_or("", String::as_str));
-    plot.set_layout(layout("time (s)", &shown.axis(&quantity), true));
+    let marks = axis("").overlaying("y").range(vec![0.0, 1.0]).visible(false);
+    plot.set_layout(layout("time (s)", &shown.axis(&quantity), true).y_axis2(marks));
     plot
 }
 
@@ -95,7 +101,7 @@ impl Drawing<'_> {
         let measured: Vec<Series> = self.runs.iter().map(|run| self.series(*run, first.fit, true)).collect();
         if let Some(deviation) = self.view.noise.get(self.signal) {
             let half = 2.0 * deviation * of_column(self.signal).factor;
-            let (time, middle) = mean_of_rows(&measured);
+            let (time, middle) = without_gaps(mean_of_rows(&measured));
             let ends = |sign: f64| middle.iter().map(|v| v + sign * half).collect::<Vec<_>>();
             plot.add_trace(area(&time, &ends(-1.0), &ends(1.0), self.colour, 0.16).meta(self.meta("")));
         }
@@ -132,6 +138,12 @@ impl Drawing<'_> {
         format!("{model}{wheel}group={}", self.group)
     }
 
+    /// Number of the window of a row.
+    fn window(&self, run: usize, row: usize) -> Option<usize> {
+        let motion = self.view.shown()?.fit.motion.get(run)?;
+        motion.windows.iter().position(|window| window.contains(&row))
+    }
+
     /// Thinned evenly where there is more than a screen shows; missing values are gaps.
     fn series(&self, run: usize, fit: &Fit, measured: bool) -> Series {
         let experiment = self.view.experiment;
@@ -143,8 +155,35 @@ impl Drawing<'_> {
         };
         let values = if measured { &fit.measured } else { &fit.modelled };
         let factor = of_column(self.signal).factor;
-        time.iter().zip(values).step_by(time.len().div_ceil(most).max(1)).map(|(t, v)| (*t, v * factor)).unzip()
+        let mut series = Series::default();
+        let every = time.len().div_ceil(most).max(1);
+        let begins = |row: usize| !measured && self.window(run, row) != self.window(run, row.saturating_sub(every));
+        for (row, (t, v)) in time.iter().zip(values).enumerate().step_by(every) {
+            // Each window begins anew, so that its line does not go on from the one before.
+            if begins(row) {
+                series.0.push(*t);
+                series.1.push(f64::NAN);
+            }
+            series.0.push(*t);
+            series.1.push(v * factor);
+        }
+        series
     }
+}
+
+/// The same with NaN in each gap of the recording, so that nothing is drawn there.
+fn without_gaps((time, values): Series) -> Series {
+    let usual = time.last().zip(time.first()).map_or(0.0, |(last, first)| last - first) / time.len() as f64;
+    let mut series = Series::default();
+    for (row, (t, value)) in time.iter().zip(values).enumerate() {
+        if row > 0 && t - time[row - 1] > (GAP * usual).max(LEAST_GAP) {
+            series.0.push(*t);
+            series.1.push(f64::NAN);
+        }
+        series.0.push(*t);
+        series.1.push(value);
+    }
+    series
 }
 
 /// Mean of repeats row by row, over those that measured the row; NaN where none did.
