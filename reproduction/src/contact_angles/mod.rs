@@ -8,10 +8,10 @@ mod undulating;
 mod wave;
 
 pub use bound::Bound;
-pub use incline::incline;
+pub use incline::{ground, incline};
 pub use rock::rock;
 pub use undulating::undulating;
-pub use wave::{Tracking, Wave};
+pub use wave::{Quality, Tracking, Wave};
 
 use super::Spread;
 use bekker::estimation::EstimationError;

@@ -17,9 +17,14 @@ mod equation;
 mod filter;
 mod pairs;
 mod parameters;
+mod process;
+mod profile;
 mod rover;
+mod shape;
 
 pub use direct::{DirectSolution, IllConditioned, PairMotion, PairNoise, direct};
 pub use filter::{Covariance, Innovation, PairFilter, PairModel, PairReading, State};
+pub use pairs::{Pair, Point};
 pub use parameters::ContactAngleEstimation;
+pub use profile::{ProfileFilter, ProfileModel, ProfileReading};
 pub use rover::ContactAngles;
