@@ -69,7 +69,7 @@ pub fn incline(trials: u32) -> Result<Finding, ContactAnglesError> {
 }
 
 /// Level ground, an arc as long as the wheel's radius, and the incline.
-pub fn ground() -> Result<Terrain, SamplesError> {
+fn ground() -> Result<Terrain, SamplesError> {
     let length = Rover::rocker_bogie().wheel.radius;
     let rise = SLOPE.tan();
     let height = |x: f64| match x - START {

@@ -8,7 +8,7 @@ mod undulating;
 mod wave;
 
 pub use bound::Bound;
-pub use incline::{ground, incline};
+pub use incline::incline;
 pub use rock::rock;
 pub use undulating::undulating;
 pub use wave::{Quality, Tracking, Wave};

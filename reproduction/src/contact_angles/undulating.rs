@@ -122,11 +122,7 @@ fn beside(wave: &Wave, tracked: &[Tracking]) -> Result<Vec<Row>, ContactAnglesEr
             degrees(|t| t.pair.errors[1]),
             alone.to_owned(),
         ),
-        (
-            "RMS error of the rear contact angle, filter of a pair, deg",
-            degrees(|t| t.pair.errors[0]),
-            alone.to_owned(),
-        ),
+        ("RMS error of the rear contact angle, filter of a pair, deg", degrees(|t| t.pair.errors[0]), alone.to_owned()),
         (
             "normalised estimation error squared of both angles, filter of a pair (2 is consistent)",
             plain(|t| t.pair.nees),
@@ -164,7 +160,10 @@ fn beside(wave: &Wave, tracked: &[Tracking]) -> Result<Vec<Row>, ContactAnglesEr
 fn bound_rows(wave: &Wave, reading: &str) -> Vec<Row> {
     let mut rows = Vec::new();
     for (ground, of) in [
-        ("one ground under both wheels, known to be smooth over", Wave::ground_bound as fn(&Wave, f64) -> Option<Bound>),
+        (
+            "one ground under both wheels, known to be smooth over",
+            Wave::ground_bound as fn(&Wave, f64) -> Option<Bound>,
+        ),
         ("ground known to be smooth over", Wave::bound),
     ] {
         for knots in KNOTS {

@@ -268,7 +268,7 @@ impl Wave {
         let correlation_length = self.correlation_factor * SMOOTH * self.wavelength;
         let points = [Point::Wheel(0), Point::Wheel(1)];
         ProfileModel {
-            pairs: vec![Pair { body: 0, points, distance: self.distance, inclination: 0.0, carries: true }],
+            pairs: vec![Pair { body: 0, points, distance: self.distance, inclination: 0.0 }],
             places: vec![0.0, self.distance],
             angle_deviation: self.angle_deviation(),
             correlation_length,

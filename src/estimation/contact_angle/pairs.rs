@@ -29,20 +29,23 @@ pub struct Pair {
     pub points: [Point; 2],
     /// Distance of the points, m.
     pub distance: f64,
-    /// Inclination of their line in the drawing, rad.
+    /// Inclination of the line from the rear to the front point in the drawing, rad.
     pub inclination: f64,
-    /// Whether the body stands on both points, so that its inclination tells that of the ground between them. Of three or
-    /// more wheels on one body the outer two are taken to carry it: inner ones hang over a trough.
-    pub carries: bool,
 }
 
-/// Pairs that contain every wheel, each after those that it builds on: the outer two wheels of a body, then every inner
-/// wheel with the one behind it; a wheel that is alone on its body with a joint to a body whose motion is determined
-/// already.
+/// Whether all wheels stand on the ground wherever they are: a pair for every wheel but one. A body on three or more
+/// wheels, or a second body on two, leaves some of them in the air on firm ground, and which ones is not measured.
+pub(super) fn all_stand(pairs: &[Pair], wheels: usize) -> bool {
+    pairs.len() + 1 == wheels
+}
+
+/// Pairs that contain every wheel, each after those that it builds on: the neighbours on a body and, from three wheels on,
+/// its outer two (a ring: each wheel is in two pairs); a wheel that is alone on its body with a joint to a body whose
+/// motion is determined already.
 pub(super) fn pairs(nominal: &Nominal) -> Result<Vec<Pair>, EstimationError> {
     let mut builder = Builder { nominal, pairs: Vec::new(), told: vec![None; 1 + nominal.links.len()] };
     for body in 0..builder.told.len() {
-        builder.on_one_body(body)?;
+        builder.ring(body)?;
     }
     while builder.through_a_joint()? {}
     let seen = |wheel: &usize| builder.pairs.iter().any(|pair| pair.points.contains(&Point::Wheel(*wheel)));
@@ -68,18 +71,14 @@ impl Builder<'_> {
         wheels
     }
 
-    fn on_one_body(&mut self, body: usize) -> Result<(), EstimationError> {
+    fn ring(&mut self, body: usize) -> Result<(), EstimationError> {
         let wheels = self.wheels(body);
-        if let ([rear, inner @ .., front], true) = (wheels.as_slice(), wheels.len() > 1) {
-            // Bodies that both stand on wheels of their own: as far apart as in the drawing.
-            if let Some(Pair { points: [elsewhere, _], .. }) = self.pairs.first().copied() {
-                self.add(body, [elsewhere, Point::Wheel(*rear)], false)?;
-            }
-            self.add(body, [Point::Wheel(*rear), Point::Wheel(*front)], true)?;
-            let behind = std::iter::once(rear).chain(inner);
-            for (behind, wheel) in behind.zip(inner) {
-                self.add(body, [Point::Wheel(*behind), Point::Wheel(*wheel)], false)?;
-            }
+        let outer = [wheels.first().copied(), wheels.last().copied()];
+        for pair in wheels.windows(2) {
+            self.add(body, [Point::Wheel(pair[0]), Point::Wheel(pair[1])])?;
+        }
+        if let ([Some(rear), Some(front)], true) = (outer, wheels.len() > 2) {
+            self.add(body, [Point::Wheel(rear), Point::Wheel(front)])?;
         }
         Ok(())
     }
@@ -92,7 +91,7 @@ impl Builder<'_> {
             let Some(pivot) = self.joint_of(body) else { continue };
             let ahead = self.place(pivot)[0] >= self.nominal.wheel_centres[*wheel][0];
             let wheel = Point::Wheel(*wheel);
-            self.add(body, if ahead { [wheel, pivot] } else { [pivot, wheel] }, true)?;
+            self.add(body, if ahead { [wheel, pivot] } else { [pivot, wheel] })?;
             return Ok(true);
         }
         Ok(false)
@@ -123,7 +122,7 @@ impl Builder<'_> {
         }
     }
 
-    fn add(&mut self, body: usize, points: [Point; 2], carries: bool) -> Result<(), EstimationError> {
+    fn add(&mut self, body: usize, points: [Point; 2]) -> Result<(), EstimationError> {
         let (rear, front) = (self.place(points[0]), self.place(points[1]));
         let (x, z) = (front[0] - rear[0], front[1] - rear[1]);
         let distance = x.hypot(z);
@@ -131,10 +130,8 @@ impl Builder<'_> {
             let wheel = points.iter().find_map(|point| if let Point::Wheel(k) = point { Some(k + 1) } else { None });
             return Err(EstimationError::Distance { wheel: wheel.unwrap_or(0), distance });
         }
-        if carries {
-            self.told[body].get_or_insert(self.pairs.len());
-        }
-        self.pairs.push(Pair { body, points, distance, inclination: z.atan2(x), carries });
+        self.told[body].get_or_insert(self.pairs.len());
+        self.pairs.push(Pair { body, points, distance, inclination: z.atan2(x) });
         Ok(())
     }
 }

@@ -47,17 +47,8 @@ impl Process {
         let transition = decay * (Derivatives::identity() + nilpotent + 0.5 * nilpotent * nilpotent);
         let variance = deviation * deviation;
         let of_slope = variance * lambda * lambda / 3.0;
-        let stationary = Derivatives::new(
-            variance,
-            0.0,
-            -of_slope,
-            0.0,
-            of_slope,
-            0.0,
-            -of_slope,
-            0.0,
-            variance * lambda.powi(4),
-        );
+        let stationary =
+            Derivatives::new(variance, 0.0, -of_slope, 0.0, of_slope, 0.0, -of_slope, 0.0, variance * lambda.powi(4));
         let news = stationary - transition * stationary * transition.transpose();
         let u = lambda * spacing;
         Self { transition, news, stationary, correlation: (1.0 + u + u * u / 3.0) * decay }

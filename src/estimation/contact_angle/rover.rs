@@ -1,17 +1,21 @@
 //! Contact angles of all wheels of a rover.
 
 use super::filter::Innovation;
-use super::pairs::{Pair, Point, pairs};
+use super::pairs::{Pair, Point, all_stand, pairs};
 use super::parameters::{ContactAngleEstimation, NO_GYROSCOPE};
 use super::profile::{ProfileFilter, ProfileModel, ProfileReading};
+use super::singly::PairFilters;
 use crate::control::Nominal;
 use crate::estimation::EstimationError;
 use crate::estimation::error::{finite, within_bounds};
 use crate::signals::Measurement;
 use crate::snapshot::{Moving, Reader, SnapshotError, Writer};
 
-/// Estimates the contact angles of all wheels from pitch, pitch rate, wheel speeds and the links' angles and rates, all
-/// wheels on one ground ([`ProfileFilter`]).
+/// Estimates the contact angles of all wheels from pitch, pitch rate, wheel speeds and the links' angles and rates.
+///
+/// Where all wheels stand on the ground wherever the rover is (two on a body, or each of them on a joint's far side),
+/// they are taken to cross one ground ([`ProfileFilter`]). A body on three or more wheels stands on only some of them, and which
+/// ones is not measured: its pairs are filtered each by itself ([`PairFilter`](super::PairFilter)).
 ///
 /// Wheels on one body are paired with each other; a wheel that is alone on its body is paired with a joint, whose place
 /// follows from the pair on the other side of it (2.6.2: the rear wheel of a rocker-bogie and the bogie's pivot).
@@ -23,7 +27,7 @@ pub struct ContactAngles {
     parents: Vec<usize>,
     bodies: Vec<usize>,
     pairs: Vec<Pair>,
-    filter: ProfileFilter,
+    filter: Filter,
     time: Option<f64>,
     angles: Vec<f64>,
     deviations: Vec<f64>,
@@ -34,9 +38,21 @@ pub struct ContactAngles {
     speeds: Vec<[f64; 2]>,
 }
 
+/// How the wheels' grounds belong together.
+#[derive(Clone, Debug)]
+enum Filter {
+    /// They are one.
+    Ground(Box<ProfileFilter>),
+    /// Nothing is known of it.
+    Pairs(PairFilters),
+}
+
 impl Moving for ContactAngles {
     fn save(&self, to: &mut Writer) {
-        self.filter.save(to);
+        match &self.filter {
+            Filter::Ground(filter) => filter.save(to),
+            Filter::Pairs(filters) => filters.save(to),
+        }
         self.time.save(to);
         self.angles.save(to);
         self.deviations.save(to);
@@ -44,7 +60,10 @@ impl Moving for ContactAngles {
     }
 
     fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {
-        self.filter.load(from)?;
+        match &mut self.filter {
+            Filter::Ground(filter) => filter.load(from)?,
+            Filter::Pairs(filters) => filters.load(from)?,
+        }
         self.time.load(from)?;
         self.angles.load(from)?;
         self.deviations.load(from)?;
@@ -62,20 +81,11 @@ impl ContactAngles {
         nominal.check()?;
         within_bounds("contact_angle", parameters)?;
         let pairs = pairs(nominal)?;
-        let rearmost = nominal.wheel_centres.iter().map(|centre| centre[0]).fold(f64::MAX, f64::min);
-        let filter = ProfileFilter::new(ProfileModel {
-            pairs: pairs.clone(),
-            places: nominal.wheel_centres.iter().map(|centre| centre[0] - rearmost).collect(),
-            angle_deviation: parameters.angle_deviation,
-            correlation_length: parameters.correlation_length,
-            speed_drift: parameters.speed_drift,
-            slip: parameters.slip,
-            slip_deviation: parameters.slip_deviation,
-            slip_length: parameters.slip_length,
-            kinematic_error: parameters.kinematic_error,
-            path_deviation: parameters.path_deviation,
-            rate_error: parameters.rate_error,
-        });
+        let filter = if all_stand(&pairs, nominal.wheels()) {
+            Filter::Ground(Box::new(ProfileFilter::new(ground(nominal, &pairs, &parameters))))
+        } else {
+            Filter::Pairs(PairFilters::new(pairs.clone(), &parameters))
+        };
         let wheels = nominal.wheels();
         Ok(Self {
             parameters,
@@ -116,15 +126,21 @@ impl ContactAngles {
             self.speeds[wheel] = self.wheel_speed(wheel, measured.wheels[wheel].speed);
         }
         let rates = self.has_gyroscope().then_some(self.rates.as_slice());
-        let reading = ProfileReading { inclinations: &self.inclinations, rates, speeds: &self.speeds };
-        self.innovation = if started {
-            self.filter.step(dt, &reading)
-        } else {
-            self.filter.start(&reading);
-            Innovation::default()
+        let (inclinations, speeds) = (self.inclinations.as_slice(), self.speeds.as_slice());
+        let reading = ProfileReading { inclinations, rates, speeds };
+        self.innovation = match &mut self.filter {
+            Filter::Ground(filter) if started => filter.step(dt, &reading),
+            Filter::Ground(filter) => {
+                filter.start(&reading);
+                Innovation::default()
+            }
+            Filter::Pairs(filters) => filters.step(dt, inclinations, rates, speeds),
         };
         for wheel in 0..self.angles.len() {
-            [self.angles[wheel], self.deviations[wheel]] = self.filter.angle(wheel);
+            [self.angles[wheel], self.deviations[wheel]] = match &self.filter {
+                Filter::Ground(filter) => filter.angle(wheel),
+                Filter::Pairs(filters) => filters.angle(wheel),
+            };
         }
         Ok(())
     }
@@ -150,7 +166,10 @@ impl ContactAngles {
     /// How often the filter has lost its way and started anew.
     #[must_use]
     pub fn restarts(&self) -> u32 {
-        self.filter.restarts()
+        match &self.filter {
+            Filter::Ground(filter) => filter.restarts(),
+            Filter::Pairs(filters) => filters.restarts(),
+        }
     }
 
     /// Numbers of the wheels (from 1) that each pair consists of, rear and front; `None` is a joint.
@@ -165,6 +184,9 @@ impl ContactAngles {
 
     /// Forgets all measurements.
     pub fn reset(&mut self) {
+        if let Filter::Pairs(filters) = &mut self.filter {
+            filters.reset();
+        }
         self.time = None;
         self.angles.fill(0.0);
         self.deviations.fill(self.parameters.angle_deviation);
@@ -213,7 +235,10 @@ impl ContactAngles {
         }
         // Without a gyroscope the filter's own rate has to do.
         if !self.has_gyroscope() {
-            rate = [self.filter.turning(k), 0.0];
+            rate = match &self.filter {
+                Filter::Ground(filter) => [filter.turning(k), 0.0],
+                Filter::Pairs(filters) => filters.rate(k),
+            };
         }
         self.inclinations[k] = angle;
         self.rates[k] = rate;
@@ -222,10 +247,28 @@ impl ContactAngles {
     /// Speed of a wheel's rim past its centre and its variance, from an encoder's reading and the rate of the body.
     fn wheel_speed(&self, wheel: usize, encoder: f64) -> [f64; 2] {
         let ContactAngleEstimation { wheel_speed_noise, covariance_factor, .. } = self.parameters;
-        let pair = self.pairs.iter().position(|pair| pair.carries && pair.body == self.bodies[wheel]);
+        let pair = self.pairs.iter().position(|pair| pair.body == self.bodies[wheel]);
         let rate = pair.map_or([0.0; 2], |pair| self.rates[pair]);
         // The soil sees the absolute rate of the wheel; nose up is against rolling forward.
         let rim = self.radius * (encoder - rate[0]);
         [rim, self.radius * self.radius * (covariance_factor * wheel_speed_noise * wheel_speed_noise + rate[1])]
+    }
+}
+
+/// What is believed of the one ground.
+fn ground(nominal: &Nominal, pairs: &[Pair], parameters: &ContactAngleEstimation) -> ProfileModel {
+    let rearmost = nominal.wheel_centres.iter().map(|centre| centre[0]).fold(f64::MAX, f64::min);
+    ProfileModel {
+        pairs: pairs.to_vec(),
+        places: nominal.wheel_centres.iter().map(|centre| centre[0] - rearmost).collect(),
+        angle_deviation: parameters.angle_deviation,
+        correlation_length: parameters.correlation_length,
+        speed_drift: parameters.speed_drift,
+        slip: parameters.slip,
+        slip_deviation: parameters.slip_deviation,
+        slip_length: parameters.slip_length,
+        kinematic_error: parameters.kinematic_error,
+        path_deviation: parameters.path_deviation,
+        rate_error: parameters.rate_error,
     }
 }
