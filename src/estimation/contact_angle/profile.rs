@@ -39,9 +39,6 @@ const DETOUR: f64 = 1.35;
 const AHEAD: f64 = 2.0;
 /// Standard deviation of the first speed, of the speed and its noise.
 const FIRST_SPEED: f64 = 3.0;
-/// Way over which squares of the slope's errors last, over that of the errors: 3.5/lambda of the correlation's square against twice
-/// the correlation length.
-const SQUARES_LAST: f64 = 0.6;
 /// Least share of the rim's speed that a wheel moves at: beyond, it spins in place.
 const LEAST_GRIP: f64 = 0.05;
 /// Way to either side over which a rate is differentiated, in spacings of the nodes.
@@ -253,9 +250,9 @@ impl ProfileFilter {
         let lasting = if way > 0.0 { (2.0 * self.model.correlation_length / way).max(1.0) } else { 1.0 };
         for (wheel, [speed, variance]) in reading.speeds.iter().enumerate() {
             self.rim_speed(wheel);
-            let [mean, spread] = self.beyond_first_order(wheel);
+            let [mean, spread] = self.speed_beyond_first_order(wheel);
             let error = self.model.kinematic_error * speed;
-            let lasting = lasting * (error * error + SQUARES_LAST * spread * speed * speed);
+            let lasting = lasting * (error * error + spread * speed * speed);
             add(self.absorb(speed - self.scratch.row.value - mean * speed, variance + lasting));
         }
         for k in 0..self.model.pairs.len() {
@@ -277,7 +274,7 @@ impl ProfileFilter {
                 let [mean, spread] = self.rate_beyond_first_order();
                 let tilt = self.model.path_deviation / self.model.pairs[k].distance;
                 let tilting = tilt * self.window.state[self.layout.speed()] / self.model.correlation_length;
-                let lasting = lasting * (tilting * tilting + SQUARES_LAST * spread);
+                let lasting = lasting * (tilting * tilting + spread);
                 add(self.absorb(value - mean - self.scratch.row.value, variance + error * error + lasting));
             }
             self.rate(k);
@@ -321,34 +318,6 @@ impl ProfileFilter {
         row.value /= grip;
         row.by.iter_mut().for_each(|by| *by /= grip);
         row.by[slip] = row.value / grip;
-    }
-
-    /// Mean and variance of the second-order part of a wheel's speed, shares of it. A speed goes with the cosines of the angles
-    /// between travel and line at both ends of a pair (2.29), and the error of a cosine is half the square of that of its
-    /// angle: known angles make a speed tell of the ground, unknown ones would make it tell too much.
-    fn beyond_first_order(&mut self, wheel: usize) -> [f64; 2] {
-        let first = self.scratch.shape.first();
-        if wheel == first {
-            return [0.0; 2];
-        }
-        let Self { window, scratch, .. } = self;
-        let Scratch { shape, column, apart, .. } = scratch;
-        for (row, wheel) in apart.iter_mut().zip([wheel, first]) {
-            shape.slope(wheel, row);
-            let line = &shape.inclinations[shape.pair_of(wheel)];
-            row.by.iter_mut().zip(&line.by).for_each(|(by, of_line)| *by -= of_line);
-        }
-        let [own, others] = &*apart;
-        let mut variances = [0.0; 3];
-        for (which, (left, right)) in [(own, own), (others, others), (own, others)].into_iter().enumerate() {
-            if which != 2 {
-                window.column(&right.by, column);
-            }
-            // The third product takes the second column: of the first wheel.
-            variances[which] = left.by.iter().zip(column.iter()).map(|(by, entry)| by * entry).sum();
-        }
-        let [of_own, of_first, joint] = variances;
-        [0.5 * (of_own - of_first), 0.5 * (of_own * of_own + of_first * of_first - 2.0 * joint * joint).max(0.0)]
     }
 
     /// Takes a measurement in whose derivatives are in the row; its normalised innovation squared.
