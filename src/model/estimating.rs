@@ -15,7 +15,7 @@ pub enum ContactAngleSource {
     /// A sensor at every wheel, with the errors that the model gives it. No rover has one: a bound.
     #[default]
     Sensor,
-    /// The Kalman filter of 2.5 on pitch, wheel speeds and joints.
+    /// The Kalman filter of 2.5 on pitch, wheel speeds and joints, in the form that the rover's structure allows.
     Estimator,
 }
 

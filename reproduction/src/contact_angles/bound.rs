@@ -10,6 +10,8 @@ const FINE: f64 = 0.04;
 const CHECKS: f64 = 2.0;
 /// Deviation of the speed's coefficients, of the speed.
 const SPEED_DEVIATION: f64 = 0.1;
+/// Parts of the ground under the vehicle for its integrals.
+const PARTS: usize = 200;
 /// Cubic splines that are not zero at a place.
 const BASES: usize = 4;
 
@@ -20,6 +22,15 @@ pub struct Bound {
     pub filter: [f64; 2],
     /// From all readings of the drive.
     pub smoother: [f64; 2],
+}
+
+/// What the rear wheel's ground has to do with the front one's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Grounds {
+    /// Nothing: two unknown courses of the slope.
+    Two,
+    /// It is the same, a wheelbase later.
+    One,
 }
 
 impl Wave {
@@ -33,27 +44,66 @@ impl Wave {
     /// `None` where rounding leaves no definite matrix.
     #[must_use]
     pub fn bound(&self, knots: f64) -> Option<Bound> {
+        self.bound_on(Grounds::Two, knots)
+    }
+
+    /// The same bound where both wheels are known to cross one ground: a single spline of the slope, at which the rear wheel
+    /// reads where the front one was. The wheels' places along it are taken as known.
+    #[must_use]
+    pub fn ground_bound(&self, knots: f64) -> Option<Bound> {
+        self.bound_on(Grounds::One, knots)
+    }
+
+    fn bound_on(&self, grounds: Grounds, knots: f64) -> Option<Bound> {
         let step = FINE * knots / self.speed;
         let truth = Self { period: step, ..*self }.truth();
-        let way = |k: usize| k as f64 * step * self.speed;
-        let splines = Splines::new(knots, way(truth.len()));
-        let mut information = Information::new(self, &splines);
+        let ways = self.ways(grounds, &truth, step);
+        let furthest = ways.last().map_or(0.0, |[rear, front]| rear.max(*front));
+        let splines = Splines::new(knots, furthest + knots);
+        let mut information = Information::new(self, &splines, grounds);
+        if let (Grounds::One, Some(first), Some([_, front])) = (grounds, truth.first(), ways.first()) {
+            information.lay(self, first, &splines, *front);
+        }
         let transient = (self.transient() as f64 * self.period / step) as usize;
         let every = (1.0 / (FINE * CHECKS)) as usize;
         let checked = |k: usize| k >= transient && k.is_multiple_of(every);
         let mut filter = [MeanSquare::default(); 2];
-        for (k, instant) in truth.iter().enumerate() {
-            let row = splines.at(way(k));
-            information.read(self, instant, &row, step / self.period);
+        for (k, (instant, ways)) in truth.iter().zip(&ways).enumerate() {
+            let rows = ways.map(|way| splines.at(way));
+            information.read(self, instant, &rows, step / self.period);
             if checked(k) {
-                information.factor()?.add(&row, &mut filter);
+                information.factor()?.add(&rows, &mut filter);
             }
-            information.turn(self, instant, &row, step);
+            information.turn(self, instant, &rows, step);
         }
         let known = information.factor()?;
         let mut smoother = [MeanSquare::default(); 2];
-        (0..truth.len()).filter(|&k| checked(k)).for_each(|k| known.add(&splines.at(way(k)), &mut smoother));
+        (0..truth.len()).filter(|&k| checked(k)).for_each(|k| {
+            known.add(&ways[k].map(|way| splines.at(way)), &mut smoother);
+        });
         Some(Bound { filter: filter.map(|sum| sum.root()), smoother: smoother.map(|sum| sum.root()) })
+    }
+
+    /// Places of both wheels along the splines, m: on one ground along its arc, from the rear wheel's first place on.
+    fn ways(&self, grounds: Grounds, truth: &[Truth], step: f64) -> Vec<[f64; 2]> {
+        match grounds {
+            Grounds::Two => (0..truth.len()).map(|k| [k as f64 * step * self.speed; 2]).collect(),
+            Grounds::One => {
+                let mut way = [0.0, self.arc(truth)];
+                let along = |instant: &Truth| {
+                    let now = way;
+                    way.iter_mut().zip(instant.motion.speeds).for_each(|(way, speed)| *way += speed * step);
+                    now
+                };
+                truth.iter().map(along).collect()
+            }
+        }
+    }
+
+    /// Arc of the wave under the vehicle at the first instant, m.
+    fn arc(&self, truth: &[Truth]) -> f64 {
+        let width = truth.first().map_or(0.0, |first| self.distance * first.motion.inclination.cos());
+        (0..PARTS).map(|k| width / PARTS as f64 / self.slope((k as f64 + 0.5) * width / PARTS as f64).cos()).sum()
     }
 }
 
@@ -84,12 +134,14 @@ impl Splines {
     }
 }
 
-/// Information on the coefficients of gamma_1, gamma_2 and v_1, and on the first inclination, which comes last.
+/// Information on the coefficients of gamma_1, gamma_2 (on one ground the same) and v_1, and on the first inclination, which
+/// comes last.
 struct Information {
     matrix: DMatrix<f64>,
     /// Derivatives of the present inclination by all of them.
     inclination: DVector<f64>,
-    count: usize,
+    /// Where the coefficients of gamma_1, gamma_2 and v_1 begin.
+    places: [usize; 3],
 }
 
 /// Partial derivatives of rate alpha' and speed v_2 by gamma_1, gamma_2, v_1 and alpha.
@@ -107,33 +159,55 @@ fn derivatives(distance: f64, truth: &Truth) -> [[f64; 4]; 2] {
 }
 
 impl Information {
-    fn new(wave: &Wave, splines: &Splines) -> Self {
+    fn new(wave: &Wave, splines: &Splines, grounds: Grounds) -> Self {
         let count = splines.count;
-        let size = 3 * count + 1;
+        let places = match grounds {
+            Grounds::Two => [0, count, 2 * count],
+            Grounds::One => [0, 0, count],
+        };
+        let size = places[2] + count + 1;
         let mut matrix = DMatrix::zeros(size, size);
         let (angle, speed) = (wave.angle_deviation(), SPEED_DEVIATION * wave.speed);
         for k in 0..size {
-            let deviation = if (2 * count..3 * count).contains(&k) { speed } else { angle };
+            let deviation = if (places[2]..size - 1).contains(&k) { speed } else { angle };
             matrix[(k, k)] = 1.0 / (deviation * deviation);
         }
         let mut inclination = DVector::zeros(size);
         inclination[size - 1] = 1.0;
-        Self { matrix, inclination, count }
+        Self { matrix, inclination, places }
     }
 
-    /// A linear function of the coefficients: `parts` of gamma_1, gamma_2, v_1 and the inclination.
-    fn combine(&self, parts: [f64; 4], row: &Row) -> DVector<f64> {
+    /// The first inclination follows from the ground up to the way `front`: the line spans it, l d alpha is the integral of
+    /// cos(gamma - alpha) d gamma.
+    fn lay(&mut self, wave: &Wave, first: &Truth, splines: &Splines, front: f64) {
+        self.inclination.fill(0.0);
+        let mut x = 0.0;
+        for part in 0..PARTS {
+            let gamma = wave.slope(x);
+            x += front / PARTS as f64 * gamma.cos();
+            let row = splines.at((part as f64 + 0.5) * front / PARTS as f64);
+            let weight = (gamma - first.motion.inclination).cos() * front / PARTS as f64 / wave.distance;
+            for (k, value) in row.values.iter().enumerate() {
+                self.inclination[row.first + k] += weight * value;
+            }
+        }
+    }
+
+    /// A linear function of the coefficients: `parts` of gamma_1, gamma_2, v_1 and the inclination. The speed is a spline of
+    /// the rear wheel's way.
+    fn combine(&self, parts: [f64; 4], rows: &[Row; 2]) -> DVector<f64> {
         let mut sum = &self.inclination * parts[3];
         for (which, part) in parts.iter().take(3).enumerate() {
+            let row = if which == 1 { &rows[1] } else { &rows[0] };
             for (k, value) in row.values.iter().enumerate() {
-                sum[which * self.count + row.first + k] += part * value;
+                sum[self.places[which] + row.first + k] += part * value;
             }
         }
         sum
     }
 
     /// Adds `readings` readings of inclination, v_1 and v_2.
-    fn read(&mut self, wave: &Wave, truth: &Truth, row: &Row, readings: f64) {
+    fn read(&mut self, wave: &Wave, truth: &Truth, rows: &[Row; 2], readings: f64) {
         let [_, second] = derivatives(wave.distance, truth);
         let seen = [
             ([0.0, 0.0, 0.0, 1.0], wave.pitch_noise),
@@ -141,36 +215,37 @@ impl Information {
             (second, wave.speed_noise),
         ];
         for (parts, noise) in seen {
-            let row = self.combine(parts, row);
+            let row = self.combine(parts, rows);
             self.matrix.syger(readings / (noise * noise), &row, &row, 1.0);
         }
     }
 
     /// The line turns for `step` s.
-    fn turn(&mut self, wave: &Wave, truth: &Truth, row: &Row, step: f64) {
+    fn turn(&mut self, wave: &Wave, truth: &Truth, rows: &[Row; 2], step: f64) {
         let [rate, _] = derivatives(wave.distance, truth);
-        self.inclination = self.combine([rate[0] * step, rate[1] * step, rate[2] * step, 1.0 + rate[3] * step], row);
+        self.inclination = self.combine([rate[0] * step, rate[1] * step, rate[2] * step, 1.0 + rate[3] * step], rows);
     }
 
     fn factor(&self) -> Option<Known> {
         // `syger` fills the lower triangle, which is all that the factorisation reads.
-        Some(Known { factor: Cholesky::new(self.matrix.clone())?, count: self.count })
+        Some(Known { factor: Cholesky::new(self.matrix.clone())?, places: [self.places[0], self.places[1]] })
     }
 }
 
 /// What is known of the coefficients.
 struct Known {
     factor: Cholesky<f64, Dyn>,
-    count: usize,
+    /// Where those of gamma_1 and gamma_2 begin.
+    places: [usize; 2],
 }
 
 impl Known {
-    /// Adds the standard deviations of gamma_1 and gamma_2 at a place, rad.
-    fn add(&self, row: &Row, sums: &mut [MeanSquare; 2]) {
-        for (side, sum) in sums.iter_mut().enumerate() {
-            let mut function = DVector::zeros(3 * self.count + 1);
+    /// Adds the standard deviations of gamma_1 and gamma_2 at their places, rad.
+    fn add(&self, rows: &[Row; 2], sums: &mut [MeanSquare; 2]) {
+        for ((start, row), sum) in self.places.iter().zip(rows).zip(sums) {
+            let mut function = DVector::zeros(self.factor.l_dirty().nrows());
             for (k, value) in row.values.iter().enumerate() {
-                function[side * self.count + row.first + k] = *value;
+                function[start + row.first + k] = *value;
             }
             sum.add(function.dot(&self.factor.solve(&function)).max(0.0).sqrt());
         }

@@ -11,7 +11,7 @@ pub use bound::Bound;
 pub use incline::incline;
 pub use rock::rock;
 pub use undulating::undulating;
-pub use wave::{Tracking, Wave};
+pub use wave::{Quality, Tracking, Wave};
 
 use super::Spread;
 use bekker::estimation::EstimationError;

@@ -2,7 +2,10 @@
 
 use super::MeanSquare;
 use bekker::estimation::consistency::nees;
-use bekker::estimation::contact_angle::{PairFilter, PairModel, PairMotion, PairNoise, PairReading, direct};
+use bekker::estimation::contact_angle::{
+    Innovation, Pair, PairFilter, PairModel, PairMotion, PairNoise, PairReading, Point, ProfileFilter, ProfileModel,
+    ProfileReading, direct,
+};
 use nalgebra::{Matrix2, Vector2};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -13,6 +16,14 @@ use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 const WAVES: f64 = 2.0;
 /// Share of the first wave that counts as initial transient.
 const TRANSIENT: f64 = 0.25;
+/// Noise as a share of a range (2.6.1), and instants a wave at which the range is looked for.
+const NOISE_SHARE: f64 = 0.1;
+const INSTANTS: f64 = 400.0;
+/// Way over which the slope's autocorrelation falls to 1/e in the ground's filter, of the wavelength: its errors are as large
+/// as it believes there (trials 1000 to 1009, which no result counts).
+const SMOOTH: f64 = 0.4;
+/// Error of the speeds in the ground's filter, share of the speed: the simulation's kinematics are exact.
+const EXACT: f64 = 1e-4;
 /// Newton's iterations for the front point; the error is far under rounding after five.
 const ITERATIONS: usize = 8;
 
@@ -36,7 +47,7 @@ pub struct Wave {
     pub speed_noise: f64,
     /// Factor of R on the variances of the noise.
     pub covariance_factor: f64,
-    /// Way over which the filter takes contact angles to be correlated, over what the wave's number says.
+    /// Way over which the filters take contact angles to be correlated, over what the wave's number says.
     pub correlation_factor: f64,
 }
 
@@ -64,22 +75,32 @@ pub(super) struct Truth {
     pub angles: [f64; 2],
 }
 
+/// How well a filter tracked in one trial; rear and front.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Quality {
+    /// RMS errors after the initial transient, rad.
+    pub errors: [f64; 2],
+    /// Mean normalised squared error of both angles; 2 where the covariance is that of the errors.
+    pub nees: f64,
+    /// Mean normalised innovation squared of a reading over its number of measurements; 1 in a consistent filter.
+    pub nis: f64,
+}
+
 /// How well contact angles were tracked in one trial; rear and front.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tracking {
-    /// RMS error of the filter after the initial transient, rad.
-    pub filter: [f64; 2],
+    /// Of the filter of the ground that both wheels cross.
+    pub ground: Quality,
+    /// Of the filter of two unrelated angles, which is the thesis's.
+    pub pair: Quality,
     /// RMS error of the direct solution of means over a quarter of the distance, where it has one, rad.
     pub direct: [f64; 2],
     /// Share of the instants at which that has a solution.
     pub direct_share: f64,
     /// Share of the readings for which the direct solution has one when the rate is the difference of two readings.
     pub raw_share: f64,
-    /// Mean normalised squared error of both angles; 2 where the covariance is that of the errors.
-    pub nees: f64,
-    /// Mean normalised innovation squared of a reading over its number of measurements; 1 in a consistent filter.
-    pub nis: f64,
-    /// Angles in time, rad: [true, filter, direct], each rear and front; direct is NaN where it has no solution.
+    /// Angles in time, rad: [true, of the ground's filter, direct], each rear and front; direct is NaN where it has no
+    /// solution.
     pub course: Vec<[[f64; 2]; 3]>,
 }
 
@@ -91,6 +112,23 @@ impl Wave {
         // The chord's horizontal part is l cos(pitch), nearly l; its rise 2 A sin(k l cos/2).
         let (sin, cos) = (0.5 * self.pitch_range).sin_cos();
         0.5 * self.distance * sin / (half_turn * cos).sin()
+    }
+
+    /// The same at a speed at which the points' speeds range, from the least to the largest, over ten times their noise: "10 %
+    /// of their range of values" (2.6.1) as the pitch's 3 of 30 degrees are.
+    #[must_use]
+    pub fn speeds_in_range(&self) -> Self {
+        let coarse = Self { period: self.wavelength / self.speed / INSTANTS, ..*self };
+        let speeds = coarse.truth();
+        let of_rear = || speeds.iter().map(|truth| truth.motion.speeds[0] / self.speed);
+        let share = of_rear().fold(f64::MIN, f64::max) - of_rear().fold(f64::MAX, f64::min);
+        Self { speed: self.speed_noise / (NOISE_SHARE * share), ..*self }
+    }
+
+    /// Slope of the wave at x, rad.
+    pub(super) fn slope(&self, x: f64) -> f64 {
+        let k = TAU / self.wavelength;
+        (self.amplitude() * k * (k * x).cos()).atan()
     }
 
     /// Deviation of the wave's slope, rad.
@@ -167,7 +205,8 @@ impl Wave {
     pub(super) fn track(&self, truth: &[Truth], seed: u64) -> Tracking {
         let readings = self.readings(truth, seed);
         let mut tracking = Tracking::default();
-        self.filter(truth, &readings, &mut tracking);
+        tracking.pair = self.follow_pair(truth, &readings);
+        tracking.ground = self.follow_ground(truth, &readings, &mut tracking.course);
         self.solve_means(truth, &readings, &mut tracking);
         tracking.raw_share = self.raw_share(&readings);
         tracking
@@ -199,31 +238,70 @@ impl Wave {
         (TRANSIENT * self.wavelength / (self.speed * self.period)) as usize
     }
 
-    fn filter(&self, truth: &[Truth], readings: &[[f64; 3]], tracking: &mut Tracking) {
-        let variance = |deviation: f64| self.covariance_factor * deviation * deviation;
-        let (of_pitch, of_speed) = (variance(self.pitch_noise), variance(self.speed_noise));
+    /// R's variances of pitch and speeds.
+    fn variances(&self) -> [f64; 2] {
+        [self.pitch_noise, self.speed_noise].map(|deviation| self.covariance_factor * deviation * deviation)
+    }
+
+    fn follow_pair(&self, truth: &[Truth], readings: &[[f64; 3]]) -> Quality {
+        let [of_pitch, of_speed] = self.variances();
         let mut filter: Option<PairFilter> = None;
-        let (mut errors, mut consistency, mut innovations) = ([MeanSquare::default(); 2], 0.0, 0.0);
+        let mut sums = Sums::default();
         for (k, (truth, [pitch, v1, v2])) in truth.iter().zip(readings).enumerate() {
             let reading =
                 PairReading { inclination: [*pitch, of_pitch], rate: None, speeds: [[*v1, of_speed], [*v2, of_speed]] };
             let filter = filter.get_or_insert_with(|| PairFilter::new(self.model(), &reading));
             if k > 0 {
-                let innovation = filter.step(self.period, &reading);
-                innovations += innovation.nis / innovation.count as f64;
+                sums.innovate(filter.step(self.period, &reading));
             }
-            let angles = [filter.angle(0)[0], filter.angle(1)[0]];
-            tracking.course.push([truth.angles, angles, [f64::NAN; 2]]);
             if k >= self.transient() {
-                let error = Vector2::from(angles) - Vector2::from(truth.angles);
-                errors.iter_mut().zip(error.iter()).for_each(|(sum, error)| sum.add(*error));
-                let covariance: Matrix2<f64> = filter.covariance().fixed_view::<2, 2>(4, 4).into();
-                consistency += nees(&error, &covariance).unwrap_or(f64::INFINITY);
+                let angles = [filter.angle(0)[0], filter.angle(1)[0]];
+                sums.add(truth.angles, angles, &filter.covariance().fixed_view::<2, 2>(4, 4).into());
             }
         }
-        tracking.filter = errors.map(|error| error.root());
-        tracking.nees = consistency / errors[0].count as f64;
-        tracking.nis = innovations / (readings.len() - 1) as f64;
+        sums.quality()
+    }
+
+    /// The filter of the ground: slopes with the deviation of the wave's, speeds that may wander by their noise within the
+    /// way over which slopes are correlated. That way is [`SMOOTH`] waves.
+    fn ground(&self) -> ProfileModel {
+        let correlation_length = self.correlation_factor * SMOOTH * self.wavelength;
+        let points = [Point::Wheel(0), Point::Wheel(1)];
+        ProfileModel {
+            pairs: vec![Pair { body: 0, points, distance: self.distance, inclination: 0.0 }],
+            places: vec![0.0, self.distance],
+            angle_deviation: self.angle_deviation(),
+            correlation_length,
+            speed_drift: self.speed_noise / (correlation_length / self.speed).sqrt(),
+            slip: 0.0,
+            slip_deviation: 0.0,
+            slip_length: 1.0,
+            kinematic_error: EXACT,
+            path_deviation: 0.0,
+            rate_error: 0.0,
+        }
+    }
+
+    fn follow_ground(&self, truth: &[Truth], readings: &[[f64; 3]], course: &mut Vec<[[f64; 2]; 3]>) -> Quality {
+        // R as it is: the factor is the thesis's.
+        let [of_pitch, of_speed] = [self.pitch_noise, self.speed_noise].map(|deviation| deviation * deviation);
+        let mut filter = ProfileFilter::new(self.ground());
+        let mut sums = Sums::default();
+        for (k, (truth, [pitch, v1, v2])) in truth.iter().zip(readings).enumerate() {
+            let speeds = [[*v1, of_speed], [*v2, of_speed]];
+            let reading = ProfileReading { inclinations: &[[*pitch, of_pitch]], rates: None, speeds: &speeds };
+            if k > 0 {
+                sums.innovate(filter.step(self.period, &reading));
+            } else {
+                filter.start(&reading);
+            }
+            let angles = [filter.angle(0)[0], filter.angle(1)[0]];
+            course.push([truth.angles, angles, [f64::NAN; 2]]);
+            if k >= self.transient() {
+                sums.add(truth.angles, angles, &Matrix2::from_fn(|a, b| filter.covariance(a, b)));
+            }
+        }
+        sums.quality()
     }
 
     /// The direct solution of means of pitch and speeds, and of the line through the pitches, over a quarter of the
@@ -264,5 +342,35 @@ impl Wave {
             direct(self.distance, &motion, &PairNoise::default()).is_ok()
         });
         solved.count() as f64 / (readings.len() - 1) as f64
+    }
+}
+
+/// Sums over a trial.
+#[derive(Default)]
+struct Sums {
+    errors: [MeanSquare; 2],
+    nees: f64,
+    nis: f64,
+    innovations: usize,
+}
+
+impl Sums {
+    fn innovate(&mut self, innovation: Innovation) {
+        self.nis += innovation.nis / innovation.count as f64;
+        self.innovations += 1;
+    }
+
+    fn add(&mut self, truth: [f64; 2], angles: [f64; 2], covariance: &Matrix2<f64>) {
+        let error = Vector2::from(angles) - Vector2::from(truth);
+        self.errors.iter_mut().zip(error.iter()).for_each(|(sum, error)| sum.add(*error));
+        self.nees += nees(&error, covariance).unwrap_or(f64::INFINITY);
+    }
+
+    fn quality(&self) -> Quality {
+        Quality {
+            errors: self.errors.map(|error| error.root()),
+            nees: self.nees / self.errors[0].count as f64,
+            nis: self.nis / self.innovations as f64,
+        }
     }
 }

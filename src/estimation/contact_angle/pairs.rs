@@ -8,22 +8,35 @@ const SHORTEST: f64 = 1e-3;
 
 /// A point of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Point {
+pub enum Point {
     /// Centre of a wheel, by its index.
     Wheel(usize),
-    /// A joint whose motion follows from an earlier pair; its place from that pair's rear point, in the drawing, m.
-    Pivot { pair: usize, place: [f64; 2] },
+    /// A joint whose motion follows from an earlier pair.
+    Pivot {
+        /// Index of that pair.
+        pair: usize,
+        /// Place of the joint from that pair's rear point, in the drawing, m.
+        place: [f64; 2],
+    },
 }
 
 /// Two points on one body, rear and front.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Pair {
+pub struct Pair {
     /// 0 the chassis, k link k.
     pub body: usize,
+    /// Rear and front point.
     pub points: [Point; 2],
-    /// From the rear to the front point in the drawing: distance, m, and inclination, rad.
+    /// Distance of the points, m.
     pub distance: f64,
+    /// Inclination of the line from the rear to the front point in the drawing, rad.
     pub inclination: f64,
+}
+
+/// Whether all wheels stand on the ground wherever they are: a pair for every wheel but one. A body on three or more
+/// wheels, or a second body on two, leaves some of them in the air on firm ground, and which ones is not measured.
+pub(super) fn all_stand(pairs: &[Pair], wheels: usize) -> bool {
+    pairs.len() + 1 == wheels
 }
 
 /// Pairs that contain every wheel, each after those that it builds on: the neighbours on a body and, from three wheels on,

@@ -1,60 +1,68 @@
 //! Contact angles of all wheels of a rover.
 
-use super::filter::{Innovation, PairFilter, PairModel, PairReading};
-use super::pairs::{Pair, Point, pairs};
+use super::filter::Innovation;
+use super::pairs::{Pair, Point, all_stand, pairs};
 use super::parameters::{ContactAngleEstimation, NO_GYROSCOPE};
+use super::profile::{ProfileFilter, ProfileModel, ProfileReading};
+use super::singly::PairFilters;
 use crate::control::Nominal;
 use crate::estimation::EstimationError;
 use crate::estimation::error::{finite, within_bounds};
 use crate::signals::Measurement;
-use crate::snapshot::{Moving, Reader, SnapshotError, Writer, loaded};
+use crate::snapshot::{Moving, Reader, SnapshotError, Writer};
 
 /// Estimates the contact angles of all wheels from pitch, pitch rate, wheel speeds and the links' angles and rates.
 ///
-/// Wheels on one body are paired with each other; a wheel that is alone on its body is paired with a joint, whose speed
-/// follows from the pair on the other side of it (2.6.2: the rear wheel of a rocker-bogie and the bogie's pivot). Errors
-/// that pairs share are not modelled across them: where several see one wheel, the estimate is their mean weighted by
-/// inverse variance, and its deviation the one that fully correlated errors give.
+/// Where all wheels stand on the ground wherever the rover is (two on a body, or each of them on a joint's far side),
+/// they are taken to cross one ground ([`ProfileFilter`]). A body on three or more wheels stands on only some of them, and which
+/// ones is not measured: its pairs are filtered each by itself ([`PairFilter`](super::PairFilter)).
+///
+/// Wheels on one body are paired with each other; a wheel that is alone on its body is paired with a joint, whose place
+/// follows from the pair on the other side of it (2.6.2: the rear wheel of a rocker-bogie and the bogie's pivot).
 #[derive(Clone, Debug)]
 pub struct ContactAngles {
     parameters: ContactAngleEstimation,
     radius: f64,
-    /// Body that carries each link's joint.
+    /// Body that carries each link's joint, and body that carries each wheel.
     parents: Vec<usize>,
+    bodies: Vec<usize>,
     pairs: Vec<Pair>,
-    filters: Vec<Option<PairFilter>>,
+    filter: Filter,
     time: Option<f64>,
     angles: Vec<f64>,
     deviations: Vec<f64>,
     innovation: Innovation,
+    /// What is read of the pairs and wheels, each with its variance.
+    inclinations: Vec<[f64; 2]>,
+    rates: Vec<[f64; 2]>,
+    speeds: Vec<[f64; 2]>,
+}
+
+/// How the wheels' grounds belong together.
+#[derive(Clone, Debug)]
+enum Filter {
+    /// They are one.
+    Ground(Box<ProfileFilter>),
+    /// Nothing is known of it.
+    Pairs(PairFilters),
 }
 
 impl Moving for ContactAngles {
     fn save(&self, to: &mut Writer) {
-        let Self { filters, time, angles, deviations, innovation, parameters: _, radius: _, parents: _, pairs: _ } =
-            self;
-        for filter in filters {
-            filter.is_some().save(to);
-            filter.iter().for_each(|filter| filter.save(to));
+        match &self.filter {
+            Filter::Ground(filter) => filter.save(to),
+            Filter::Pairs(filters) => filters.save(to),
         }
-        time.save(to);
-        angles.save(to);
-        deviations.save(to);
-        innovation.save(to);
+        self.time.save(to);
+        self.angles.save(to);
+        self.deviations.save(to);
+        self.innovation.save(to);
     }
 
     fn load(&mut self, from: &mut Reader) -> Result<(), SnapshotError> {
-        for k in 0..self.pairs.len() {
-            self.filters[k] = match loaded(from)? {
-                false => None,
-                true => {
-                    // Any reading will do: all that it leaves is overwritten.
-                    let reading = PairReading { inclination: [0.0; 2], rate: None, speeds: [[0.0; 2]; 2] };
-                    let mut filter = PairFilter::new(self.model(&self.pairs[k]), &reading);
-                    filter.load(from)?;
-                    Some(filter)
-                }
-            };
+        match &mut self.filter {
+            Filter::Ground(filter) => filter.load(from)?,
+            Filter::Pairs(filters) => filters.load(from)?,
         }
         self.time.load(from)?;
         self.angles.load(from)?;
@@ -73,16 +81,26 @@ impl ContactAngles {
         nominal.check()?;
         within_bounds("contact_angle", parameters)?;
         let pairs = pairs(nominal)?;
+        let filter = if all_stand(&pairs, nominal.wheels()) {
+            Filter::Ground(Box::new(ProfileFilter::new(ground(nominal, &pairs, &parameters))))
+        } else {
+            Filter::Pairs(PairFilters::new(pairs.clone(), &parameters))
+        };
+        let wheels = nominal.wheels();
         Ok(Self {
             parameters,
             radius: nominal.wheel.radius,
             parents: nominal.links.iter().map(|link| link.parent).collect(),
-            filters: vec![None; pairs.len()],
-            pairs,
+            bodies: nominal.wheel_bodies.clone(),
+            filter,
             time: None,
-            angles: vec![0.0; nominal.wheels()],
-            deviations: vec![parameters.angle_deviation; nominal.wheels()],
+            angles: vec![0.0; wheels],
+            deviations: vec![parameters.angle_deviation; wheels],
             innovation: Innovation::default(),
+            inclinations: vec![[0.0; 2]; pairs.len()],
+            rates: vec![[0.0; 2]; pairs.len()],
+            speeds: vec![[0.0; 2]; wheels],
+            pairs,
         })
     }
 
@@ -102,19 +120,28 @@ impl ContactAngles {
         if self.time.is_some() && dt == 0.0 {
             return Ok(());
         }
-        self.time = Some(measured.time);
-        self.innovation = Innovation::default();
-        for k in 0..self.pairs.len() {
-            let reading = self.reading(k, measured);
-            if let Some(filter) = &mut self.filters[k] {
-                let Innovation { nis, count } = filter.step(dt, &reading);
-                self.innovation.nis += nis;
-                self.innovation.count += count;
-            } else {
-                self.filters[k] = Some(PairFilter::new(self.model(&self.pairs[k]), &reading));
-            }
+        let started = self.time.replace(measured.time).is_some();
+        (0..self.pairs.len()).for_each(|k| self.read_pair(k, measured));
+        for wheel in 0..self.speeds.len() {
+            self.speeds[wheel] = self.wheel_speed(wheel, measured.wheels[wheel].speed);
         }
-        self.combine();
+        let rates = self.has_gyroscope().then_some(self.rates.as_slice());
+        let (inclinations, speeds) = (self.inclinations.as_slice(), self.speeds.as_slice());
+        let reading = ProfileReading { inclinations, rates, speeds };
+        self.innovation = match &mut self.filter {
+            Filter::Ground(filter) if started => filter.step(dt, &reading),
+            Filter::Ground(filter) => {
+                filter.start(&reading);
+                Innovation::default()
+            }
+            Filter::Pairs(filters) => filters.step(dt, inclinations, rates, speeds),
+        };
+        for wheel in 0..self.angles.len() {
+            [self.angles[wheel], self.deviations[wheel]] = match &self.filter {
+                Filter::Ground(filter) => filter.angle(wheel),
+                Filter::Pairs(filters) => filters.angle(wheel),
+            };
+        }
         Ok(())
     }
 
@@ -130,16 +157,19 @@ impl ContactAngles {
         &self.deviations
     }
 
-    /// Innovation of the last update, summed over the pairs; nothing at the first.
+    /// Innovation of the last update; nothing at the first.
     #[must_use]
     pub fn innovation(&self) -> Innovation {
         self.innovation
     }
 
-    /// How often filters of pairs have lost their way and started anew.
+    /// How often the filter has lost its way and started anew.
     #[must_use]
     pub fn restarts(&self) -> u32 {
-        self.filters.iter().flatten().map(PairFilter::restarts).sum()
+        match &self.filter {
+            Filter::Ground(filter) => filter.restarts(),
+            Filter::Pairs(filters) => filters.restarts(),
+        }
     }
 
     /// Numbers of the wheels (from 1) that each pair consists of, rear and front; `None` is a joint.
@@ -154,7 +184,9 @@ impl ContactAngles {
 
     /// Forgets all measurements.
     pub fn reset(&mut self) {
-        self.filters.fill(None);
+        if let Filter::Pairs(filters) = &mut self.filter {
+            filters.reset();
+        }
         self.time = None;
         self.angles.fill(0.0);
         self.deviations.fill(self.parameters.angle_deviation);
@@ -185,19 +217,8 @@ impl ContactAngles {
         self.parameters.pitch_rate_noise < NO_GYROSCOPE
     }
 
-    fn model(&self, pair: &Pair) -> PairModel {
-        let ContactAngleEstimation { rate_drift, speed_drift, angle_deviation, correlation_length, .. } =
-            self.parameters;
-        let kinematic_error = self.parameters.kinematic_error.hypot(self.parameters.slip_deviation);
-        // Ground under two wheels is parallel to their line on the average; a line to a joint is inclined to it.
-        let wheels = pair.points.iter().all(|point| matches!(point, Point::Wheel(_)));
-        let offset = if wheels { 0.0 } else { pair.inclination };
-        let distance = pair.distance;
-        PairModel { distance, rate_drift, speed_drift, offset, angle_deviation, correlation_length, kinematic_error }
-    }
-
     /// What is measured of a pair.
-    fn reading(&self, k: usize, measured: &Measurement) -> PairReading {
+    fn read_pair(&mut self, k: usize, measured: &Measurement) {
         let pair = &self.pairs[k];
         let ContactAngleEstimation { pitch_noise, pitch_rate_noise, link_angle_noise, link_rate_noise, .. } =
             self.parameters;
@@ -212,47 +233,42 @@ impl ContactAngles {
             rate[1] += factor * link_rate_noise * link_rate_noise;
             body = self.parents[joint];
         }
-        let measured_rate = self.has_gyroscope().then_some(rate);
         // Without a gyroscope the filter's own rate has to do.
-        let turning = measured_rate.or_else(|| self.filters[k].map(|filter| filter.rate())).unwrap_or_default();
-        let speeds = pair.points.map(|point| match point {
-            Point::Wheel(wheel) => self.wheel_speed(measured.wheels[wheel].speed, turning),
-            Point::Pivot { pair, place } => self.pivot_speed(pair, place),
-        });
-        PairReading { inclination: angle, rate: measured_rate, speeds }
+        if !self.has_gyroscope() {
+            rate = match &self.filter {
+                Filter::Ground(filter) => [filter.turning(k), 0.0],
+                Filter::Pairs(filters) => filters.rate(k),
+            };
+        }
+        self.inclinations[k] = angle;
+        self.rates[k] = rate;
     }
 
-    /// Speed of a wheel's centre and its variance from an encoder's reading and the rate [value, variance] of the body.
-    fn wheel_speed(&self, encoder: f64, rate: [f64; 2]) -> [f64; 2] {
-        let ContactAngleEstimation { wheel_speed_noise, slip, covariance_factor, .. } = self.parameters;
+    /// Speed of a wheel's rim past its centre and its variance, from an encoder's reading and the rate of the body.
+    fn wheel_speed(&self, wheel: usize, encoder: f64) -> [f64; 2] {
+        let ContactAngleEstimation { wheel_speed_noise, covariance_factor, .. } = self.parameters;
+        let pair = self.pairs.iter().position(|pair| pair.body == self.bodies[wheel]);
+        let rate = pair.map_or([0.0; 2], |pair| self.rates[pair]);
         // The soil sees the absolute rate of the wheel; nose up is against rolling forward.
         let rim = self.radius * (encoder - rate[0]);
-        let keeps = (1.0 - slip) * self.radius;
-        let noise = keeps * keeps * (covariance_factor * wheel_speed_noise * wheel_speed_noise + rate[1]);
-        [(1.0 - slip) * rim, noise]
+        [rim, self.radius * self.radius * (covariance_factor * wheel_speed_noise * wheel_speed_noise + rate[1])]
     }
+}
 
-    /// Speed of a joint and its variance from the filter of a pair on one of its bodies.
-    fn pivot_speed(&self, pair: usize, place: [f64; 2]) -> [f64; 2] {
-        let inclination = self.pairs[pair].inclination;
-        self.filters[pair].map_or([0.0; 2], |filter| filter.speed_of(place, inclination))
-    }
-
-    /// Angles of the wheels from those of the pairs.
-    fn combine(&mut self) {
-        for wheel in 0..self.angles.len() {
-            let (mut weights, mut sum, mut spread) = (0.0, 0.0, 0.0);
-            for (pair, filter) in self.pairs.iter().zip(&self.filters) {
-                let place = pair.points.iter().position(|point| *point == Point::Wheel(wheel));
-                let (Some(place), Some(filter)) = (place, filter) else { continue };
-                let [angle, deviation] = filter.angle(place);
-                let weight = (deviation * deviation).max(f64::MIN_POSITIVE).recip();
-                weights += weight;
-                sum += weight * angle;
-                spread += weight * deviation;
-            }
-            self.angles[wheel] = sum / weights;
-            self.deviations[wheel] = spread / weights;
-        }
+/// What is believed of the one ground.
+fn ground(nominal: &Nominal, pairs: &[Pair], parameters: &ContactAngleEstimation) -> ProfileModel {
+    let rearmost = nominal.wheel_centres.iter().map(|centre| centre[0]).fold(f64::MAX, f64::min);
+    ProfileModel {
+        pairs: pairs.to_vec(),
+        places: nominal.wheel_centres.iter().map(|centre| centre[0] - rearmost).collect(),
+        angle_deviation: parameters.angle_deviation,
+        correlation_length: parameters.correlation_length,
+        speed_drift: parameters.speed_drift,
+        slip: parameters.slip,
+        slip_deviation: parameters.slip_deviation,
+        slip_length: parameters.slip_length,
+        kinematic_error: parameters.kinematic_error,
+        path_deviation: parameters.path_deviation,
+        rate_error: parameters.rate_error,
     }
 }
