@@ -307,8 +307,8 @@ fn property_the_page_shows_a_drive_over_time() {
     assert!(page.contains("velocity against time") && page.contains("torque of wheel 1 against pitch"));
     assert_eq!(
         page.matches("data-plot=\"").count(),
-        5 + 6 * 3 - 2,
-        "the torques of both wheels share a plot over time; x and pitch are not drawn against themselves"
+        1 + 5 + 6 * 3 - 2,
+        "the map of windows; the torques of both wheels share a plot over time; x and pitch are not drawn against themselves"
     );
     assert!(page.contains("Floor unknown"));
 }

@@ -201,8 +201,7 @@ fn start(run: &Run) -> &'static str {
 
 /// Words on the gap before a row, with the time of its last row before and of the first behind it.
 fn gap(time: &[f64], row: usize) -> String {
-    let begin =
-        cut::pieces(time).into_iter().map(|piece| piece.start).filter(|start| (1..=row).contains(start)).next_back();
+    let begin = cut::pieces(time).into_iter().map(|piece| piece.start).rfind(|start| (1..=row).contains(start));
     begin.map_or_else(
         || "the motion has not settled yet".to_owned(),
         |begin| {
