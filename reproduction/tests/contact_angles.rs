@@ -6,11 +6,12 @@ use std::sync::LazyLock;
 
 /// RMS errors of the thesis's filter in simulation, deg: front and rear (2.6.1).
 const THESIS: [f64; 2] = [0.98, 1.32];
-/// Ours over two trials, deg, front and rear, of the filter of the ground and of that of a pair, and three times the scatter of a
-/// mean of two trials.
-const OURS: [f64; 2] = [1.83, 0.36];
+/// Ours over two trials, deg, front and rear, of the filter of the ground and of that of a pair, and about three times the scatter of
+/// a mean of two trials.
+const OURS: [f64; 2] = [1.88, 0.35];
 const OF_PAIR: [f64; 2] = [2.85, 2.45];
-const OVER_SEEDS: f64 = 0.5;
+const OVER_SEEDS: [f64; 2] = [0.4, 0.2];
+const OVER_SEEDS_OF_PAIR: f64 = 0.4;
 /// Mean normalised squared error of both angles, 2 in a consistent filter, of two trials of about eleven independent errors each.
 const CONSISTENT: [f64; 2] = [0.9, 3.2];
 
@@ -41,8 +42,11 @@ fn regress_undulating_ground() {
     let of_pair = [mean(|t| t.pair.errors[1]), mean(|t| t.pair.errors[0])].map(f64::to_degrees);
     for side in [0, 1] {
         let ([ours, pair], [found, of_pair]) = ([OURS[side], OF_PAIR[side]], [found[side], of_pair[side]]);
-        assert!((found - ours).abs() < OVER_SEEDS, "side {side}: {found} deg, {ours} before");
-        assert!((of_pair - pair).abs() < OVER_SEEDS, "side {side}: {of_pair} deg of the pair's filter, {pair} before");
+        assert!((found - ours).abs() < OVER_SEEDS[side], "side {side}: {found} deg, {ours} before");
+        assert!(
+            (of_pair - pair).abs() < OVER_SEEDS_OF_PAIR,
+            "side {side}: {of_pair} deg of the pair's filter, {pair} before"
+        );
         // One ground under both wheels is known better than two.
         assert!(found < of_pair, "{found} {of_pair}");
     }
