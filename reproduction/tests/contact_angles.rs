@@ -6,21 +6,22 @@ use std::sync::LazyLock;
 
 /// RMS errors of the thesis's filter in simulation, deg: front and rear (2.6.1).
 const THESIS: [f64; 2] = [0.98, 1.32];
-/// Ours over two trials, deg, front and rear, of the filter of the ground and of that of a pair, and three times the scatter of a
-/// mean of two trials.
-const OURS: [f64; 2] = [1.83, 0.36];
+/// Ours over two trials, deg, front and rear, of the filter of the ground and of that of a pair, and about three times the scatter of
+/// a mean of two trials.
+const OURS: [f64; 2] = [1.88, 0.35];
 const OF_PAIR: [f64; 2] = [2.85, 2.45];
-const OVER_SEEDS: f64 = 0.5;
+const OVER_SEEDS: [f64; 2] = [0.4, 0.2];
+const OVER_SEEDS_OF_PAIR: f64 = 0.4;
 /// Mean normalised squared error of both angles, 2 in a consistent filter, of two trials of about eleven independent errors each.
 const CONSISTENT: [f64; 2] = [0.9, 3.2];
 
 /// The thesis on the incline, front and middle, deg (2.6.2), ours, and three times our scatter over the sensors' seeds.
-const ON_THE_INCLINE: [(f64, f64); 2] = [(2.21, 3.80), (1.84, 3.06)];
-const OVER_SENSORS: f64 = 0.2;
+const ON_THE_INCLINE: [(f64, f64); 2] = [(2.21, 3.62), (1.84, 1.94)];
+const OVER_SENSORS: f64 = 0.4;
 
 /// Ours on the rock, without a gyroscope, deg: front, middle, rear; rapier's order-1 steps and the sensors scatter by a tenth.
-const ON_THE_ROCK: [f64; 3] = [11.8, 8.8, 7.7];
-const OVER_ROCKS: f64 = 0.5;
+const ON_THE_ROCK: [f64; 3] = [11.9, 7.2, 6.8];
+const OVER_ROCKS: f64 = 0.6;
 
 fn show(finding: &Finding) {
     println!("{} {}", finding.id, finding.title);
@@ -41,8 +42,11 @@ fn regress_undulating_ground() {
     let of_pair = [mean(|t| t.pair.errors[1]), mean(|t| t.pair.errors[0])].map(f64::to_degrees);
     for side in [0, 1] {
         let ([ours, pair], [found, of_pair]) = ([OURS[side], OF_PAIR[side]], [found[side], of_pair[side]]);
-        assert!((found - ours).abs() < OVER_SEEDS, "side {side}: {found} deg, {ours} before");
-        assert!((of_pair - pair).abs() < OVER_SEEDS, "side {side}: {of_pair} deg of the pair's filter, {pair} before");
+        assert!((found - ours).abs() < OVER_SEEDS[side], "side {side}: {found} deg, {ours} before");
+        assert!(
+            (of_pair - pair).abs() < OVER_SEEDS_OF_PAIR,
+            "side {side}: {of_pair} deg of the pair's filter, {pair} before"
+        );
         // One ground under both wheels is known better than two.
         assert!(found < of_pair, "{found} {of_pair}");
     }
@@ -75,12 +79,16 @@ fn published_errors_need_smooth_ground_or_many_readings() {
         let wave = Wave { period: 1.0 / readings, ..Wave::default() };
         wave.bound(smooth).expect("a definite matrix")
     };
-    // The thesis gives neither. Ten times a second its front figure is out of any filter's reach, on ground known to be
-    // smooth over half a wave, and far out of reach on rougher ground;
+    // The thesis gives neither. Ten times a second its front figure is out of reach of any filter of two unrelated grounds,
+    // known to be smooth over half a wave, and far out of reach on rougher ground;
     let ten = bound(10.0, 2.0).filter.map(f64::to_degrees);
     assert!(ten[1] > THESIS[0], "{ten:?}");
     let rough = bound(10.0, 0.5).filter.map(f64::to_degrees);
     assert!(rough[1] > 2.0 * THESIS[0] && rough[0] > 1.5 * THESIS[1], "{rough:?}");
+    // on one ground under both wheels it is within reach where that is smooth over half a wave, and not over an eighth;
+    let one =
+        |smooth: f64| Wave::default().ground_bound(smooth).expect("a definite matrix").filter.map(f64::to_degrees);
+    assert!(one(2.0)[1] < THESIS[0] && one(0.5)[1] > THESIS[0], "{:?} {:?}", one(2.0), one(0.5));
     // a hundred times a second both are within reach where the ground is smooth over a metre.
     let hundred = bound(100.0, 1.0).filter.map(f64::to_degrees);
     assert!(hundred[1] < THESIS[0] && hundred[0] < THESIS[1], "{hundred:?}");
