@@ -5,6 +5,7 @@ in a system ``component.name``), ``get`` (names). It prints the values at the en
 """
 
 import ctypes
+import importlib.util
 import json
 import os
 import subprocess
@@ -26,6 +27,10 @@ def run(master: str, path: str, step: float, count: int, values: dict[str, float
     done = subprocess.run(command, input=order, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
     return [float.fromhex(value) for value in json.loads(done.stdout.splitlines()[-1])]
+
+
+def installed(master: str) -> bool:
+    return importlib.util.find_spec(MASTERS[master]) is not None
 
 
 def split(name: str, system: bool) -> tuple[str, str]:
@@ -51,7 +56,7 @@ def ecos(path: str, order: dict[str, Any]) -> list[float]:
         start = {f"{ALONE}::{name}": float(value) for name, value in order["set"].items()}
         structure.add_parameter_set("start", start)
         simulation = EcosSimulation(structure=structure, step_size=order["step"])
-    assert simulation.init(parameter_set=order.get("set_name") if system else "start")
+    assert simulation.init(parameter_set="soil" if system else "start")
     if system:
         for name, value in order["set"].items():
             simulation.set_real("::".join(split(name, system)), value)
@@ -64,39 +69,36 @@ def ecos(path: str, order: dict[str, Any]) -> list[float]:
 
 def libcosim(path: str, order: dict[str, Any]) -> list[float]:
     from libcosimpy.CosimExecution import CosimExecution
-    from libcosimpy.CosimManipulator import CosimManipulator
     from libcosimpy.CosimObserver import CosimObserver
     from libcosimpy.CosimSlave import CosimLocalSlave
 
-    system, nanoseconds = path.endswith(".ssp"), round(order["step"] * 1e9)
+    system = path.endswith(".ssp")
     with tempfile.TemporaryDirectory() as folder:
         if system:
             zipfile.ZipFile(path).extractall(folder)
             # Without a step: the package says which.
             execution = CosimExecution.from_ssp_file(folder)
         else:
-            execution = CosimExecution.from_step_size(nanoseconds)
+            execution = CosimExecution.from_step_size(round(order["step"] * 1e9))
             execution.add_local_slave(CosimLocalSlave(fmu_path=path, instance_name=ALONE))
-        observer, manipulator = CosimObserver.create_last_value(), CosimManipulator.create_override()
+        observer = CosimObserver.create_last_value()
         execution.add_observer(observer)
-        execution.add_manipulator(manipulator)
-        text = lambda name: name.decode() if isinstance(name, bytes) else name  # noqa: E731
-        slaves = {name: execution.slave_index_from_instance_name(name) for name in {split(n, system)[0] for n in order["get"]}}
-        slaves |= {split(n, system)[0]: execution.slave_index_from_instance_name(split(n, system)[0]) for n in order["set"]}
-        references = {
-            name: {text(v.name): v.reference for v in execution.slave_variables(index)} for name, index in slaves.items()
-        }
+
+        def place(name: str) -> tuple[int, int]:
+            slave, variable = split(name, system)
+            index = execution.slave_index_from_instance_name(slave)
+            known = {text(each.name): each.reference for each in execution.slave_variables(index)}
+            return index, known[variable]
+
         for name, value in order["set"].items():
-            slave, variable = split(name, system)
-            execution.real_initial_value(slaves[slave], references[slave][variable], value)
-            if variable in ("velocity_command",) or variable.endswith("_command"):
-                manipulator.slave_real_values(slaves[slave], [references[slave][variable]], [value])
+            execution.real_initial_value(*place(name), value)
         assert execution.step(order["count"])
-        values = []
-        for name in order["get"]:
-            slave, variable = split(name, system)
-            values += observer.last_real_values(slaves[slave], [references[slave][variable]])
-        return values
+        places = [place(name) for name in order["get"]]
+        return [observer.last_real_values(index, [reference])[0] for index, reference in places]
+
+
+def text(name: str | bytes) -> str:
+    return name.decode() if isinstance(name, bytes) else name
 
 
 if __name__ == "__main__":

@@ -10,11 +10,11 @@ use fmi::fmi2::import::Fmi2Import;
 use fmi::fmi2::instance::{CoSimulation as CoSimulation2, Common as Common2};
 use fmi::fmi3::import::Fmi3Import;
 use fmi::fmi3::{CoSimulation, Common, Fmi3Model, GetSet};
+use fmi::import;
 use fmi::schema::fmi3::ModelStructure;
 use fmi::schema::traits::FmiModelDescription;
 use fmi::schema::{MajorVersion, fmi2, fmi3};
 use fmi::traits::FmiImport;
-use fmi::import;
 use std::error::Error;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
@@ -79,7 +79,8 @@ fn second(fmu: &str, drive: &Drive) -> Outcome<Vec<f64>> {
 fn third(fmu: &str, drive: &Drive) -> Outcome<Vec<f64>> {
     let import: Fmi3Import = import::from_path(fmu)?;
     let structure: &ModelStructure = &import.model_description().model_structure;
-    let dependent = structure.outputs().filter(|unknown| unknown.dependencies.as_ref().is_some_and(|known| !known.0.is_empty()));
+    let dependent =
+        structure.outputs().filter(|unknown| unknown.dependencies.as_ref().is_some_and(|known| !known.0.is_empty()));
     println!("unknowns {}\ndependent {}", structure.outputs().count(), dependent.count());
     let text = std::fs::read_to_string(import.archive_path().join("modelDescription.xml"))?;
     kept(&text, fmi3::Fmi3ModelDescription::deserialize(&text)?.serialize());

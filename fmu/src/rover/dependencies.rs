@@ -2,11 +2,9 @@
 //!
 //! In model exchange the torques commanded of the wheels act at once on torques, currents and powers of the drives, and on
 //! accelerations; positions, speeds, slip and the forces of the ground follow from the states. In co-simulation no output
-//! answers to an input before the next step, so a model that offers nothing else has no such dependence. At the start
-//! torques, currents and powers are those of the inputs, see [`RoverFmu::begin_with_inputs`](super::plant::RoverFmu).
+//! answers to an input before the next step, so a model that offers nothing else has no such dependence, also not at the start.
 
 use super::plant::References;
-use bekker::model::{ControlKind, Model as RoverModel};
 use bekker_modeldescription::xml::Entry;
 use std::ops::Range;
 
@@ -19,21 +17,13 @@ const RATES: [(&str, &str); 4] =
     [("x", "velocity_x"), ("z", "velocity_z"), ("pitch", "pitch_rate"), ("angle", "rate")];
 
 /// Writes what the entries of a rover's FMU depend on; `exchange`: whether it offers model exchange.
-pub(super) fn write(entries: &mut [Entry], references: &References, model: &RoverModel, exchange: bool) {
+pub(super) fn write(entries: &mut [Entry], references: &References, exchange: bool) {
     let inputs: Vec<usize> = references.inputs.clone().collect();
     let states: Vec<usize> = references.states.clone().collect();
-    let speeds = model.control.kind == ControlKind::Speed;
     for reference in references.signals.clone() {
         let own = if exchange { feed_through(&entries[reference].variable.name, &inputs) } else { Vec::new() };
-        // Imposed speeds, and a controller's torques, are those of all inputs.
-        let at_start = match (exchange, speeds) {
-            (true, _) => own.clone(),
-            (false, true) => inputs.clone(),
-            (false, false) if answers(&entries[reference].variable.name) => inputs.clone(),
-            (false, false) => Vec::new(),
-        };
-        let known = if exchange { [own, states.clone()].concat() } else { own };
-        set(&mut entries[reference], known, at_start);
+        let known = [&own[..], &states].concat();
+        set(&mut entries[reference], known, own);
     }
     for (reference, signal) in references.measured.clone().zip(&references.measured_signals) {
         let known = entries[*signal].dependencies.clone().unwrap_or_default();
@@ -75,11 +65,6 @@ fn is_energy(state: &str) -> bool {
 fn rate_of(state: &str) -> Option<String> {
     let (group, last) = state.rsplit_once('.')?;
     RATES.iter().find(|(of, _)| *of == last).map(|(_, rate)| format!("{group}.{rate}"))
-}
-
-/// Whether a signal answers to torques at once.
-fn answers(signal: &str) -> bool {
-    OF_ALL_TORQUES.contains(&signal) || of_wheel(signal).is_some()
 }
 
 /// The torques, of all wheels in their order, to which a signal answers at once.

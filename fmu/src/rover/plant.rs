@@ -126,7 +126,7 @@ impl RoverFmu {
             states,
             derivatives,
         };
-        dependencies::write(&mut entries, &references, &model, model_exchange.is_some());
+        dependencies::write(&mut entries, &references, model_exchange.is_some());
         let description = Arc::new(description(&model, packed, run.step_size(), entries));
         let values = starts(&description);
         let mut rover = Self {
@@ -159,9 +159,13 @@ impl RoverFmu {
         (self.motion, self.time) = (AdvancedBy::Steps, self.run.time());
     }
 
-    /// Shows the signals of the start under the inputs: torques, currents and powers are those with which the first step
-    /// begins, as the equations of model exchange have them.
-    pub(super) fn begin_with_inputs(&mut self) -> Result<(), Failure> {
+    /// Shows the signals of the start under the inputs, where the model is also offered for model exchange: torques, currents and
+    /// powers are those with which the first step begins, as the equations have them. Elsewhere the first decision or imposed
+    /// speed belongs to the first step, as in the core.
+    fn begin_with_inputs(&mut self) -> Result<(), Failure> {
+        if self.model_exchange.is_none() {
+            return Ok(());
+        }
         let signals = self.run.signals_under_inputs().map_err(|error| Failure(error.to_string()))?;
         signals.values(&mut into_places(&mut self.values[self.references.signals.clone()]));
         Ok(())

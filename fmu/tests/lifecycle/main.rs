@@ -89,7 +89,9 @@ fn property_times_and_steps_are_checked() {
     for size in [3600.1, 1e300] {
         assert!(matches!(endless.step(0.0, size), Err(Refusal::Long { .. })), "would not come back for long");
     }
-    assert_eq!(endless.step(0.0, 3600.0).unwrap().time, 3600.0, "the longest in one call");
+    set(&mut endless, U, 0.0).unwrap();
+    let longest = endless.step(0.0, 3600.0).unwrap().time;
+    assert!((longest - 3600.0).abs() < 3600.0 * ROUNDING, "the longest in one call");
 }
 
 #[test]
