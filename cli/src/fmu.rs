@@ -58,7 +58,9 @@ impl Fmu {
         let platforms: Vec<String> = platforms.iter().map(Platform::to_string).collect();
         say!("wrote {}, which runs on {}", path.display(), platforms.join(", "));
         if path.extension().is_some_and(|extension| extension == "ssp") {
-            say!("A master that steps rover and controller side by side delays the torques by one of its steps: {SEE}.");
+            say!(
+                "A master that steps rover and controller side by side delays the torques by one of its steps: {SEE}."
+            );
         }
         Ok(())
     }

@@ -43,8 +43,6 @@ pub fn export_fmu(
         | ExportError::System(_)
         | ExportError::Library { .. }
         | ExportError::LargeLibrary(_)
-        | ExportError::Archive(_) => {
-            ModelError::new_err(failed.to_string())
-        }
+        | ExportError::Archive(_) => ModelError::new_err(failed.to_string()),
     })
 }

@@ -134,13 +134,11 @@ def test_agreement_of_the_system_in_masters_with_its_parts(make: Make, master: s
         assert found[0] > 0.1
 
 
-def test_property_fmpy_loads_the_system_and_drives_one_with_inputs(make: Make, tmp_path: Path) -> None:
-    bekker = pytest.importorskip("bekker")
+def test_property_fmpy_loads_the_system_and_drives_one_with_inputs(make: Make) -> None:
     options = {"stop_time": (COUNT - 0.5) * STEP, "step_size": STEP, "input": {"velocity_command": lambda _: 0.25}}
     assert simulate_ssp(make("gentle_rtc", 2, None, "ssp"), **options)["rover.x"][-1] == pytest.approx(0.0, abs=1e-9)
-    path = tmp_path / "inputs.ssp"
-    bekker.export_fmu("gentle_rtc", path, system_inputs=True)
-    assert simulate_ssp(str(path), **options)["rover.x"][-1] > 0.1
+    path = make("gentle_rtc", 2, None, "ssp", system_inputs=True)
+    assert simulate_ssp(path, **options)["rover.x"][-1] > 0.1
 
 
 # Attributes for which fmi-schema 0.8 has no place in FMI 3.0: it refuses every description that has one.

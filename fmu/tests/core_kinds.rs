@@ -206,7 +206,8 @@ fn property_moduli_have_base_units_where_the_exponent_is_whole() {
     let exponents = |n: f64| {
         let model = model("two_wheeled", "", &[("soil.exponent", n)]);
         let description = loaded(&model, Kind::Rover).description().clone();
-        ["soil.k_c", "soil.k_phi"].map(|name| description.find(name).unwrap().variable.unit.exponents.map(|e| (e.kg, e.m, e.s)))
+        ["soil.k_c", "soil.k_phi"]
+            .map(|name| description.find(name).unwrap().variable.unit.exponents.map(|e| (e.kg, e.m, e.s)))
     };
     // k_c is a pressure at n = 1, k_phi a pressure a metre.
     assert_eq!(exponents(1.0), [Some((1, -1, -2)), Some((1, -2, -2))]);

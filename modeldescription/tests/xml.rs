@@ -296,7 +296,8 @@ fn property_a_system_is_wired_by_name() {
     assert_eq!(elements(&closed, "ssd:Connector").len() + 1, elements(&text, "ssd:Connector").len());
     let connectors = elements(&closed, "ssc:Real");
     assert_eq!(connectors.iter().map(|real| get(real, "unit").unwrap()).collect::<Vec<_>>(), ["N", "m", "N", "m"]);
-    let units: Vec<_> = elements(&closed, "ssc:Unit").iter().map(|unit| get(unit, "name").unwrap().to_owned()).collect();
+    let units: Vec<_> =
+        elements(&closed, "ssc:Unit").iter().map(|unit| get(unit, "name").unwrap().to_owned()).collect();
     assert_eq!(units, ["N", "m"]);
     let step = &elements(&closed, "osp:FixedStepAlgorithm")[0];
     assert_eq!(get(step, "baseStepSize"), Some("0.01"));

@@ -19,8 +19,7 @@ impl fmt::Display for Platform {
 
 impl Platform {
     /// Of this crate's target.
-    pub const OWN: Self =
-        Self { architecture: env!("BEKKER_FMU_ARCHITECTURE"), system: env!("BEKKER_FMU_SYSTEM") };
+    pub const OWN: Self = Self { architecture: env!("BEKKER_FMU_ARCHITECTURE"), system: env!("BEKKER_FMU_SYSTEM") };
 
     /// The ending of a library's file name there.
     pub(crate) fn extension(self) -> &'static str {

@@ -116,7 +116,8 @@ fn property_the_archive_has_what_tools_expect() {
     assert!(text(&fmu, "terminalsAndIcons/terminalsAndIcons.xml").contains("<Terminal name=\"wheel[2]\""));
     assert!(text(&fmu, "documentation/licenses/license.txt").contains("Apache License"));
 
-    let fmu = bekker_fmu_package::pack(&preset(), &Options { version: Some(Version::Fmi2), ..Options::default() }).unwrap();
+    let fmu =
+        bekker_fmu_package::pack(&preset(), &Options { version: Some(Version::Fmi2), ..Options::default() }).unwrap();
     let library = format!("binaries/{}/two_wheeled.{extension}", Version::Fmi2.platform());
     let mut expected = vec!["modelDescription.xml", &library];
     expected.extend(common);
@@ -204,7 +205,8 @@ fn property_a_system_is_honoured_or_refused_with_a_reason() {
         let refused = bekker_fmu_package::pack(&preset_named(preset), &options).unwrap_err().to_string();
         assert!(refused.contains("no controller that an FMU of its own can be"), "{refused}");
     }
-    let refused = bekker_fmu_package::pack(&preset_named("gentle_rtc"), &Options { system_inputs: true, ..Options::default() });
+    let refused =
+        bekker_fmu_package::pack(&preset_named("gentle_rtc"), &Options { system_inputs: true, ..Options::default() });
     assert!(refused.unwrap_err().to_string().contains("system"));
 }
 

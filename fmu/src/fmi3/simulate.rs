@@ -70,7 +70,9 @@ pub unsafe extern "C" fn fmi3DoStep(
             early.put(0, finished && progress.ended.is_none() && step.end < step.target);
             let early_by_itself = finished && progress.ended.is_none() && step.updates.callback.is_none();
             if early_by_itself && step.end < step.target {
-                component.logger.event(&format!("{NAME}: returns early after {LONGEST} s of {} s", communicationStepSize));
+                component
+                    .logger
+                    .event(&format!("{NAME}: returns early after {LONGEST} s of {} s", communicationStepSize));
             }
             if let Some(reason) = progress.ended {
                 terminate.put(0, true);

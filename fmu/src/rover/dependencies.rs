@@ -13,8 +13,7 @@ const OF_ALL_TORQUES: [&str; 2] = ["power", "electrical_power"];
 const OF_OWN_TORQUE: [&str; 2] = ["torque", "current"];
 
 /// States whose rates are other states: last parts of their names.
-const RATES: [(&str, &str); 4] =
-    [("x", "velocity_x"), ("z", "velocity_z"), ("pitch", "pitch_rate"), ("angle", "rate")];
+const RATES: [(&str, &str); 4] = [("x", "velocity_x"), ("z", "velocity_z"), ("pitch", "pitch_rate"), ("angle", "rate")];
 
 /// Writes what the entries of a rover's FMU depend on; `exchange`: whether it offers model exchange.
 pub(super) fn write(entries: &mut [Entry], references: &References, exchange: bool) {

@@ -45,8 +45,8 @@ pub use kind::{Kind, Offer};
 
 use crate::model::FmuModel;
 use bekker::model::{Model as RoverModel, ModelKind};
-use bekker_modeldescription::{Exponents, Lookup, Unit};
 use bekker_modeldescription::xml::{Arrays, Description, Entry, Experiment, identifier};
+use bekker_modeldescription::{Exponents, Lookup, Unit};
 #[cfg(feature = "carriage")]
 use carriage::Carriage;
 use controller::Controller;

@@ -47,7 +47,9 @@ pub(super) fn event_code() -> Entry {
 pub(super) fn seed(model: &Model) -> Result<Entry, String> {
     let (seed, largest) = (f64::from(model.stepping.seed), f64::from(i32::MAX));
     if seed > largest {
-        return Err(format!("simulation.seed = {seed} is larger than the integers of an FMU; expected at most {largest}"));
+        return Err(format!(
+            "simulation.seed = {seed} is larger than the integers of an FMU; expected at most {largest}"
+        ));
     }
     let doc = "Seed of the sensors' noise: another one draws other noise of the same size.".into();
     Ok(Entry::integer_parameter(whole("simulation.seed", doc, largest), seed))

@@ -1,8 +1,8 @@
 //! The writer for FMI 2.0. Units, log categories, bounds and start values are written as for FMI 3.0.
 
 use super::fmi3::{
-    enumerations, experiment, integer_attributes, is_calculated, is_initial_unknown, is_set, items, joined, log_categories,
-    quantity_attributes, real_attributes, units,
+    enumerations, experiment, integer_attributes, is_calculated, is_initial_unknown, is_set, items, joined,
+    log_categories, quantity_attributes, real_attributes, units,
 };
 use super::names::is_structured;
 use super::quantity::{quantity, units as all_units};
@@ -133,9 +133,12 @@ fn index(reference: usize) -> String {
 /// Every output, every derivative of a state, and everything that is calculated at the start as an initial unknown.
 /// Without `dependencies` a tool must assume that an unknown depends on everything.
 fn structure(xml: &mut Xml, description: &Description, abilities: &Abilities) {
-    let mut list = |element: &str, belongs: &dyn Fn(usize, &Entry) -> bool, of: &dyn Fn(&Entry) -> Option<Vec<usize>>| {
+    let mut list = |element: &str,
+                    belongs: &dyn Fn(usize, &Entry) -> bool,
+                    of: &dyn Fn(&Entry) -> Option<Vec<usize>>| {
         let found = description.entries.iter().enumerate().filter(|(reference, entry)| belongs(*reference, entry));
-        let unknowns: Vec<(usize, Option<Vec<usize>>)> = found.map(|(reference, entry)| (reference, of(entry))).collect();
+        let unknowns: Vec<(usize, Option<Vec<usize>>)> =
+            found.map(|(reference, entry)| (reference, of(entry))).collect();
         if unknowns.is_empty() {
             return;
         }

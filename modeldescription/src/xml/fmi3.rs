@@ -282,7 +282,9 @@ fn indicators(xml: &mut Xml, description: &Description, abilities: &Abilities) {
 /// Every output, every derivative of a state, and everything that is calculated at the start as an initial unknown.
 /// Without `dependencies` a tool must assume that an unknown depends on everything.
 fn structure(xml: &mut Xml, description: &Description, abilities: &Abilities) {
-    let mut list = |element: &str, belongs: &dyn Fn(usize, &Entry) -> bool, of: &dyn Fn(&Entry) -> Option<Vec<usize>>| {
+    let mut list = |element: &str,
+                    belongs: &dyn Fn(usize, &Entry) -> bool,
+                    of: &dyn Fn(&Entry) -> Option<Vec<usize>>| {
         for (reference, entry) in description.shown() {
             if belongs(reference, entry) {
                 let mut attributes = vec![("valueReference", reference.to_string())];
