@@ -40,7 +40,7 @@ const EXPECTED: &str = "expected an implicit method (CVode), or an explicit one 
 pub enum LostMotion {
     /// The energies do not balance.
     #[error(
-        "the energies of the integrated motion are off by {error:.3} J, more than {allowed:.3} J: the integrator does not follow \
+        "the energies of the integrated motion are off by {error} J, more than {allowed} J: the integrator does not follow \
          the equations; {EXPECTED}"
     )]
     Unbalanced {
@@ -51,18 +51,16 @@ pub enum LostMotion {
     },
     /// A contact's memory is longer than it can be.
     #[error(
-        "the contact's memory of wheel {wheel} has the length {length:.3e}, which is at most 1: the integrator does not follow \
-         the equations; {EXPECTED}"
+        "the contact's memory of wheel {wheel} is longer than 1, the most that it can be: the integrator does not follow the \
+         equations; {EXPECTED}"
     )]
     Memory {
         /// Wheel, from 1 at the rear.
         wheel: usize,
-        /// Length of (`hold_travel`, `hold_turn`).
-        length: f64,
     },
     /// A wheel is further from the ground than any rover comes.
     #[error(
-        "a wheel is {distance:.1} m from where the ground can be evaluated: the integrator does not follow the equations; \
+        "a wheel is {distance} m from where the ground can be evaluated: the integrator does not follow the equations; \
          {EXPECTED}"
     )]
     Away {
@@ -83,17 +81,18 @@ impl<S: Scalar> Equations<S> {
                 (wheel.hold.travel, wheel.hold.turn) = (wheel.hold.travel * share, wheel.hold.turn * share);
             }
         }
-        for _ in 0..CORRECTIONS {
+        let mut corrections = 0;
+        loop {
             let failure = match self.evaluation.update(&self.rover, &self.within, &self.command) {
-                Err(DynamicsError::Terrain { source, .. }) => source,
+                Err(DynamicsError::Terrain { source, .. }) if corrections < CORRECTIONS => source,
                 other => return other,
             };
+            corrections += 1;
             let [x, z] = self.towards(&failure).ok_or(DynamicsError::NotFinite)?;
             self.within.position[0] += S::from(x);
             self.within.position[1] += S::from(z);
             self.beyond = [self.beyond[0] - x, self.beyond[1] - z];
         }
-        self.evaluation.update(&self.rover, &self.within, &self.command)
     }
 
     /// The way towards the ground where a wheel has failed to find it, [x, z] in m.
@@ -128,7 +127,7 @@ impl<S: Scalar> Equations<S> {
             let length = wheel.hold.travel.value().hypot(wheel.hold.turn.value());
             // True for NaN too.
             if !(length <= LONGEST_MEMORY) {
-                return Err(LostMotion::Memory { wheel: k + 1, length });
+                return Err(LostMotion::Memory { wheel: k + 1 });
             }
         }
         let Some(start) = self.balance else {
