@@ -15,7 +15,7 @@ use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::kinds::LeftOut;
 use crate::diagnosis::least_squares::{LeastSquares, Pace};
 use crate::diagnosis::problem::Problem;
-use crate::diagnosis::thresholds::LINEAR;
+use crate::diagnosis::thresholds::{LINEAR, UNFELT};
 use crate::diagnosis::weighted::Weighted;
 use nalgebra::{DMatrix, DVector};
 use std::collections::{BTreeMap, BTreeSet};
@@ -108,16 +108,18 @@ fn predict(problem: &Problem, effects: &[String], values: &[f64], fold: &Fold) -
     Some(all)
 }
 
-/// Whether the left-out rows are what a linear step had promised, beside what the prediction misses of the measurements.
+/// Whether the left-out rows are what a linear step had promised, beside what the prediction misses of them beyond noise.
 fn is_linear(problem: &Problem, noise: &Noise, kept: &Kept, modelled: &[f64], fold: &Fold) -> Option<bool> {
     let Some(promised) = &kept.promised else { return Some(true) };
     let inside: BTreeSet<_> = fold.iter().copied().collect();
     let whitening = noise.whitening(problem, &|run, row| inside.contains(&(run, row)))?;
-    let square = |other: &[f64]| {
+    let from_modelled = |other: &[f64]| {
         let difference: Vec<f64> = other.iter().zip(modelled).map(|(other, modelled)| other - modelled).collect();
-        whitening.apply(&difference).iter().map(|r| r * r).sum::<f64>()
+        let whitened = whitening.apply(&difference);
+        (whitened.iter().map(|r| r * r).sum::<f64>(), whitened.len() as f64)
     };
-    Some(square(promised) <= LINEAR * square(&problem.layout.measured))
+    let (misfit, rows) = from_modelled(&problem.layout.measured);
+    Some(from_modelled(promised).0 <= UNFELT + LINEAR * (misfit - rows).max(0.0))
 }
 
 /// What the runs outside a fold say.

@@ -9,7 +9,7 @@ use super::search::Search;
 use super::stage::Stage;
 use super::verdict::{self, Case, Judgement};
 use crate::diagnosis::prediction::PredictionError;
-use crate::diagnosis::thresholds::{BETTER, NAMED, UNLIKELY, WORTH_A_SWAP};
+use crate::diagnosis::thresholds::{ALIKE, BETTER, NAMED, UNLIKELY, WORTH_A_SWAP};
 
 /// A verdict and the set that it is about, in the order in which its effects were chosen.
 pub(crate) struct Judged {
@@ -66,11 +66,11 @@ fn judged(
     };
     let residual = search.whitened_residual(chosen, &fit.values())?;
     let all = candidates(stage);
-    let as_good = verdict::rivals(search, chosen, &all);
+    let as_good = verdict::rivals(search, stage, chosen, &all);
     let imitates = |own: &String| {
         as_good.iter().any(|(other, _)| other == own) || verdict::is_imitation(search, stage, chosen, own)
     };
-    let mut rivals = rivals(search, evidence, chosen, as_good.clone());
+    let mut rivals = rivals(search, stage, evidence, chosen, as_good.clone());
     let probabilities = evidence.probabilities(search, stage, prepared);
     let improbable = probabilities.and_then(|probabilities| {
         add_probable(&probabilities, stage, chosen, &mut rivals);
@@ -113,9 +113,10 @@ fn candidates(stage: &Stage) -> Vec<String> {
 }
 
 /// Effects that could stand in the place of one of the set: of those that fit about as well (`as_good`) the ones that left-out
-/// data do not speak against.
+/// data do not speak against, and look-alikes where left-out data do not count against these.
 fn rivals(
     search: &Search,
+    stage: &Stage,
     evidence: &mut Evidence,
     chosen: &[String],
     as_good: Vec<(String, String)>,
@@ -127,7 +128,9 @@ fn rivals(
     let told_apart = |(own, other): &(String, String)| {
         evidence.against(chosen, &verdict::swapped(chosen, own, other)).is_some_and(|ours| ours > BETTER)
     };
-    rivals.retain(|pair| !told_apart(pair));
+    let alikes_tie = search.problem.strategy().budget().alike_reach.is_some();
+    let ties_anyway = |(own, other): &(String, String)| alikes_tie && stage.cosine(own, other) > ALIKE;
+    rivals.retain(|pair| ties_anyway(pair) || !told_apart(pair));
     rivals
 }
 

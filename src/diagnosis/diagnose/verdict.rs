@@ -102,7 +102,8 @@ pub(crate) fn left(search: &Search, stage: &Stage, effects: &[String], residual:
 }
 
 /// Rivals within reach of a fitted set: candidates that could stand in the place of one of its effects.
-pub(crate) fn rivals(search: &Search, effects: &[String], all: &[String]) -> Vec<(String, String)> {
+pub(crate) fn rivals(search: &Search, stage: &Stage, effects: &[String], all: &[String]) -> Vec<(String, String)> {
+    let of_alikes = search.problem.strategy().budget().alike_reach;
     let gain = search.net_gain(effects);
     let mut found = Vec::new();
     for own in effects {
@@ -112,6 +113,8 @@ pub(crate) fn rivals(search: &Search, effects: &[String], all: &[String]) -> Vec
         for id in all.iter().filter(|id| !effects.contains(id)) {
             let mut swapped = without.clone();
             swapped.push(id.clone());
+            let reach =
+                of_alikes.filter(|_| stage.cosine(own, id) > ALIKE).map_or(reach, |of_alikes| reach.max(of_alikes));
             if search.fits.get(&swapped).is_some() && search.net_gain(&swapped) >= gain - reach {
                 found.push((own.clone(), id.clone()));
             }

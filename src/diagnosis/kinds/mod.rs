@@ -54,6 +54,9 @@ pub(crate) struct Budget {
     pub refits_from_larger: bool,
     /// Whether what noise alone gives is told from products of columns rather than from orthonormal ones: rows are many.
     pub by_products: bool,
+    /// Fall of chi-square within which a look-alike of an effect ties with it, whatever left-out data say; `None` where look-alikes
+    /// are judged as all rivals are.
+    pub alike_reach: Option<f64>,
     /// Whether left-out rows are predicted by simulating the whole experiment, or only the runs in which they stand.
     pub predicts_whole: bool,
 }

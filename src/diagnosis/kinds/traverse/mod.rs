@@ -22,6 +22,7 @@ use crate::diagnosis::prediction::{Predict, PredictionError};
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::readings::Sensors;
 use crate::diagnosis::separate::variation::Variation;
+use crate::diagnosis::thresholds::REACH_ALIKE;
 use crate::diagnosis::windows::free::FreeStart;
 use crate::diagnosis::windows::{Windows, cut};
 use crate::measurement::{Experiment, Run};
@@ -118,6 +119,7 @@ impl Strategy for Traverse {
             profiles_of_calibrated: false,
             refits_from_larger: true,
             by_products: true,
+            alike_reach: Some(REACH_ALIKE),
             predicts_whole: false,
         }
     }
