@@ -92,8 +92,7 @@ def test_property_euler_with_too_large_a_step_ends_with_an_error(
     make: Make, capfd: pytest.CaptureFixture[str], fmi: int, step: float
 ) -> None:
     with pytest.raises(FMICallException, match="CompletedIntegratorStep"):
-        simulate(
-            make("two_wheeled", fmi, "rover"), DRIVES["ramp"], "ModelExchange", solver="Euler", output_interval=step, step_size=step
-        )
+        fmu = make("two_wheeled", fmi, "rover")
+        simulate(fmu, DRIVES["ramp"], "ModelExchange", solver="Euler", output_interval=step, step_size=step)
     said = capfd.readouterr().out
     assert "does not follow the equations" in said and "implicit method" in said

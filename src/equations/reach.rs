@@ -125,8 +125,9 @@ impl<S: Scalar> Equations<S> {
         }
         for (k, wheel) in self.state.wheels.iter().enumerate() {
             let length = wheel.hold.travel.value().hypot(wheel.hold.turn.value());
-            // True for NaN too.
-            if !(length <= LONGEST_MEMORY) {
+            // False for NaN too.
+            let within = length <= LONGEST_MEMORY;
+            if !within {
                 return Err(LostMotion::Memory { wheel: k + 1 });
             }
         }
@@ -139,9 +140,9 @@ impl<S: Scalar> Equations<S> {
         let lift = self.rover.total_mass() * self.rover.environment.gravity * self.rover.wheel.radius;
         let allowed = UNBALANCED[0] * turnover.iter().sum::<f64>() + UNBALANCED[1] * lift.value();
         let error = (self.balanced() - start).abs();
-        // True for NaN too.
-        let lost = !(error <= allowed);
-        if lost { Err(LostMotion::Unbalanced { error, allowed }) } else { Ok(()) }
+        // False for NaN too.
+        let within = error <= allowed;
+        if within { Ok(()) } else { Err(LostMotion::Unbalanced { error, allowed }) }
     }
 
     /// Energy of motion and weight, and what has left it, J.

@@ -52,8 +52,8 @@ impl System<'_> {
         let belongs = |entry: &&Entry| {
             entry.causality == Causality::Parameter && entry.kind == Kind::Real && of_group(&entry.variable.name)
         };
-        let group = |component: &'_ Component| component.description.entries.iter().filter(belongs).count() > 0;
-        let found = self.components.iter().rev().find(|component| group(component))?;
+        let has_it = |component: &&Component| component.description.entries.iter().any(|entry| belongs(&entry));
+        let found = self.components.iter().rev().find(has_it)?;
         Some(found.description.entries.iter().filter(belongs).collect())
     }
 }
