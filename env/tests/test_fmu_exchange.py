@@ -45,7 +45,7 @@ def torques(rows: list[tuple[float, float]]) -> np.ndarray:
 
 
 def simulate(fmu: str, rows: list[tuple[float, float]], kind: str, **options: Any) -> np.ndarray:
-    options = {"output_interval": 0.01, **options}
+    options = {"output_interval": 0.01, "record_events": False, **options}
     return fmpy.simulate_fmu(fmu, stop_time=rows[-1][0], input=torques(rows), output=OUTPUTS, fmi_type=kind, **options)
 
 
