@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// platforms of further `libraries`; or to a path that ends in `.ssp` as a system of rover and controller, with
 /// `system_inputs` of its own. The same arguments give the same bytes.
 #[pyfunction]
-#[pyo3(signature = (model, path, fmi=None, kind=None, libraries=vec![], arrays=false, system_inputs=false))]
+#[pyo3(signature = (model, path, fmi=None, kind=None, libraries=None, arrays=false, system_inputs=false))]
 #[allow(clippy::too_many_arguments)]
 pub fn export_fmu(
     py: Python<'_>,
@@ -19,7 +19,7 @@ pub fn export_fmu(
     path: PathBuf,
     fmi: Option<u32>,
     kind: Option<&str>,
-    libraries: Vec<PathBuf>,
+    libraries: Option<Vec<PathBuf>>,
     arrays: bool,
     system_inputs: bool,
 ) -> PyResult<()> {
@@ -34,6 +34,7 @@ pub fn export_fmu(
             word.parse::<Kind>().map_err(|expected| PyValueError::new_err(format!("kind is `{word}`, {expected}")))
         })
         .transpose()?;
+    let libraries = libraries.unwrap_or_default();
     let options = Options { version, kind, arrays, libraries, system_inputs, date: None };
     py.detach(|| error::fenced(|| export(&model.core, &options, &path)))?.map_err(|failed| match &failed {
         ExportError::Read { error, .. } | ExportError::Write { error, .. } => {

@@ -71,7 +71,7 @@ def export_fmu(
     path: str | os.PathLike[str],
     fmi: int | None = None,
     kind: str | None = None,
-    libraries: Sequence[str | os.PathLike[str]] = [],
+    libraries: Sequence[str | os.PathLike[str]] | None = None,
     arrays: bool = False,
     system_inputs: bool = False,
 ) -> None: ...
