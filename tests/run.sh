@@ -20,6 +20,12 @@ python3 -m venv .venv
 MATURIN_PEP517_ARGS="--profile dev" .venv/bin/python -m pip install --quiet --disable-pip-version-check --upgrade "./env[test]"
 .venv/bin/python -m mypy --strict env/python/bekker
 .venv/bin/python -m mypy.stubtest bekker._bekker
+# FMUs in the Rust crate `fmi`, whose bindings need libclang at build time; the wheel has it, the headers are the C compiler's.
+.venv/bin/python -m pip install --quiet --disable-pip-version-check libclang || echo "no wheel of libclang"
+LIBCLANG_PATH=$(.venv/bin/python -c "import clang, pathlib; print(pathlib.Path(clang.__path__[0]) / 'native')" || true) \
+BINDGEN_EXTRA_CLANG_ARGS="-I$(cc -print-file-name=include)" \
+    cargo build --quiet --locked --manifest-path fmu/judge/Cargo.toml --target-dir target/judge || echo "fmu/judge is not built"
+export BEKKER_FMU_JUDGE="$PWD/target/judge/debug/bekker-fmu-judge"
 # `cargo test` has built the examples with which the Python tests compare.
 BEKKER_EXAMPLES="$PWD/target/debug/examples" .venv/bin/python -m pytest --quiet -rs --no-fold-skipped -n auto env/tests | tee -a "$log"
 .venv/bin/python -m pytest --quiet -rs --no-fold-skipped -n auto tests/generators tests/study | tee -a "$log"

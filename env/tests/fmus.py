@@ -40,25 +40,26 @@ def load(script: str) -> Any:
     return module
 
 
-def write_fmu(model: str, path: Path, fmi: int, kind: str | None) -> None:
+def write_fmu(model: str, path: Path, fmi: int, kind: str | None, system_inputs: bool = False) -> None:
     program = os.environ.get("BEKKER_CLI")
     if program is not None:
         command = [program, "fmu", model, "--output", str(path), "--fmi", str(fmi)]
-        subprocess.run(command if kind is None else [*command, "--kind", kind], check=True)
+        command += [] if kind is None else ["--kind", kind]
+        subprocess.run([*command, "--system-inputs"] if system_inputs else command, check=True)
     else:
         import bekker
 
-        bekker.export_fmu(model, path, fmi=fmi, kind=kind)
+        bekker.export_fmu(model, path, fmi=fmi, kind=kind, system_inputs=system_inputs)
 
 
 @pytest.fixture(scope="module")
 def make(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Make]:
     folder = tmp_path_factory.mktemp("fmus")
 
-    def fmu(model: str, fmi: int, kind: str | None = None, ending: str = "fmu") -> str:
-        path = folder / f"{model}_{fmi}_{kind}.{ending}"
+    def fmu(model: str, fmi: int, kind: str | None = None, ending: str = "fmu", system_inputs: bool = False) -> str:
+        path = folder / f"{model}_{fmi}_{kind}_{system_inputs}.{ending}"
         if not path.exists():
-            write_fmu(model, path, fmi, kind)
+            write_fmu(model, path, fmi, kind, system_inputs)
         return str(path)
 
     yield fmu

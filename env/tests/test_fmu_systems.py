@@ -45,7 +45,7 @@ def test_agreement_of_the_system_with_its_parts(make: Make, tmp_path: Path) -> N
     """FMPy runs the SSP package: all parts step, then values go along the wires. The same by hand gives the same bits."""
     step, count = 0.01, 100
     result = simulate_ssp(
-        make("gentle_rtc", 2, None, "ssp"),
+        make("gentle_rtc", 2, None, "ssp", system_inputs=True),
         stop_time=count * step - 0.5 * step,
         step_size=step,
         input={"velocity_command": lambda _: 0.25},

@@ -95,6 +95,27 @@ def test_property_any_communication_step_gives_the_same_simulation(make: Make, f
     assert at_the_end(0.03) == at_the_end(0.0125) == at_the_end(0.6 / 7)
 
 
+@pytest.mark.parametrize("model", ["two_wheeled", "gentle_rtc"])
+def test_property_a_default_simulation_has_the_same_rows_in_both_versions(make: Make, model: str) -> None:
+    rows = [fmpy.simulate_fmu(make(model, fmi), stop_time=1.0, fmi_type="CoSimulation")["time"] for fmi in VERSIONS]
+    assert len(rows[0]) == 101 and rows[0].tolist() == rows[1].tolist()
+
+
+@pytest.mark.parametrize("fmi", VERSIONS)
+def test_property_the_importer_draws_noise_by_the_seed(make: Make, fmi: int) -> None:
+    fmu = make("gentle_rtc", fmi, "rover")
+
+    def pitch(seed: int) -> list[float]:
+        start = {"simulation.seed": seed, "sensor.pitch_noise": 0.01}
+        names = ["measured.pitch", "event", "event_code"]
+        result = fmpy.simulate_fmu(fmu, stop_time=0.2, start_values=start, output=names, fmi_type="CoSimulation")
+        assert result["event_code"].tolist() == result["event"].tolist()
+        return result["measured.pitch"].tolist()
+
+    assert pitch(1) == pitch(1)
+    assert pitch(1) != pitch(2)
+
+
 CONTINUE = """
 import json, pathlib, sys
 sys.path.insert(0, sys.argv[4])

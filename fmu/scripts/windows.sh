@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the FMU library for 64 bit Windows, for `bekker fmu --windows FILE`: without the plant of rigid bodies or, with
+# Builds the FMU library for 64 bit Windows, for `bekker fmu --library FILE`: without the plant of rigid bodies or, with
 # the second argument `rigid`, with it. Needs Debian's gcc-mingw-w64-x86-64 or another mingw-w64.
 # Arguments: where to write the DLL; `rigid` or nothing.
 set -euo pipefail

@@ -92,6 +92,9 @@ pub trait Continuous {
     /// As [`rates`](Self::rates).
     fn event_indicators(&mut self, z: &mut [f64]) -> Result<(), Failure>;
 
+    /// Takes over that the importer has set the states at an event, not integrated them.
+    fn states_set_at_event(&mut self);
+
     /// Takes an event over, after which the integrator starts afresh.
     ///
     /// # Errors
@@ -101,7 +104,8 @@ pub trait Continuous {
     /// Takes over that the integrator has accepted a step up to the present time and states.
     ///
     /// # Errors
-    /// As [`rates`](Self::rates).
+    /// As [`rates`](Self::rates), and where the integrator does not follow the equations, as an explicit method with too large a
+    /// step.
     fn completed_step(&mut self) -> Result<EventOutcome, Failure>;
 }
 

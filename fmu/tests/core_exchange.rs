@@ -261,3 +261,113 @@ fn property_a_state_saved_between_steps_of_an_integrator_goes_on() {
     assert_eq!(core_support::bits(&*other), core_support::bits(&*fmu));
     assert_eq!(other.serialise().unwrap(), fmu.serialise().unwrap());
 }
+
+#[test]
+fn agreement_of_the_stated_dependencies_with_derivatives() {
+    // Every derivative that is not zero at some points of a drive is stated, and every stated torque has one.
+    let mut fmu = plant(&[]);
+    let description = fmu.description().clone();
+    let torques = ["wheel[1].torque_command", "wheel[2].torque_command"].map(|name| reference(&*fmu, name));
+    let states = fmu.continuous().unwrap().states().to_vec();
+    let knowns = [&torques[..], &states].concat();
+    let derivatives = fmu.continuous().unwrap().derivatives().to_vec();
+    let unknowns: Vec<usize> = all(&*fmu, Causality::Output)
+        .into_iter()
+        .filter(|reference| !description.entries[*reference].variable.name.starts_with("event"))
+        .filter(|reference| !description.entries[*reference].variable.name.starts_with("measured"))
+        .chain(derivatives)
+        .collect();
+    let mut seen = vec![vec![false; knowns.len()]; unknowns.len()];
+    for (until, torque) in [(0.3, 1.7), (0.6, -1.2), (0.9, 2.5)] {
+        set(&mut *fmu, "wheel[1].torque_command", torque);
+        set(&mut *fmu, "wheel[2].torque_command", 0.9 * torque);
+        fmu.advance_to(until).unwrap();
+        for (k, known) in knowns.iter().enumerate() {
+            let mut column = vec![0.0; unknowns.len()];
+            fmu.directional(&unknowns, &[*known], &[1.0], &mut column).unwrap();
+            seen.iter_mut().zip(column).for_each(|(row, value)| row[k] |= value != 0.0);
+        }
+    }
+    for (unknown, row) in unknowns.iter().zip(&seen) {
+        let entry = &description.entries[*unknown];
+        let stated = description.dependencies(entry);
+        let name = &entry.variable.name;
+        for (known, seen) in knowns.iter().zip(row) {
+            let of = &description.entries[*known].variable.name;
+            assert!(!seen || stated.contains(known), "`{name}` depends on `{of}`, which is not stated");
+            let torque_of_output = torques.contains(known) && entry.causality == Causality::Output;
+            assert!(!torque_of_output || *seen || !stated.contains(known), "`{name}` does not depend on `{of}`");
+        }
+    }
+}
+
+#[test]
+fn property_derivatives_are_finite_wherever_an_integrator_looks() {
+    let mut fmu = plant(&[]);
+    let equations = fmu.continuous().unwrap();
+    let mut start = vec![0.0; equations.states().len()];
+    equations.get_states(&mut start);
+    let at_rest = rates(equations, &start);
+    // Every state far away, one at a time and all together.
+    for size in [1.0, 1e2, 1e4, 1e8] {
+        for sign in [-1.0, 1.0] {
+            let mut all = start.clone();
+            for k in 0..start.len() {
+                let mut x = start.clone();
+                x[k] += sign * size;
+                all[k] += sign * size;
+                assert!(rates(equations, &x).iter().all(|rate| rate.is_finite()), "state {k} moved by {}", sign * size);
+            }
+            assert!(rates(equations, &all).iter().all(|rate| rate.is_finite()), "all states moved by {}", sign * size);
+        }
+    }
+    // High above the ground nothing but weight acts, deep below it the ground lifts.
+    let mut x = start.clone();
+    x[1] += 50.0;
+    assert!((rates(equations, &x)[4] + 9.81).abs() < 1e-9);
+    x[1] = -50.0;
+    assert!(rates(equations, &x)[4] > 0.0);
+    assert_eq!(rates(equations, &start), at_rest, "nothing is kept of it");
+}
+
+#[test]
+fn property_a_lost_motion_is_an_error_that_says_so() {
+    let mut fmu = plant(&[]);
+    set(&mut *fmu, "wheel[1].torque_command", 1.7);
+    set(&mut *fmu, "wheel[2].torque_command", 1.8);
+    let equations = fmu.continuous().unwrap();
+    let mut x = vec![0.0; equations.states().len()];
+    equations.get_states(&mut x);
+    // Euler's method with twenty-five times the step that it stands.
+    let step = 5e-3;
+    let lost = (1..=200).find_map(|k| {
+        let dx = rates(equations, &x);
+        x.iter_mut().zip(dx).for_each(|(x, dx)| *x += step * dx);
+        equations.set_time(f64::from(k) * step);
+        equations.set_states(&x).unwrap();
+        equations.completed_step().err()
+    });
+    let lost = lost.unwrap().0;
+    assert!(lost.contains("does not follow the equations") && lost.contains("implicit"), "{lost}");
+}
+
+#[test]
+fn agreement_of_co_simulation_with_model_exchange_at_the_start() {
+    let torques = [("wheel[1].torque_command", 1.7), ("wheel[2].torque_command", 1.8)];
+    let (mut steps, mut exchange) = (plant(&[]), plant(&[]));
+    for fmu in [&mut steps, &mut exchange] {
+        torques.iter().for_each(|(name, value)| set(&mut **fmu, name, *value));
+        fmu.start().unwrap();
+    }
+    let mut dx = vec![0.0; exchange.continuous().unwrap().states().len()];
+    exchange.continuous().unwrap().rates(&mut dx).unwrap();
+    for reference in all(&*steps, Causality::Output) {
+        let name = steps.description().entries[reference].variable.name.clone();
+        // Sensors are read before the first command acts.
+        if !name.starts_with("measured") {
+            assert_eq!(steps.get(reference), exchange.get(reference), "{name}");
+        }
+    }
+    assert_eq!(get(&*steps, "wheel[2].torque"), 1.8);
+    assert!(get(&*steps, "power") > 0.1);
+}

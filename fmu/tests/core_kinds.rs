@@ -172,6 +172,44 @@ fn property_each_kind_lists_what_it_reads_and_no_more() {
     assert!(bekker_fmu::Offer::of("[fmu]\nkind = \"boat\"").is_err());
     assert!(bekker_fmu::Offer::of("[fmu]\nkid = \"rover\"").is_err());
     let slip = RoverModel::from_toml("preset = \"gentle_velocity\"\n[control]\nkind = \"slip\"", None).unwrap();
-    // Its own controller needs the truth; the kind has controllers that do not.
-    assert_eq!(get(&*loaded(&slip, Kind::Controller), "mode"), 3.0);
+    // Its controller needs the truth, and another one would be no controller of this model.
+    for model in [slip, RoverModel::preset("two_wheeled").unwrap(), RoverModel::preset("two_wheeled_speed").unwrap()] {
+        let refused = bekker_fmu::describe_as(&model, Kind::Controller).unwrap_err();
+        assert!(refused.contains(&model.name) && refused.contains("expected velocity"), "{refused}");
+    }
+}
+
+#[test]
+fn property_the_seed_draws_other_noise_and_the_event_has_a_number() {
+    let model = model("gentle_velocity", "", &[]);
+    let pitch = |seed: f64| {
+        let mut rover = loaded(&model, Kind::Rover);
+        set(&mut *rover, "sensor.pitch_noise", 0.01);
+        set(&mut *rover, "simulation.seed", seed);
+        rover.start().unwrap();
+        rover.advance_to(0.1).unwrap();
+        assert_eq!((get(&*rover, "event"), get(&*rover, "event_code")), (0.0, 0.0));
+        get(&*rover, "measured.pitch")
+    };
+    assert_eq!(pitch(7.0), pitch(7.0));
+    assert_ne!(pitch(7.0), pitch(8.0));
+    // The seed of the model file is the one that it starts with.
+    let mut seeded = model.clone();
+    seeded.stepping.seed = 8;
+    assert_eq!(get(&*loaded(&seeded, Kind::Rover), "simulation.seed"), 8.0);
+    seeded.stepping.seed = u32::MAX;
+    assert!(bekker_fmu::describe_as(&seeded, Kind::Rover).unwrap_err().contains("simulation.seed"));
+}
+
+#[test]
+fn property_moduli_have_base_units_where_the_exponent_is_whole() {
+    let exponents = |n: f64| {
+        let model = model("two_wheeled", "", &[("soil.exponent", n)]);
+        let description = loaded(&model, Kind::Rover).description().clone();
+        ["soil.k_c", "soil.k_phi"]
+            .map(|name| description.find(name).unwrap().variable.unit.exponents.map(|e| (e.kg, e.m, e.s)))
+    };
+    // k_c is a pressure at n = 1, k_phi a pressure a metre.
+    assert_eq!(exponents(1.0), [Some((1, -1, -2)), Some((1, -2, -2))]);
+    assert_eq!(exponents(0.8), [None, None]);
 }

@@ -177,30 +177,39 @@ fn property_event_mode_is_entered_where_it_is_used() {
 }
 
 #[test]
-fn property_an_output_depends_on_every_input() {
+fn property_only_drives_answer_to_torques_at_once() {
     let fmu = Fmu::preset("two_wheeled");
     let instance = fmu.running();
-    let mut count = 0;
-    // SAFETY: one place; then four lists of as many places as were counted.
-    unsafe {
-        assert_eq!(fmi3GetNumberOfVariableDependencies(instance, fmu.reference("x"), &mut count), Status::Ok);
-        let (mut own, mut theirs, mut elements, mut kinds) =
-            (vec![9; count], vec![0; count], vec![9; count], vec![9; count]);
-        let status = fmi3GetVariableDependencies(
-            instance,
-            fmu.reference("x"),
-            own.as_mut_ptr(),
-            theirs.as_mut_ptr(),
-            elements.as_mut_ptr(),
-            kinds.as_mut_ptr(),
-            count,
-        );
-        assert_eq!(status, Status::Ok, "{:?}", messages());
-        for name in ["wheel[1].torque_command", "wheel[2].torque_command"] {
-            assert!(theirs.contains(&fmu.reference(name)), "{name}");
+    let torques = ["wheel[1].torque_command", "wheel[2].torque_command"].map(|name| fmu.reference(name));
+    let inputs_of = |name: &str| {
+        let mut count = 0;
+        // SAFETY: one place; then four lists of as many places as were counted.
+        unsafe {
+            assert_eq!(fmi3GetNumberOfVariableDependencies(instance, fmu.reference(name), &mut count), Status::Ok);
+            let (mut own, mut theirs, mut elements, mut kinds) =
+                (vec![9; count], vec![0; count], vec![9; count], vec![9; count]);
+            let status = fmi3GetVariableDependencies(
+                instance,
+                fmu.reference(name),
+                own.as_mut_ptr(),
+                theirs.as_mut_ptr(),
+                elements.as_mut_ptr(),
+                kinds.as_mut_ptr(),
+                count,
+            );
+            assert_eq!(status, Status::Ok, "{:?}", messages());
+            assert!(theirs.contains(&fmu.reference("state.wheel[1].spin")), "{name} follows from the states");
+            assert_eq!((own, elements), (vec![1; count], vec![1; count]));
+            assert_eq!(kinds, vec![5; count], "fmi3Dependent");
+            theirs.retain(|reference| torques.contains(reference));
+            theirs
         }
-        assert_eq!((own, elements), (vec![1; count], vec![1; count]));
-        assert_eq!(kinds, vec![5; count], "fmi3Dependent");
+    };
+    for name in ["x", "pitch", "velocity", "wheel[1].slip", "wheel[1].normal_force", "event"] {
+        assert_eq!(inputs_of(name), [0; 0], "{name}");
     }
+    assert_eq!(inputs_of("wheel[2].torque"), [torques[1]]);
+    assert_eq!(inputs_of("wheel[1].current"), [torques[0]]);
+    assert_eq!(inputs_of("power"), torques);
     fmi3FreeInstance(instance);
 }

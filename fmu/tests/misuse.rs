@@ -174,7 +174,6 @@ fn property_wrong_steps_are_refused() {
     for size in [0.0, -INNER, f64::NAN, f64::INFINITY] {
         refused("expected a positive number", || step(instance, 0.0, size).status);
     }
-    refused("more than", || step(instance, 0.0, 1e8).status);
     refused("this instance is at 0 s", || step(instance, 1.0, INNER).status);
     refused("this instance is at 0 s", || step(instance, f64::NAN, INNER).status);
     let stepped = step(instance, 0.0, 0.003);

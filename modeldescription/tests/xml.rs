@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use bekker_modeldescription::xml::{
-    Abilities, Arrays, Component, Description, DescriptionError, Entry, Experiment, Item, identifier, system,
+    Abilities, Arrays, Component, Description, DescriptionError, Entry, Experiment, Item, Shared, System, identifier,
 };
 use bekker_modeldescription::{Lookup, Unit, parameters};
 use quick_xml::events::{BytesStart, Event};
@@ -42,6 +42,8 @@ fn description() -> Description {
         description: String::new(),
         version: "1".into(),
         license: "MIT".into(),
+        author: "a modeller".into(),
+        copyright: "(c) a modeller".into(),
         generation_tool: "test".into(),
         date: None,
         experiment: Experiment { start: 0.0, stop: 10.0, step: 0.01 },
@@ -264,7 +266,14 @@ fn property_a_system_is_wired_by_name() {
         Component { name: "a", source: "resources/a.fmu", description: &first },
         Component { name: "b", source: "resources/b.fmu", description: &second },
     ];
-    let text = system("springs", first.experiment, &components).unwrap();
+    let system = System {
+        name: "springs",
+        experiment: first.experiment,
+        components: &components,
+        inputs: true,
+        shared: Some(Shared { group: "stiffness", source: "resources/shared.ssv" }),
+    };
+    let text = system.structure().unwrap();
     let wires: Vec<_> = elements(&text, "ssd:Connection")
         .iter()
         .map(|wire| {
@@ -282,6 +291,75 @@ fn property_a_system_is_wired_by_name() {
         "what nobody feeds becomes an input of the system"
     );
     assert_eq!(elements(&text, "ssd:Component").len(), 2);
+    let closed = System { inputs: false, ..system }.structure().unwrap();
+    assert_eq!(elements(&closed, "ssd:Connection").len(), 1, "or stays an input of its component alone");
+    assert_eq!(elements(&closed, "ssd:Connector").len() + 1, elements(&text, "ssd:Connector").len());
+    let connectors = elements(&closed, "ssc:Real");
+    assert_eq!(connectors.iter().map(|real| get(real, "unit").unwrap()).collect::<Vec<_>>(), ["N", "m", "N", "m"]);
+    let units: Vec<_> =
+        elements(&closed, "ssc:Unit").iter().map(|unit| get(unit, "name").unwrap().to_owned()).collect();
+    assert_eq!(units, ["N", "m"]);
+    let step = &elements(&closed, "osp:FixedStepAlgorithm")[0];
+    assert_eq!(get(step, "baseStepSize"), Some("0.01"));
     let wrong = [Component { name: "a\0", ..components[0] }];
-    assert!(system("springs", first.experiment, &wrong).is_err());
+    assert!(System { components: &wrong, ..system }.structure().is_err());
+}
+
+#[test]
+fn property_components_with_the_same_parameters_are_bound_to_one_set() {
+    let (first, mut second) = (description(), description());
+    let system = |second: &Description| {
+        let components = [
+            Component { name: "a", source: "resources/a.fmu", description: &first },
+            Component { name: "b", source: "resources/b.fmu", description: second },
+        ];
+        let system = System {
+            name: "springs",
+            experiment: first.experiment,
+            components: &components,
+            inputs: false,
+            shared: Some(Shared { group: "stiffness", source: "resources/shared.ssv" }),
+        };
+        (system.structure().unwrap(), system.parameter_set().unwrap())
+    };
+    let (text, set) = system(&second);
+    let bound = elements(&text, "ssd:ParameterBinding");
+    assert_eq!(bound.len(), 2);
+    assert_eq!(get(&bound[0], "source"), Some("resources/shared.ssv"));
+    let set = set.unwrap();
+    assert_eq!(get(&elements(&set, "ssv:Parameter")[0], "name"), Some("stiffness"));
+    let value = &elements(&set, "ssv:Real")[0];
+    assert_eq!((get(value, "value"), get(value, "unit")), (Some("100.0"), Some("N/m")));
+    assert_eq!(get(&elements(&set, "ssc:BaseUnit")[0], "s"), Some("-2"));
+    // A component that starts with another value keeps it.
+    second.entries[1].start = 200.0;
+    let (text, set) = system(&second);
+    assert_eq!(elements(&text, "ssd:ParameterBinding").len(), 1);
+    assert!(set.unwrap().contains("200.0"));
+}
+
+#[test]
+fn property_dependencies_integers_and_owners_are_written_in_both_versions() {
+    let mut description = description();
+    description.entries[3] = description.entries[3].clone().depending_on(vec![2], vec![]);
+    let mut count = description.entries[1].variable.clone();
+    (count.name, count.min, count.max) = ("count".into(), 0.0, 7.0);
+    description.entries.push(Entry::integer_parameter(count.clone(), 5.0));
+    count.name = "code".into();
+    description.entries.push(Entry::integer(count));
+    let (old, new) =
+        (description.fmi2(&Abilities::default()).unwrap(), description.fmi3(&Abilities::default()).unwrap());
+    for (text, integer, unknown, place) in [(&old, "Integer", "Unknown", 1), (&new, "Int32", "Output", 0)] {
+        let head = &elements(text, "fmiModelDescription")[0];
+        assert_eq!((get(head, "author"), get(head, "copyright")), (Some("a modeller"), Some("(c) a modeller")));
+        let integers = elements(text, integer);
+        assert_eq!((integers.len(), get(&integers[0], "start"), get(&integers[1], "start")), (2, Some("5"), None));
+        assert_eq!((get(&integers[0], "min"), get(&integers[0], "max")), (Some("0"), Some("7")));
+        // FMI 2.0 counts variables from 1 on here.
+        let unknowns = elements(text, unknown);
+        assert_eq!(get(&unknowns[0], "dependencies"), Some(&*(2 + place).to_string()));
+        assert_eq!(get(&unknowns[1], "dependencies"), None, "everything");
+    }
+    let initial = elements(&new, "InitialUnknown");
+    assert_eq!(get(&initial[0], "dependencies"), Some("1 4 6"), "the parameters");
 }

@@ -15,8 +15,10 @@
 //!
 //! Over dual numbers the same code gives exact derivatives: [`Equations::tangent`].
 
+mod reach;
 mod states;
 
+pub use reach::LostMotion;
 pub use states::{BodyStates, EnergyStates, JointStates, States, WheelStates, derivative_of};
 
 use crate::motor;
@@ -62,6 +64,14 @@ pub struct Equations<S = f64> {
     #[not_moving]
     signals: Signals<S>,
     window: Window,
+    /// The state nearest to the present one at which the right-hand side has a value, and by how much the present position
+    /// lies beyond it, [x, z] in m.
+    #[not_moving]
+    within: State<S>,
+    #[not_moving]
+    beyond: [f64; 2],
+    /// What the energies balance to, J: a constant of the exact motion since the last start of an integrator.
+    balance: Option<f64>,
 }
 
 /// Derivatives of rates and signals along a direction in states and inputs.
@@ -117,7 +127,8 @@ impl<S: Scalar> Equations<S> {
     pub(crate) fn new(rover: Rover<S>, state: State<S>, energies: Energies<S>, command: Command<S>) -> Self {
         let signals = Signals::of(rover.wheels.len(), rover.links.len());
         let window = Window::at(state.position[0].value());
-        Self { evaluation: Evaluation::new(&rover), rover, command, state, energies, signals, window }
+        let (evaluation, within, beyond) = (Evaluation::new(&rover), state.clone(), [0.0; 2]);
+        Self { evaluation, rover, command, state, energies, signals, window, within, beyond, balance: None }
     }
 
     fn map<T: Scalar>(&self, f: &dyn Fn(S) -> T) -> Equations<T> {
@@ -164,12 +175,13 @@ impl<S: Scalar> Equations<S> {
         &mut self.command.values
     }
 
-    /// Evaluates right-hand side and signals at the present states and inputs; allocates nothing.
+    /// Evaluates right-hand side and signals at the present states and inputs; allocates nothing. An implicit integrator also
+    /// tries states that no rover reaches; see the module `reach` for what holds there.
     ///
     /// # Errors
-    /// [`DynamicsError`] where a wheel is beyond the ground or something is not finite.
+    /// [`DynamicsError`] where something is not finite, or an effect of the user's own gives no value.
     pub fn evaluate(&mut self) -> Result<(), DynamicsError> {
-        self.evaluation.update(&self.rover, &self.state, &self.command)?;
+        self.update_within_reach()?;
         self.evaluation.sense(&self.rover, &self.state, &self.energies, &mut self.signals);
         Ok(())
     }
@@ -184,8 +196,10 @@ impl<S: Scalar> Equations<S> {
         }
         for (k, (wheel, state)) in self.evaluation.wheels.iter().zip(&self.state.wheels).enumerate() {
             f(self.evaluation.spin_rate(&self.rover, k));
-            f(wheel.touch.rate.travel);
-            f(wheel.touch.rate.turn);
+            // What the memory exceeds its bound by fades like the memory itself.
+            let (hold, bounded, own) = (state.hold, self.within.wheels[k].hold, wheel.touch.slopes.rate_own);
+            f(wheel.touch.rate.travel + (hold.travel - bounded.travel) * own);
+            f(wheel.touch.rate.turn + (hold.turn - bounded.turn) * own);
             let warming = self.rover.effects.warming(wheel.winding_power());
             f(warming.map_or(S::from(0.0), |warming| warming.rate(state.winding_rise)));
         }
@@ -229,7 +243,10 @@ impl<S: Scalar> Equations<S> {
         let ground = match &self.rover.terrain.profile {
             Profile::Samples(curve) => {
                 let (from, to) = curve.range();
-                least(&|wheel| (wheel.foot_x.value() - from).min(to - wheel.foot_x.value()))
+                least(&|wheel| {
+                    let x = wheel.foot_x.value() + self.beyond[0];
+                    (x - from).min(to - x)
+                })
             }
             _ => 1.0,
         };

@@ -295,6 +295,21 @@ impl Run {
         self.simulation.signals()
     }
 
+    /// The signals at the present time under the command of the present inputs, which else act from the next step on: torques,
+    /// currents and powers of the drives as they begin. The run stays as it is; a copy decides.
+    ///
+    /// # Errors
+    /// As [`Run::advance`].
+    pub fn signals_under_inputs(&self) -> Result<Signals, RunError> {
+        let mut ahead = self.clone();
+        if ahead.simulation.status() == Status::Running {
+            ahead.decided(1)?;
+            ahead.apply_command()?;
+            ahead.simulation.go_on(0)?;
+        }
+        Ok(ahead.simulation.signals().clone())
+    }
+
     /// Time since the start, s.
     #[must_use]
     pub fn time(&self) -> f64 {

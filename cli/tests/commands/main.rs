@@ -110,8 +110,14 @@ fn property_printed_model_is_accepted() {
 #[test]
 fn property_fmu_is_a_zip() {
     let path = file("x.fmu");
-    done(&["fmu", "two_wheeled", "-o", shown(&path)]);
+    let said = done(&["fmu", "two_wheeled", "-o", shown(&path)]);
+    assert!(said.contains("which runs on") && said.contains(std::env::consts::ARCH), "{said}");
     assert!(std::fs::read(&path).expect("the FMU is there").starts_with(b"PK"));
+    let system = file("x.ssp");
+    let said = done(&["fmu", "gentle_rtc", "-o", shown(&system)]);
+    assert!(said.contains("delays the torques by one of its steps"), "{said}");
+    refused(&["fmu", "gentle_rtc", "-o", shown(&system), "--fmi", "3"], &["SSP 1.0 holds FMUs of FMI 2.0"]);
+    refused(&["fmu", "gentle_rtc", "-o", shown(&path), "--library", shown(&system)], &["x.ssp", "library of FMUs"]);
 }
 
 #[test]

@@ -69,10 +69,11 @@ def fit_task(payload: bytes) -> bytes: ...
 def export_fmu(
     model: Model,
     path: str | os.PathLike[str],
-    fmi: int = 3,
+    fmi: int | None = None,
     kind: str | None = None,
-    windows: str | os.PathLike[str] | None = None,
+    libraries: Sequence[str | os.PathLike[str]] | None = None,
     arrays: bool = False,
+    system_inputs: bool = False,
 ) -> None: ...
 def record(
     model: Model, inputs: NDArray[np.float64], steps: int

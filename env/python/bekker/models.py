@@ -1,7 +1,7 @@
 """What is taken for a model, and the catalogues of built-in models and effects."""
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from . import _bekker
@@ -60,10 +60,11 @@ def export_fmu(
     path: str | os.PathLike[str],
     parameters: Mapping[str, float] | None = None,
     *,
-    fmi: int = 3,
+    fmi: int | None = None,
     kind: str | None = None,
-    windows: str | os.PathLike[str] | None = None,
+    libraries: Sequence[str | os.PathLike[str]] = (),
     arrays: bool = False,
+    system_inputs: bool = False,
 ) -> None:
     """Writes a model as an FMU; its parameters can be changed in the FMU. To a path that ends in ``.ssp``, as a system of
     two FMUs of FMI 2.0, the rover and its controller (SSP 1.0).
@@ -72,18 +73,21 @@ def export_fmu(
         model: What to pack.
         path: Where to write.
         parameters: Changes to the model's parameters.
-        fmi: Version of the standard: 2 (2.0, which nearly every tool reads) or 3 (3.0).
+        fmi: Version of the standard: 2 (2.0, which nearly every tool reads) or 3 (3.0). Where missing 3, and 2 in a system.
         kind: What of the model it offers: ``rover`` (the plant alone), ``controller`` or ``closed-loop`` (both), or
             ``carriage`` of a wheel on a carriage; what the model file says where missing.
-        windows: A library for 64 bit Windows, packed besides the one for this system.
+        libraries: Libraries for other platforms, packed besides the one for this machine; each file says for which
+            platform it is.
         arrays: Whether FMI 3.0 shows the same quantity of every wheel, link or obstacle as one array, ``wheels.slip``.
+        system_inputs: Whether a system has the inputs that no FMU feeds as its own, where FMPy sets them; Ecos and libcosim
+            refuse a system that has inputs.
 
     Raises:
-        UnknownNameError, ModelError: as :func:`as_model`, or the model does not start.
+        UnknownNameError, ModelError: as :func:`as_model`, or the model does not start, or cannot be what is asked.
         OSError: a file cannot be read or written.
         ValueError: there is no such version or kind.
     """
-    _bekker.export_fmu(as_model(model, parameters), path, fmi, kind, windows, arrays)
+    _bekker.export_fmu(as_model(model, parameters), path, fmi, kind, list(libraries), arrays, system_inputs)
 
 
 def save_model(model: Model, path: str | os.PathLike[str]) -> None:

@@ -72,7 +72,7 @@ fn row(page: &mut String, entry: &Entry, output: bool) {
 fn meaning(entry: &Entry) -> String {
     let text = escape(entry.variable.doc.as_ref()).into_owned();
     match entry.kind {
-        Kind::Real => text,
+        Kind::Real | Kind::Integer => text,
         Kind::Enumeration { items, .. } => {
             let words: Vec<String> = items
                 .iter()

@@ -1,5 +1,7 @@
 //! Paths of the files within an FMU, by version of the standard.
 
+use crate::platform::Platform;
+
 /// Version of the standard.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Version {
@@ -10,22 +12,21 @@ pub enum Version {
     Fmi3,
 }
 
-/// The target's system and architecture in the words of the Rust compiler.
-const SYSTEM: &str = env!("BEKKER_FMU_SYSTEM");
-const ARCHITECTURE: &str = env!("BEKKER_FMU_ARCHITECTURE");
-
 impl Version {
     /// Name of this crate's target: the folder below `binaries`.
     #[must_use]
     pub fn platform(self) -> String {
-        self.platform_of(ARCHITECTURE, SYSTEM)
+        self.folder(Platform::OWN)
     }
 
     /// FMI 2.0 names systems by their word length, FMI 3.0 (2.5.1.4.3) by architecture and system.
-    fn platform_of(self, architecture: &str, system: &str) -> String {
+    fn folder(self, platform: Platform) -> String {
+        let Platform { architecture, system } = platform;
         match (self, architecture, system) {
             (Self::Fmi2, "x86_64", "linux") => "linux64".into(),
+            (Self::Fmi2, "x86", "linux") => "linux32".into(),
             (Self::Fmi2, "x86_64", "windows") => "win64".into(),
+            (Self::Fmi2, "x86", "windows") => "win32".into(),
             (Self::Fmi2, "x86_64", "macos") => "darwin64".into(),
             // FMI 2.0 has no names for other architectures; tools that run there use those of FMI 3.0.
             (_, _, "macos") => format!("{architecture}-darwin"),
@@ -33,15 +34,9 @@ impl Version {
         }
     }
 
-    /// Place of the library for this crate's target.
-    pub(crate) fn library(self, identifier: &str) -> String {
-        let extension = std::env::consts::DLL_EXTENSION;
-        format!("binaries/{}/{identifier}.{extension}", self.platform())
-    }
-
-    /// Place of the library for 64 bit Windows.
-    pub(crate) fn windows_library(self, identifier: &str) -> String {
-        format!("binaries/{}/{identifier}.dll", self.platform_of("x86_64", "windows"))
+    /// Place of the library for a platform.
+    pub(crate) fn library(self, platform: Platform, identifier: &str) -> String {
+        format!("binaries/{}/{identifier}.{}", self.folder(platform), platform.extension())
     }
 }
 

@@ -7,13 +7,17 @@
 mod archive;
 mod documentation;
 mod layout;
+mod platform;
+mod ssp;
 
 pub use bekker_fmu::{Kind, Offer};
 pub use layout::Version;
+pub use platform::Platform;
+pub use ssp::pack_system;
 
 use archive::Archive;
 use bekker::model::{Model, ModelKind, Plant};
-use bekker_modeldescription::xml::{Component, Description, DescriptionError, system};
+use bekker_modeldescription::xml::{Description, DescriptionError};
 use std::path::{Path, PathBuf};
 
 /// The library that most FMUs carry, built for this crate's target: rovers without the plant of rigid bodies.
@@ -46,14 +50,18 @@ const LICENSE: &str = concat!(
 /// How a model is packed.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Version of the standard.
-    pub version: Version,
+    /// Version of the standard; where missing 3.0, and 2.0 in a system.
+    pub version: Option<Version>,
     /// What of the model it offers; where missing, what the model file says.
     pub kind: Option<Kind>,
     /// Whether FMI 3.0 shows the same quantity of every wheel, link or obstacle as one array; FMI 2.0 has no arrays.
     pub arrays: bool,
-    /// A library for 64 bit Windows (`bekker_fmu.dll`), packed besides the one for this crate's target.
-    pub windows: Option<PathBuf>,
+    /// Libraries for other platforms, packed besides the one for this crate's target. Each file says itself for which
+    /// platform it is. Models with obstacles and wheels on a carriage need libraries with all features.
+    pub libraries: Vec<PathBuf>,
+    /// Of a system: whether the inputs that no FMU feeds also become inputs of the system, see
+    /// [`System`](bekker_modeldescription::xml::System).
+    pub system_inputs: bool,
     /// When the FMU was made, UTC in seconds since 1970, where it is to say so. Without it the same model gives the
     /// same bytes at any time.
     pub date: Option<u64>,
@@ -74,7 +82,18 @@ pub enum ExportError {
     /// The archive could not be made.
     #[error("the FMU could not be packed: {0}")]
     Archive(#[from] zip::result::ZipError),
-    /// The library for Windows could not be read.
+    /// The model cannot be a system of two FMUs, or not as asked.
+    #[error("the system cannot be exported: {0}")]
+    System(String),
+    /// A given file is no library, or for a platform that has one already.
+    #[error("cannot pack `{}`: {reason}", path.display())]
+    Library {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// A library could not be read.
     #[error("cannot read `{}`: {error}", path.display())]
     Read {
         /// The file.
@@ -104,26 +123,6 @@ pub fn export(model: &Model, options: &Options, path: &Path) -> Result<(), Expor
     std::fs::write(path, bytes).map_err(|error| ExportError::Write { path: path.to_owned(), error })
 }
 
-/// `model` as a system of two FMUs of FMI 2.0, the rover and its controller, wired by the names of their variables
-/// (SSP 1.0). The controller is the first: it decides on what was measured at the end of the rover's last step.
-///
-/// # Errors
-/// As [`export`], but for writing.
-pub fn pack_system(model: &Model, options: &Options) -> Result<Vec<u8>, ExportError> {
-    let part = |kind: Kind| pack_part(model, &Options { version: Version::Fmi2, kind: Some(kind), ..options.clone() });
-    let (controller, rover) = (part(Kind::Controller)?, part(Kind::Rover)?);
-    let components = [
-        Component { name: "controller", source: "resources/controller.fmu", description: &controller.1 },
-        Component { name: "rover", source: "resources/rover.fmu", description: &rover.1 },
-    ];
-    let structure = system(&model.name, rover.1.experiment, &components).map_err(undescribed)?;
-    let mut archive = Archive::default();
-    archive.file("SystemStructure.ssd", structure.as_bytes())?;
-    archive.file(components[0].source, &controller.0)?;
-    archive.file(components[1].source, &rover.0)?;
-    Ok(archive.finish()?)
-}
-
 /// The FMU of `model`, as [`export`] writes it.
 ///
 /// # Errors
@@ -134,11 +133,12 @@ pub fn pack(model: &Model, options: &Options) -> Result<Vec<u8>, ExportError> {
 
 /// An FMU and its variables.
 fn pack_part(model: &Model, options: &Options) -> Result<(Vec<u8>, Description), ExportError> {
-    let windows = options
-        .windows
-        .as_ref()
-        .map(|path| std::fs::read(path).map_err(|error| ExportError::Read { path: path.clone(), error }));
-    if options.arrays && options.version == Version::Fmi2 {
+    let version = options.version.unwrap_or_default();
+    let further = further_libraries(&options.libraries)?;
+    if options.system_inputs {
+        return Err(ExportError::Model("only a system (an output that ends in .ssp) has inputs of a system".into()));
+    }
+    if options.arrays && version == Version::Fmi2 {
         return Err(ExportError::Model("FMI 2.0 has no arrays".into()));
     }
     let offer = Offer { kind: options.kind, arrays: options.arrays };
@@ -146,20 +146,44 @@ fn pack_part(model: &Model, options: &Options) -> Result<(Vec<u8>, Description),
     description.date = options.date.map(layout::utc);
     let mut ready = bekker_fmu::parse(&file).map_err(ExportError::Model)?;
     let abilities = bekker_fmu::abilities(&mut *ready).map_err(ExportError::Model)?;
-    let version = options.version;
     let xml = match version {
         Version::Fmi2 => description.fmi2(&abilities),
         Version::Fmi3 => description.fmi3(&abilities),
     };
     let mut archive = Archive::default();
     archive.file("modelDescription.xml", xml.map_err(undescribed)?.as_bytes())?;
-    archive.program(&version.library(&description.identifier), library(model)?)?;
-    if let Some(library) = windows.transpose()? {
-        archive.program(&version.windows_library(&description.identifier), &library)?;
+    archive.program(&version.library(Platform::OWN, &description.identifier), library(model)?)?;
+    for (platform, library) in &further {
+        archive.program(&version.library(*platform, &description.identifier), library)?;
     }
     papers(&mut archive, version, &description)?;
     archive.file(&format!("resources/{}", bekker_fmu::MODEL_FILE), file.as_bytes())?;
     Ok((archive.finish()?, description))
+}
+
+/// The given libraries with their platforms, each of which has one.
+fn further_libraries(paths: &[PathBuf]) -> Result<Vec<(Platform, Vec<u8>)>, ExportError> {
+    let mut found: Vec<(Platform, Vec<u8>)> = Vec::new();
+    for path in paths {
+        let library = std::fs::read(path).map_err(|error| ExportError::Read { path: path.clone(), error })?;
+        let refused = |reason: String| ExportError::Library { path: path.clone(), reason };
+        for platform in platform::platforms(&library).map_err(|reason| refused(reason.to_owned()))? {
+            if platform == Platform::OWN || found.iter().any(|(other, _)| *other == platform) {
+                return Err(refused(format!("the package has a library for {platform} already")));
+            }
+            found.push((platform, library.clone()));
+        }
+    }
+    Ok(found)
+}
+
+/// The platforms on which an FMU with these `libraries` besides the one for this crate's target runs.
+///
+/// # Errors
+/// As [`export`].
+pub fn platforms_of(libraries: &[PathBuf]) -> Result<Vec<Platform>, ExportError> {
+    let further = further_libraries(libraries)?.into_iter().map(|(platform, _)| platform);
+    Ok(std::iter::once(Platform::OWN).chain(further).collect())
 }
 
 /// The library that can run the model.

@@ -3,7 +3,7 @@
 
 use bekker::model::Model;
 use bekker_fmu::fmi3::{Instance, LogMessage, Status};
-use bekker_fmu_package::{ExportError, LIBRARY, Options, RIGID_LIBRARY, Version, export};
+use bekker_fmu_package::{ExportError, Kind, LIBRARY, Options, RIGID_LIBRARY, Version, export};
 use bekker_modeldescription::{Lookup, Parameters};
 use libloading::Library;
 use std::ffi::{CStr, CString, c_char, c_void};
@@ -12,8 +12,9 @@ use std::path::{Path, PathBuf};
 use std::ptr::{null, null_mut};
 use zip::ZipArchive;
 
-/// The libraries travel in the Python wheel, and one of them in every FMU.
-const LARGEST_LIBRARY: usize = 2 << 20;
+/// The libraries travel in the Python wheel, and one of them in every FMU. Of this one the equations far from the motion, the
+/// check whether an integrator follows them, integers and dependencies take about 20 kB.
+const LARGEST_LIBRARY: usize = 2_130_000;
 /// Rapier, 4.4 MB, and wheels on a carriage with exact slopes through all effects, 0.45 MB.
 const LARGEST_RIGID_LIBRARY: usize = 5_000_000;
 
@@ -116,7 +117,8 @@ fn property_the_archive_has_what_tools_expect() {
     assert!(text(&fmu, "terminalsAndIcons/terminalsAndIcons.xml").contains("<Terminal name=\"wheel[2]\""));
     assert!(text(&fmu, "documentation/licenses/license.txt").contains("Apache License"));
 
-    let fmu = bekker_fmu_package::pack(&preset(), &Options { version: Version::Fmi2, ..Options::default() }).unwrap();
+    let fmu =
+        bekker_fmu_package::pack(&preset(), &Options { version: Some(Version::Fmi2), ..Options::default() }).unwrap();
     let library = format!("binaries/{}/two_wheeled.{extension}", Version::Fmi2.platform());
     let mut expected = vec!["modelDescription.xml", &library];
     expected.extend(common);
@@ -125,19 +127,92 @@ fn property_the_archive_has_what_tools_expect() {
     assert!(text(&fmu, "modelDescription.xml").contains("fmiVersion=\"2.0\""));
 }
 
+/// A file with the header of a library of this kind and the name of a function of an FMU; no library for all that.
+fn library_file(name: &str, header: &[u8]) -> std::path::PathBuf {
+    let file = std::env::temp_dir().join(format!("bekker-package-{}-{name}", std::process::id()));
+    let mut content = header.to_vec();
+    content.resize(256, 0);
+    content.extend_from_slice(b"fmi3InstantiateCoSimulation");
+    std::fs::write(&file, content).unwrap();
+    file
+}
+
 #[test]
-fn property_a_library_for_windows_is_packed_where_one_is_given() {
-    let file = std::env::temp_dir().join(format!("bekker-package-{}.dll", std::process::id()));
-    std::fs::write(&file, b"a library").unwrap();
-    for (version, place) in [(Version::Fmi2, "win64"), (Version::Fmi3, "x86_64-windows")] {
-        let options = Options { version, windows: Some(file.clone()), ..Options::default() };
+fn property_libraries_for_other_platforms_are_packed_at_their_places() {
+    let mut windows = vec![0; 0x86];
+    windows[..2].copy_from_slice(b"MZ");
+    windows[0x3c] = 0x80;
+    windows[0x80..].copy_from_slice(b"PE\0\0\x64\x86");
+    let windows = library_file("a.dll", &windows);
+    let mac = library_file("a.dylib", b"\xcf\xfa\xed\xfe\x0c\0\0\x01");
+    for (version, places) in [
+        (Version::Fmi2, ["win64/two_wheeled.dll", "aarch64-darwin/two_wheeled.dylib"]),
+        (Version::Fmi3, ["x86_64-windows/two_wheeled.dll", "aarch64-darwin/two_wheeled.dylib"]),
+    ] {
+        let libraries = vec![windows.clone(), mac.clone()];
+        let options = Options { version: Some(version), libraries, ..Options::default() };
         let fmu = bekker_fmu_package::pack(&preset(), &options).unwrap();
-        assert_eq!(text(&fmu, &format!("binaries/{place}/two_wheeled.dll")), "a library");
+        for (place, file) in places.into_iter().zip([&windows, &mac]) {
+            let mut packed = Vec::new();
+            open(&fmu).by_name(&format!("binaries/{place}")).unwrap().read_to_end(&mut packed).unwrap();
+            assert_eq!(packed, std::fs::read(file).unwrap());
+        }
+        let extension = std::env::consts::DLL_EXTENSION;
+        assert!(names(&fmu).contains(&format!("binaries/{}/two_wheeled.{extension}", version.platform())));
     }
-    std::fs::remove_file(&file).unwrap();
-    let options = Options { windows: Some(file.clone()), ..Options::default() };
+    let refused = |libraries: Vec<std::path::PathBuf>| {
+        bekker_fmu_package::pack(&preset(), &Options { libraries, ..Options::default() }).unwrap_err().to_string()
+    };
+    let twice = refused(vec![windows.clone(), windows.clone()]);
+    assert!(twice.contains("a library for x86_64 windows already"), "{twice}");
+    let other = std::env::temp_dir().join(format!("bekker-package-{}.txt", std::process::id()));
+    std::fs::write(&other, b"a text").unwrap();
+    assert!(refused(vec![other.clone()]).contains("expected a library of FMUs"));
+    for file in [&windows, &mac, &other] {
+        std::fs::remove_file(file).unwrap();
+    }
+    let options = Options { libraries: vec![windows], ..Options::default() };
     let error = bekker_fmu_package::pack(&preset(), &options).unwrap_err();
     assert!(matches!(error, ExportError::Read { .. }), "{error}");
+}
+
+#[test]
+fn property_a_system_is_honoured_or_refused_with_a_reason() {
+    let pack = |preset: &str, options: &Options| {
+        let model = preset_named(preset);
+        bekker_fmu_package::pack_system(&model, options).map_err(|error| error.to_string())
+    };
+    let package = pack("gentle_rtc", &Options::default()).unwrap();
+    let expected = ["SystemStructure.ssd", "resources/controller.fmu", "resources/rover.fmu", "resources/soil.ssv"];
+    assert_eq!(names(&package), expected);
+    let structure = text(&package, "SystemStructure.ssd");
+    assert_eq!(structure.matches("resources/soil.ssv").count(), 2, "both FMUs have one soil");
+    assert!(!structure.contains("<ssd:Connection startConnector"));
+    assert!(text(&package, "resources/soil.ssv").contains("soil.cohesion"));
+    let with_inputs = pack("gentle_rtc", &Options { system_inputs: true, ..Options::default() }).unwrap();
+    assert!(text(&with_inputs, "SystemStructure.ssd").contains("<ssd:Connection startConnector=\"velocity_command\""));
+    for (preset, options, reason) in [
+        ("gentle_rtc", Options { version: Some(Version::Fmi3), ..Options::default() }, "FMI 2.0"),
+        ("gentle_rtc", Options { kind: Some(Kind::Rover), ..Options::default() }, "asks for one FMU"),
+        ("gentle_rtc", Options { arrays: true, ..Options::default() }, "no arrays"),
+        ("two_wheeled", Options::default(), "no controller"),
+        ("two_wheeled_speed", Options::default(), "no controller"),
+    ] {
+        let refused = pack(preset, &options).unwrap_err();
+        assert!(refused.contains(reason), "{refused}");
+    }
+    for preset in ["two_wheeled", "two_wheeled_speed"] {
+        let options = Options { kind: Some(Kind::Controller), ..Options::default() };
+        let refused = bekker_fmu_package::pack(&preset_named(preset), &options).unwrap_err().to_string();
+        assert!(refused.contains("no controller that an FMU of its own can be"), "{refused}");
+    }
+    let refused =
+        bekker_fmu_package::pack(&preset_named("gentle_rtc"), &Options { system_inputs: true, ..Options::default() });
+    assert!(refused.unwrap_err().to_string().contains("system"));
+}
+
+fn preset_named(name: &str) -> Model {
+    Model::preset(name).unwrap()
 }
 
 #[test]

@@ -51,7 +51,8 @@ fn guarded<X, R: Into<Status>>(
     match catch_unwind(AssertUnwindSafe(|| body(component))) {
         Ok(Ok(reply)) => reply.into(),
         Ok(Err(refusal)) => {
-            let status = if matches!(refusal, Refusal::Discarded(_)) { Status::Discard } else { Status::Error };
+            let discarded = matches!(refusal, Refusal::Discarded(_) | Refusal::Long { .. });
+            let status = if discarded { Status::Discard } else { Status::Error };
             component.logger.refused(status, &format!("{function}: {refusal}"));
             status
         }

@@ -7,11 +7,13 @@ use std::ffi::{CStr, CString};
 pub const LOG_CATEGORIES: &[(&str, &str)] = &[
     (ERROR, "Calls that were refused or failed, and why; always logged."),
     (DISCARD, "Values that do not exist for what the importer tries; always logged."),
-    (EVENTS, "Why a simulation ended, and other events; with debug logging."),
+    (WARNING, "Why a simulation ended on the way; always logged."),
+    (EVENTS, "Other events; with debug logging."),
 ];
 
 const ERROR: &str = "logStatusError";
 const DISCARD: &str = "logStatusDiscard";
+const WARNING: &str = "logStatusWarning";
 const EVENTS: &str = "logEvents";
 
 /// FMI 2.0's name for all categories.
@@ -54,6 +56,11 @@ impl Logger {
     pub(crate) fn refused(&self, status: Status, message: &str) {
         let category = if status == Status::Discard { DISCARD } else { ERROR };
         self.send(status, category, message);
+    }
+
+    /// The end of a simulation on the way, which a host may take for its usual end.
+    pub(crate) fn ended(&self, time: f64, reason: &str) {
+        self.send(Status::Warning, WARNING, &format!("the simulation ends at {time} s: {reason}"));
     }
 
     pub(crate) fn event(&self, message: &str) {

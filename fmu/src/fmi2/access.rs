@@ -17,13 +17,13 @@ pub unsafe extern "C" fn fmi2GetReal(c: Instance, vr: *const u32, nvr: usize, va
     })
 }
 
-/// `fmi2GetInteger`, for enumerations.
+/// `fmi2GetInteger`, also for enumerations.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2GetInteger(c: Instance, vr: *const u32, nvr: usize, value: *mut c_int) -> Status {
     call(c, "fmi2GetInteger", |component| {
         // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         let (references, values) = unsafe { (list("vr", vr, nvr)?, Places::new("value", value, nvr)?) };
-        component.lifecycle.get(references, Type::Enumeration, &mut |place, value| values.put(place, value as c_int))
+        component.lifecycle.get(references, Type::Whole, &mut |place, value| values.put(place, value as c_int))
     })
 }
 
@@ -37,14 +37,14 @@ pub unsafe extern "C" fn fmi2SetReal(c: Instance, vr: *const u32, nvr: usize, va
     })
 }
 
-/// `fmi2SetInteger`, for enumerations.
+/// `fmi2SetInteger`, also for enumerations.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2SetInteger(c: Instance, vr: *const u32, nvr: usize, value: *const c_int) -> Status {
     call(c, "fmi2SetInteger", |component| {
         // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
         let (references, values) = unsafe { (list("vr", vr, nvr)?, list("value", value, nvr)?) };
         let values: Vec<f64> = values.iter().map(|value| f64::from(*value)).collect();
-        component.lifecycle.set(references, Type::Enumeration, &values)
+        component.lifecycle.set(references, Type::Whole, &values)
     })
 }
 

@@ -29,7 +29,7 @@ pub unsafe extern "C" fn fmi2NewDiscreteStates(c: Instance, eventInfo: *mut Even
             },
         );
         if let Some(reason) = outcome.terminate {
-            component.logger.event(&format!("the simulation ends at {} s: {reason}", component.lifecycle.time()));
+            component.logger.ended(component.lifecycle.time(), &reason);
         }
         Ok(())
     })
@@ -61,7 +61,7 @@ pub unsafe extern "C" fn fmi2CompletedIntegratorStep(
         event.put(0, outcome.states_changed.into());
         end.put(0, outcome.terminate.is_some().into());
         if let Some(reason) = outcome.terminate {
-            component.logger.event(&format!("the simulation ends at {} s: {reason}", component.lifecycle.time()));
+            component.logger.ended(component.lifecycle.time(), &reason);
         }
         Ok(())
     })

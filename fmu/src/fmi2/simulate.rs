@@ -7,7 +7,8 @@ use crate::border::instance::Instance;
 use crate::lifecycle::Refusal;
 use std::ffi::c_int;
 
-/// `fmi2DoStep`; where the simulation ends on the way, the step is discarded, and `fmi2GetRealStatus` and
+/// `fmi2DoStep`; a step of more than [`LONGEST`](crate::lifecycle::LONGEST) seconds is discarded, nothing of it is made. Where
+/// the simulation ends on the way, the step is discarded, and `fmi2GetRealStatus` and
 /// `fmi2GetBooleanStatus` say when and that the FMU wants to end.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2DoStep(
@@ -18,11 +19,15 @@ pub extern "C" fn fmi2DoStep(
 ) -> Status {
     call(c, "fmi2DoStep", |component| {
         component.own.status = Status::Error;
-        let progress = component.lifecycle.step(currentCommunicationPoint, communicationStepSize)?;
+        let progress = component.lifecycle.step(currentCommunicationPoint, communicationStepSize);
+        if matches!(progress, Err(Refusal::Long { .. })) {
+            component.own.status = Status::Discard;
+        }
+        let progress = progress?;
         component.own.status = match &progress.ended {
             None => Status::Ok,
             Some(reason) => {
-                component.logger.event(&format!("the simulation ends at {} s: {reason}", progress.time));
+                component.logger.ended(progress.time, reason);
                 Status::Discard
             }
         };

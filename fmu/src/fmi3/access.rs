@@ -1,4 +1,4 @@
-//! Reading and setting variables: numbers and enumerations, and a refusal for every other type.
+//! Reading and setting variables: numbers, integers and enumerations, and a refusal for every other type.
 
 use super::instances::call;
 use super::types::Boolean;
@@ -26,23 +26,6 @@ pub unsafe extern "C" fn fmi3GetFloat64(
     })
 }
 
-/// `fmi3GetInt64`, for enumerations.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3GetInt64(
-    instance: Instance,
-    valueReferences: *const u32,
-    nValueReferences: usize,
-    values: *mut i64,
-    nValues: usize,
-) -> Status {
-    call(instance, "fmi3GetInt64", |component| {
-        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
-        let (references, values) =
-            unsafe { read(&component.lifecycle, valueReferences, nValueReferences, values, nValues) }?;
-        component.lifecycle.get(&references, Type::Enumeration, &mut |place, value| values.put(place, value as i64))
-    })
-}
-
 /// `fmi3SetFloat64`: all values are set or, with an error, none.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3SetFloat64(
@@ -62,24 +45,51 @@ pub unsafe extern "C" fn fmi3SetFloat64(
     })
 }
 
-/// `fmi3SetInt64`, for enumerations.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn fmi3SetInt64(
-    instance: Instance,
-    valueReferences: *const u32,
-    nValueReferences: usize,
-    values: *const i64,
-    nValues: usize,
-) -> Status {
-    call(instance, "fmi3SetInt64", |component| {
-        // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
-        let references = unsafe { list("valueReferences", valueReferences, nValueReferences) }?;
-        // SAFETY: as above.
-        let values = unsafe { list("values", values, nValues) }?;
-        let values: Vec<f64> = values.iter().map(|value| *value as f64).collect();
-        let references = component.lifecycle.elements(references)?;
-        component.lifecycle.set(&references, Type::Enumeration, &values)
-    })
+/// Functions that read and set integers of one size.
+macro_rules! integers {
+    ($($get:ident, $set:ident, $number:ty = $type:expr, $about:literal;)*) => {$(
+        #[doc = concat!("`", stringify!($get), "`, for ", $about, ".")]
+        #[unsafe(no_mangle)]
+        pub unsafe extern "C" fn $get(
+            instance: Instance,
+            valueReferences: *const u32,
+            nValueReferences: usize,
+            values: *mut $number,
+            nValues: usize,
+        ) -> Status {
+            call(instance, stringify!($get), |component| {
+                // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
+                let (references, values) =
+                    unsafe { read(&component.lifecycle, valueReferences, nValueReferences, values, nValues) }?;
+                component.lifecycle.get(&references, $type, &mut |place, value| values.put(place, value as $number))
+            })
+        }
+
+        #[doc = concat!("`", stringify!($set), "`, for ", $about, ".")]
+        #[unsafe(no_mangle)]
+        pub unsafe extern "C" fn $set(
+            instance: Instance,
+            valueReferences: *const u32,
+            nValueReferences: usize,
+            values: *const $number,
+            nValues: usize,
+        ) -> Status {
+            call(instance, stringify!($set), |component| {
+                // SAFETY: NULL or valid, by the importer's obligations in `fmi3`.
+                let references = unsafe { list("valueReferences", valueReferences, nValueReferences) }?;
+                // SAFETY: as above.
+                let values = unsafe { list("values", values, nValues) }?;
+                let values: Vec<f64> = values.iter().map(|value| *value as f64).collect();
+                let references = component.lifecycle.elements(references)?;
+                component.lifecycle.set(&references, $type, &values)
+            })
+        }
+    )*};
+}
+
+integers! {
+    fmi3GetInt32, fmi3SetInt32, i32 = Type::Integer, "integers";
+    fmi3GetInt64, fmi3SetInt64, i64 = Type::Enumeration, "enumerations";
 }
 
 /// References of entries, those of arrays by element, and places for as many values.
@@ -127,7 +137,6 @@ other_types! {
     fmi3GetUInt8(values: *mut u8, nValues: usize), "an unsigned 8 bit integer";
     fmi3GetInt16(values: *mut i16, nValues: usize), "a 16 bit integer";
     fmi3GetUInt16(values: *mut u16, nValues: usize), "an unsigned 16 bit integer";
-    fmi3GetInt32(values: *mut i32, nValues: usize), "a 32 bit integer";
     fmi3GetUInt32(values: *mut u32, nValues: usize), "an unsigned 32 bit integer";
     fmi3GetUInt64(values: *mut u64, nValues: usize), "an unsigned 64 bit integer";
     fmi3GetBoolean(values: *mut Boolean, nValues: usize), "a Boolean";
@@ -139,7 +148,6 @@ other_types! {
     fmi3SetUInt8(values: *const u8, nValues: usize), "an unsigned 8 bit integer";
     fmi3SetInt16(values: *const i16, nValues: usize), "a 16 bit integer";
     fmi3SetUInt16(values: *const u16, nValues: usize), "an unsigned 16 bit integer";
-    fmi3SetInt32(values: *const i32, nValues: usize), "a 32 bit integer";
     fmi3SetUInt32(values: *const u32, nValues: usize), "an unsigned 32 bit integer";
     fmi3SetUInt64(values: *const u64, nValues: usize), "an unsigned 64 bit integer";
     fmi3SetBoolean(values: *const Boolean, nValues: usize), "a Boolean";

@@ -78,17 +78,16 @@ pub unsafe extern "C" fn fmi3GetOutputDerivatives(
 
 /// What the elements of a variable depend on: the element, and reference and element of another; elements from 1 on.
 fn dependencies(lifecycle: &Lifecycle, dependent: u32) -> Result<Vec<(usize, u32, usize)>, Refusal> {
-    let elements = lifecycle.elements(std::slice::from_ref(&dependent))?.len();
+    let elements = lifecycle.elements(std::slice::from_ref(&dependent))?;
     let arrays = &lifecycle.description().arrays;
-    let known: Vec<(u32, usize)> = lifecycle
-        .dependencies(dependent)?
-        .into_iter()
-        .map(|reference| {
+    let mut found = Vec::new();
+    for (k, element) in elements.iter().enumerate() {
+        found.extend(lifecycle.dependencies(*element)?.into_iter().map(|reference| {
             let (shown, place) = arrays.shown(reference as usize);
-            (shown as u32, place + 1)
-        })
-        .collect();
-    Ok((1..=elements).flat_map(|k| known.iter().map(move |(reference, place)| (k, *reference, *place))).collect())
+            (k + 1, shown as u32, place + 1)
+        }));
+    }
+    Ok(found)
 }
 
 /// `fmi3GetNumberOfVariableDependencies`.

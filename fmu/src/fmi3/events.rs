@@ -59,7 +59,7 @@ pub unsafe extern "C" fn fmi3UpdateDiscreteStates(
         defined.put(0, outcome.next_time.is_some());
         time.put(0, outcome.next_time.unwrap_or(0.0));
         if let Some(reason) = outcome.terminate {
-            component.logger.event(&format!("the simulation ends at {} s: {reason}", component.lifecycle.time()));
+            component.logger.ended(component.lifecycle.time(), &reason);
         }
         Ok(())
     })

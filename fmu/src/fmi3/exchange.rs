@@ -32,7 +32,7 @@ pub unsafe extern "C" fn fmi3CompletedIntegratorStep(
         event.put(0, outcome.states_changed);
         end.put(0, outcome.terminate.is_some());
         if let Some(reason) = outcome.terminate {
-            component.logger.event(&format!("the simulation ends at {} s: {reason}", component.lifecycle.time()));
+            component.logger.ended(component.lifecycle.time(), &reason);
         }
         Ok(())
     })

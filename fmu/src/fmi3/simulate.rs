@@ -5,7 +5,7 @@ use super::types::{Boolean, Updates};
 use crate::border::Status;
 use crate::border::arguments::Places;
 use crate::border::instance::{Component, Instance};
-use crate::lifecycle::{Progress, Refusal};
+use crate::lifecycle::{LONGEST, Progress, Refusal};
 
 /// `fmi3EnterInitializationMode`; the tolerance is not used, the integrator's step is fixed.
 #[unsafe(no_mangle)]
@@ -29,7 +29,9 @@ pub extern "C" fn fmi3ExitInitializationMode(instance: Instance) -> Status {
 }
 
 /// `fmi3DoStep`; where the simulation ends on the way, `terminateSimulation` is true and `lastSuccessfulTime` says
-/// when. With a callback, it is called after each inner step.
+/// when. With a callback, it is called after each inner step, and may ask for an early return where the
+/// importer allows that. Else a step of more than [`LONGEST`](crate::lifecycle::LONGEST) seconds returns early by itself where
+/// the importer allows it, and is discarded where it does not.
 #[unsafe(no_mangle)]
 #[allow(clippy::too_many_arguments)]
 pub unsafe extern "C" fn fmi3DoStep(
@@ -66,9 +68,15 @@ pub unsafe extern "C" fn fmi3DoStep(
                 (progress.time, component.lifecycle.has_reached(step.end) || progress.ended.is_some());
             time.put(0, progress.time);
             early.put(0, finished && progress.ended.is_none() && step.end < step.target);
+            let early_by_itself = finished && progress.ended.is_none() && step.updates.callback.is_none();
+            if early_by_itself && step.end < step.target {
+                component
+                    .logger
+                    .event(&format!("{NAME}: returns early after {LONGEST} s of {} s", communicationStepSize));
+            }
             if let Some(reason) = progress.ended {
                 terminate.put(0, true);
-                component.logger.event(&format!("the simulation ends at {} s: {reason}", progress.time));
+                component.logger.ended(progress.time, &reason);
             }
             Ok(())
         });
@@ -94,8 +102,17 @@ struct Step {
 
 impl Step {
     fn begin(component: &Component<Updates>, current: f64, size: f64) -> Result<Self, Refusal> {
-        let target = component.lifecycle.begin_step(current, size)?;
-        Ok(Self { target, end: target, updates: component.own })
+        let (life, updates) = (&component.lifecycle, component.own);
+        let target = life.begin_step(current, size)?;
+        let end = match updates {
+            Updates { callback: Some(_), early_return: true, .. } => target,
+            Updates { early_return: true, .. } => life.in_one_call(target),
+            _ => {
+                life.not_too_long(target)?;
+                target
+            }
+        };
+        Ok(Self { target, end, updates })
     }
 
     /// On to the end or, with a callback, to the next end of an inner step.

@@ -11,6 +11,10 @@ pub enum Type {
     Real,
     /// Enumerations, as 64 bit integers.
     Enumeration,
+    /// Integers of 32 bits.
+    Integer,
+    /// Enumerations and integers, which FMI 2.0 reads and sets by the same functions.
+    Whole,
     /// A type of the standard that no variable has.
     Other(&'static str),
 }
@@ -19,6 +23,7 @@ impl Type {
     fn of(entry: &Entry) -> Self {
         match entry.kind {
             Kind::Real => Self::Real,
+            Kind::Integer => Self::Integer,
             Kind::Enumeration { .. } => Self::Enumeration,
         }
     }
@@ -27,6 +32,8 @@ impl Type {
         match self {
             Self::Real => "a 64 bit floating point number",
             Self::Enumeration => "an enumeration",
+            Self::Integer => "a 32 bit integer",
+            Self::Whole => "an integer or enumeration",
             Self::Other(word) => word,
         }
     }
@@ -164,7 +171,8 @@ impl Lifecycle {
         let entry = self.model.description().entries.get(reference as usize);
         let entry = entry.ok_or(Refusal::Reference { reference, largest: self.largest() })?;
         let actual = Type::of(entry);
-        if actual == asked {
+        let whole = asked == Type::Whole && matches!(actual, Type::Enumeration | Type::Integer);
+        if actual == asked || whole {
             return Ok(entry);
         }
         let name = entry.variable.name.clone();

@@ -1,7 +1,7 @@
 //! Partial derivatives, and what depends on what.
 
 use super::{Lifecycle, Phase, Refusal, Type};
-use bekker_modeldescription::xml::Causality;
+use bekker_modeldescription::xml::{Causality, Entry};
 
 /// The way in which a product with the matrix of partial derivatives is formed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,23 +68,20 @@ impl Lifecycle {
         references.iter().map(place).collect()
     }
 
-    /// What an unknown depends on: the inputs and the continuous states, all of them, for that is what the equations
-    /// of a rover's motion do.
+    /// On which inputs and continuous states an unknown depends at the same instant; an event indicator on all of them.
     ///
     /// # Errors
     /// [`Refusal::Reference`]; [`Refusal::Derivative`] for a variable that the model does not compute.
     pub fn dependencies(&self, dependent: u32) -> Result<Vec<u32>, Refusal> {
-        let entries = &self.model.description().entries;
-        let found = entries.get(dependent as usize);
+        let description = self.model.description();
+        let indicator = (dependent as usize).checked_sub(description.entries.len());
+        let all = indicator.filter(|number| *number < self.indicators).map(|_| Entry::time());
+        let found = description.entries.get(dependent as usize).or(all.as_ref());
         let found = found.ok_or(Refusal::Reference { reference: dependent, largest: self.largest() })?;
-        if !matches!(found.causality, Causality::Output | Causality::Local) {
+        if all.is_none() && !matches!(found.causality, Causality::Output | Causality::Local) {
             return Err(Refusal::Derivative(format!("`{}` depends on nothing: it is set", found.variable.name)));
         }
-        let state = |place: usize| entries.iter().any(|entry| entry.derivative_of == Some(place));
-        let known = |(place, entry): (usize, &bekker_modeldescription::xml::Entry)| {
-            let known = entry.causality == Causality::Input || state(place);
-            known.then(|| u32::try_from(place).ok()).flatten()
-        };
-        Ok(entries.iter().enumerate().filter_map(known).collect())
+        let known = description.dependencies(found).into_iter();
+        Ok(known.filter_map(|reference| u32::try_from(reference).ok()).collect())
     }
 }

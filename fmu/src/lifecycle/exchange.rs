@@ -125,7 +125,12 @@ impl Lifecycle {
         self.equations()?;
         self.require(&[Phase::Event, Phase::ContinuousTime])?;
         self.count("continuous states", states.len(), self.rates.len())?;
-        self.equations()?.set_states(states)?;
+        let at_event = self.phase == Phase::Event;
+        let equations = self.equations()?;
+        equations.set_states(states)?;
+        if at_event {
+            equations.states_set_at_event();
+        }
         self.fresh = false;
         Ok(())
     }

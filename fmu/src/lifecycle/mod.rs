@@ -18,7 +18,7 @@ mod stepping;
 pub use access::Type;
 pub use derivatives::Direction;
 pub use refusal::Refusal;
-pub use stepping::Progress;
+pub use stepping::{LONGEST, Progress};
 
 use crate::model::FmuModel;
 use std::fmt;

@@ -1,6 +1,7 @@
 //! Why a call is refused, in words for the host's log.
 
 use super::Phase;
+use super::stepping::LONGEST;
 use crate::model::Failure;
 
 /// Why a call was not carried out. The instance is as before the call, except after [`Refusal::Failed`].
@@ -68,6 +69,15 @@ pub enum Refusal {
     /// The equations have no value at the point that the importer's integrator tries; it may try another.
     #[error("{0}")]
     Discarded(Failure),
+    /// A communication step is longer than one call makes; shorter ones may follow each other.
+    #[error(
+        "the communication step {size} s is longer than {LONGEST} s, the most in one call; \
+         expected shorter steps or, in FMI 3.0, an importer that allows early return"
+    )]
+    Long {
+        /// The step, s.
+        size: f64,
+    },
     /// A list has the wrong length.
     #[error("there are {expected} {what}, not {given}")]
     Count {

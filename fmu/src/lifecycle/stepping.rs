@@ -15,9 +15,9 @@ const GRID_TOLERANCE: f64 = 1e-9;
 /// may have added up many steps. The model counts its own steps, so nothing follows from the difference.
 const TIME_TOLERANCE: f64 = 1e-3;
 
-/// Most inner steps in one communication step; at 1 ms this is eleven days of driving in one call, and
-/// more is rather a slip of the host, which would not come back for hours.
-const MOST_STEPS: f64 = 1e9;
+/// Longest part of a communication step that is made in one call, s: an hour of driving, which takes a minute or less. A host
+/// that asks for more by mistake would wait for hours.
+pub const LONGEST: f64 = 3600.0;
 
 /// Where a communication step arrived.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,11 +41,13 @@ impl Lifecycle {
     ///
     /// # Errors
     /// [`Refusal::Order`], [`Refusal::Ended`]; [`Refusal::Time`] where `current` is not the model's time,
-    /// or `size` not positive, or the end beyond the stop time; [`Refusal::Value`] where an extrapolated
+    /// or `size` not positive, or the end beyond the stop time; [`Refusal::Long`] where `size` is more than
+    /// [`LONGEST`]; [`Refusal::Value`] where an extrapolated
     /// input leaves its bounds; [`Refusal::Failed`] where the model could not go on, after which only
     /// reading, reset and restoring are allowed.
     pub fn step(&mut self, current: f64, size: f64) -> Result<Progress, Refusal> {
         let target = self.begin_step(current, size)?;
+        self.not_too_long(target)?;
         if self.slopes.is_empty() {
             return self.go_to(target);
         }
@@ -73,14 +75,22 @@ impl Lifecycle {
         if let Some(stop) = self.stop.filter(|stop| time + size > stop + late) {
             return Err(Refusal::Time(format!("the step ends at {} s, after the stop time {stop} s", time + size)));
         }
-        let inner = self.model.inner_step();
-        if size / inner > MOST_STEPS {
-            return Err(Refusal::Time(format!(
-                "the communication step {size} s is {} inner steps, more than {MOST_STEPS} in one call",
-                size / inner
-            )));
-        }
         Ok(self.on_grid(self.model.elapsed() + size))
+    }
+
+    /// Refuses a step to `target`, seconds since the start, that is too long for one call.
+    ///
+    /// # Errors
+    /// [`Refusal::Long`].
+    pub fn not_too_long(&self, target: f64) -> Result<(), Refusal> {
+        let size = target - self.model.elapsed();
+        if size > LONGEST * (1.0 + GRID_TOLERANCE) { Err(Refusal::Long { size }) } else { Ok(()) }
+    }
+
+    /// The end of the longest step that one call makes towards `target`; both in seconds since the start.
+    #[must_use]
+    pub fn in_one_call(&self, target: f64) -> f64 {
+        target.min(self.on_grid(self.model.elapsed() + LONGEST))
     }
 
     /// `time`, or the whole multiple of the inner step from which only rounding keeps it.

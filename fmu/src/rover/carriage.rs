@@ -55,7 +55,9 @@ impl Carriage {
         let parameters = 1..entries.len();
         entries.extend(SetPoint::default().list().into_iter().map(|(variable, value)| Entry::input(variable, value)));
         let inputs = parameters.end..entries.len();
-        entries.extend(SteadyPoint::default().list().into_iter().map(|(variable, _)| Entry::output(variable)));
+        let at_start: Vec<usize> = inputs.clone().collect();
+        let output = |variable| Entry::output(variable).depending_on(vec![], at_start.clone());
+        entries.extend(SteadyPoint::default().list().into_iter().map(|(variable, _)| output(variable)));
         let outputs = inputs.end..entries.len();
         let description = Arc::new(description(&model, packed, STEP, entries));
         let values = starts(&description);

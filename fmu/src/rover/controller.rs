@@ -1,7 +1,7 @@
 //! A rover's controller by itself, as a [`FmuModel`]: measurements in, torques out.
 
 use super::by_reference::{by_reference, from_values, starts};
-use super::modes::{MODES, in_mode, kind_of, list, mode_entry, usual_mode};
+use super::modes::{MODES, check_kind, in_mode, kind_of, list, mode_entry, usual_mode};
 use super::outputs::measurements;
 use super::state::{read_list, write_list};
 use super::step_position::StepPosition;
@@ -50,6 +50,7 @@ impl Controller {
     /// # Errors
     /// A sentence where a parameter makes no sense to it.
     pub fn new(model: RoverModel, packed: Packed) -> Result<Self, String> {
+        check_kind(&model)?;
         let mode = usual_mode(&model);
         let run = in_mode(&model, mode).start_controller().map_err(|error| error.to_string())?;
         let mut entries = vec![Entry::time(), mode_entry(mode)];
@@ -66,7 +67,9 @@ impl Controller {
         let inputs = parameters.end..entries.len();
         let mut torques = model.clone();
         torques.control.kind = ControlKind::Torque;
-        entries.extend(torques.inputs().list().into_iter().map(|(variable, _)| Entry::output(variable)));
+        // A decision acts from the next step on, and before the first one the torques are zero.
+        let torques = torques.inputs().list().into_iter();
+        entries.extend(torques.map(|(variable, _)| Entry::output(variable).depending_on(vec![], vec![])));
         let outputs = inputs.end..entries.len();
         let description = Arc::new(description(&model, packed, run.period(), entries));
         let values = starts(&description);

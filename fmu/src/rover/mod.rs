@@ -30,6 +30,7 @@ mod by_reference;
 #[cfg(feature = "carriage")]
 mod carriage;
 mod controller;
+mod dependencies;
 mod derivatives;
 mod kind;
 mod model_exchange;
@@ -44,8 +45,8 @@ pub use kind::{Kind, Offer};
 
 use crate::model::FmuModel;
 use bekker::model::{Model as RoverModel, ModelKind};
-use bekker_modeldescription::Lookup;
 use bekker_modeldescription::xml::{Arrays, Description, Entry, Experiment, identifier};
+use bekker_modeldescription::{Exponents, Lookup, Unit};
 #[cfg(feature = "carriage")]
 use carriage::Carriage;
 use controller::Controller;
@@ -54,6 +55,10 @@ use std::path::Path;
 
 /// Name of the model file in the resources.
 pub const MODEL_FILE: &str = "model.toml";
+
+/// Who made the library and the built-in models, and the line of the licence that says whose they are.
+const AUTHOR: &str = "The Bekker developers";
+const COPYRIGHT: &str = "Copyright (c) 2026 The Bekker developers";
 
 /// Communication step that is offered, s, as near as whole inner steps come to it.
 const USUAL_STEP: f64 = 0.01;
@@ -122,7 +127,8 @@ pub fn describe_as(model: &RoverModel, offer: impl Into<Offer>) -> Result<(Strin
     Ok((text, description))
 }
 
-fn description(model: &RoverModel, packed: Packed, inner_step: f64, entries: Vec<Entry>) -> Description {
+fn description(model: &RoverModel, packed: Packed, inner_step: f64, mut entries: Vec<Entry>) -> Description {
+    give_moduli_exponents(&mut entries, model.rover.soil.exponent);
     let step = (USUAL_STEP / inner_step).round().max(1.0) * inner_step;
     let arrays = if packed.arrays { Arrays::of(&entries) } else { Arrays::default() };
     Description {
@@ -131,6 +137,8 @@ fn description(model: &RoverModel, packed: Packed, inner_step: f64, entries: Vec
         description: format!("{}: {}", model.name, packed.kind.about()),
         version: env!("CARGO_PKG_VERSION").into(),
         license: env!("CARGO_PKG_LICENSE").into(),
+        author: AUTHOR.into(),
+        copyright: COPYRIGHT.into(),
         generation_tool: concat!("Bekker ", env!("CARGO_PKG_VERSION")).into(),
         experiment: Experiment { start: 0.0, stop: model.stepping.duration, step },
         inner_step,
@@ -139,5 +147,22 @@ fn description(model: &RoverModel, packed: Packed, inner_step: f64, entries: Vec
         content: packed.text.to_owned(),
         entries,
         arrays,
+    }
+}
+
+/// Gives Bekker's moduli, whose length exponent is the sinkage exponent plus one or two, the exponents that they have at the
+/// sinkage exponent `n` of the packed model, where it is a whole number: others no unit of FMI can have.
+fn give_moduli_exponents(entries: &mut [Entry], n: f64) {
+    if n.fract() != 0.0 {
+        return;
+    }
+    for unit in entries.iter_mut().map(|entry| &mut entry.variable.unit) {
+        let further = match unit.symbol {
+            symbol if symbol == Unit::COHESIVE_MODULUS.symbol => 1,
+            symbol if symbol == Unit::FRICTIONAL_MODULUS.symbol => 2,
+            _ => continue,
+        };
+        // N/m^(n + further) in kg, m and s.
+        unit.exponents = Some(Exponents { kg: 1, m: 1 - (n as i8 + further), s: -2, ..Exponents::default() });
     }
 }

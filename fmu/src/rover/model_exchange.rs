@@ -128,7 +128,8 @@ impl RoverFmu {
                 self.values[place] = self.values[*signal];
             }
             let ended = if model_exchange.stuck { Some(Event::Stuck) } else { equations.ended() };
-            self.values[self.references.event] = ended.map_or(Status::Running, Status::Ended).place() as f64;
+            let status = ended.map_or(Status::Running, Status::Ended).place() as f64;
+            (self.values[self.references.event], self.values[self.references.event_code]) = (status, status);
         }
         Ok(())
     }
@@ -141,8 +142,7 @@ impl RoverFmu {
     }
 }
 
-/// The importer's integrator may try states at which a wheel is beyond the known terrain; that is a [`Failure`] of
-/// [`rates`](Continuous::rates), which a shorter step avoids.
+/// The importer's integrator may try any finite states: the equations are continued where no rover can be.
 impl Continuous for RoverFmu {
     fn check(&self) -> Result<(), Failure> {
         self.tuned.check_equations().map_err(|error| Failure(error.to_string()))?;
@@ -237,6 +237,12 @@ impl Continuous for RoverFmu {
         Ok(())
     }
 
+    fn states_set_at_event(&mut self) {
+        if let Some(model_exchange) = &mut self.model_exchange {
+            model_exchange.equations.forget_balance();
+        }
+    }
+
     fn handle_event(&mut self) -> Result<EventOutcome, Failure> {
         self.bring_up()?;
         Ok(self.ended())
@@ -247,6 +253,9 @@ impl Continuous for RoverFmu {
         if let Some(model_exchange) = &mut self.model_exchange {
             let step = model_exchange.time - model_exchange.accepted;
             model_exchange.accepted = model_exchange.time;
+            let time = model_exchange.time;
+            let checked = model_exchange.equations.check_motion();
+            checked.map_err(|error| Failure(format!("at t = {time} s: {error}")))?;
             model_exchange.stuck |= step > 0.0 && model_exchange.equations.accept(step);
         }
         Ok(self.ended())

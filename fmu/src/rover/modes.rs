@@ -28,6 +28,21 @@ const READ: [&str; 9] = [
 /// What it reads of a vehicle's numbers: those of a data sheet at rest.
 const READ_OF_VEHICLE: [&str; 7] = ["x", "z", "mass", "centre_of_mass_x", "centre_of_mass_z", "radius", "width"];
 
+/// Whether a model has a controller that such an FMU can be.
+///
+/// # Errors
+/// A sentence where it has none, or one that has no mode.
+pub(super) fn check_kind(model: &RoverModel) -> Result<(), String> {
+    match model.control.kind {
+        ControlKind::Velocity | ControlKind::VelocityTuned | ControlKind::Rtc => Ok(()),
+        kind => Err(format!(
+            "control.kind = {kind:?} of `{}` is no controller that an FMU of its own can be; expected velocity, \
+             velocity_tuned or rtc",
+            model.name
+        )),
+    }
+}
+
 /// The mode that a model has of itself.
 pub(super) fn usual_mode(model: &RoverModel) -> f64 {
     match (model.control.kind, model.control.criterion) {

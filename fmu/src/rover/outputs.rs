@@ -1,5 +1,6 @@
 //! What a rover shows beside its signals: how it stands, and what its sensors read.
 
+use bekker::model::Model;
 use bekker::signals::Measurement;
 use bekker::simulation::Status;
 use bekker_modeldescription::xml::{Entry, Item};
@@ -30,6 +31,34 @@ pub(super) fn event() -> Entry {
         source: "physics".into(),
     };
     Entry::enumeration(variable, "Event", EVENTS)
+}
+
+/// `event` as an integer, for tools that skip enumerations.
+pub(super) fn event_code() -> Entry {
+    let words: Vec<String> = EVENTS.iter().map(|item| format!("{} {}", item.value, item.name)).collect();
+    let doc = format!("Number of `event`, for tools that do not read enumerations: {}.", words.join(", "));
+    Entry::integer(whole("event_code", doc, (EVENTS.len() - 1) as f64))
+}
+
+/// The seed of the sensors' noise, for random draws by the importer.
+///
+/// # Errors
+/// A sentence where the model's seed is larger than the integers of FMI 2.0.
+pub(super) fn seed(model: &Model) -> Result<Entry, String> {
+    let (seed, largest) = (f64::from(model.stepping.seed), f64::from(i32::MAX));
+    if seed > largest {
+        return Err(format!(
+            "simulation.seed = {seed} is larger than the integers of an FMU; expected at most {largest}"
+        ));
+    }
+    let doc = "Seed of the sensors' noise: another one draws other noise of the same size.".into();
+    Ok(Entry::integer_parameter(whole("simulation.seed", doc, largest), seed))
+}
+
+/// An integer from 0 on.
+fn whole(name: &str, doc: String, max: f64) -> Variable {
+    let (name, doc, source) = (name.to_owned(), doc.into(), "".into());
+    Variable { name, doc, unit: Unit::ONE, default: 0.0, min: 0.0, max, role: Role::Fixed, source }
 }
 
 /// What sensors report of a rover with so many wheels and links.

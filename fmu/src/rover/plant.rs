@@ -2,9 +2,9 @@
 
 use super::by_reference::{by_reference, from_values, into_places, starts};
 use super::model_exchange::ModelExchange;
-use super::outputs::{event, measurements};
+use super::outputs::{event, event_code, measurements, seed};
 use super::step_position::StepPosition;
-use super::{Kind, Packed, USUAL_STEP, description};
+use super::{Kind, Packed, USUAL_STEP, dependencies, description};
 use crate::model::{Continuous, Failure, FmuModel, Outcome};
 use bekker::model::{ControlKind, Model as RoverModel, Plant, Run};
 use bekker::signals::Measurement;
@@ -25,6 +25,10 @@ pub(super) struct References {
     /// Of the signal that each of them measures.
     pub measured_signals: Vec<usize>,
     pub event: usize,
+    /// The same as an integer.
+    pub event_code: usize,
+    /// The seed of the sensors' noise.
+    pub seed: usize,
     /// Continuous states and their derivatives.
     pub states: Range<usize>,
     pub derivatives: Range<usize>,
@@ -94,6 +98,7 @@ impl RoverFmu {
             parameters.push(Entry { variability, ..Entry::parameter(variable, *value) });
         });
         let parameters = group(parameters);
+        let seed = group(vec![seed(&model)?]).start;
         let inputs = model.inputs().list().into_iter().map(|(variable, value)| Entry::input(variable, value));
         let inputs = group(inputs.collect());
         let signals = run.signals().clone().list().into_iter().map(|(variable, _)| Entry::output(variable));
@@ -101,15 +106,27 @@ impl RoverFmu {
         let (wheels, links) = (model.rover.wheels.len(), model.rover.links.len());
         let sensed = if sensing.is_some() { measurements("measured", wheels, links) } else { Vec::new() };
         let measured = group(sensed.into_iter().map(Entry::output).collect());
-        let event = group(vec![event()]).start;
-        let first = event + 1;
+        let event = group(vec![event(), event_code()]).start;
+        let event_code = event + 1;
+        let first = event_code + 1;
         let (states, derivatives) =
             model_exchange.as_ref().map(|model_exchange| model_exchange.entries(first)).unwrap_or_default();
         let (states, derivatives) = (group(states), group(derivatives));
         let of_signal = |signal| signals.start + signal;
         let measured_signals = Measurement::measured_signals(run.signals()).into_iter().map(of_signal).collect();
-        let references =
-            References { parameters, inputs, signals, measured, measured_signals, event, states, derivatives };
+        let references = References {
+            parameters,
+            inputs,
+            signals,
+            measured,
+            measured_signals,
+            event,
+            event_code,
+            seed,
+            states,
+            derivatives,
+        };
+        dependencies::write(&mut entries, &references, model_exchange.is_some());
         let description = Arc::new(description(&model, packed, run.step_size(), entries));
         let values = starts(&description);
         let mut rover = Self {
@@ -137,8 +154,21 @@ impl RoverFmu {
         let References { signals, measured, event, .. } = &self.references;
         self.run.signals().values(&mut into_places(&mut self.values[signals.clone()]));
         self.run.measurement().values(&mut into_places(&mut self.values[measured.clone()]));
-        self.values[*event] = self.run.status().place() as f64;
+        let status = self.run.status().place() as f64;
+        (self.values[*event], self.values[self.references.event_code]) = (status, status);
         (self.motion, self.time) = (AdvancedBy::Steps, self.run.time());
+    }
+
+    /// Shows the signals of the start under the inputs, where the model is also offered for model exchange: torques, currents and
+    /// powers are those with which the first step begins, as the equations have them. Elsewhere the first decision or imposed
+    /// speed belongs to the first step, as in the core.
+    fn begin_with_inputs(&mut self) -> Result<(), Failure> {
+        if self.model_exchange.is_none() {
+            return Ok(());
+        }
+        let signals = self.run.signals_under_inputs().map_err(|error| Failure(error.to_string()))?;
+        signals.values(&mut into_places(&mut self.values[self.references.signals.clone()]));
+        Ok(())
     }
 
     pub(super) fn write_inputs(&mut self) -> Result<(), Failure> {
@@ -150,6 +180,7 @@ impl RoverFmu {
     pub(super) fn restart(&mut self, parameters: &[f64]) -> Result<(), Failure> {
         let mut model = self.model.clone();
         write(&mut model, self.sensing, parameters);
+        model.stepping.seed = self.values[self.references.seed] as u32;
         self.run = start(&model, self.sensing).map_err(Failure)?;
         (self.tuned, self.model) = (model.clone(), model);
         self.applied = parameters.to_vec();
@@ -235,6 +266,7 @@ impl FmuModel for RoverFmu {
         self.restart(&parameters)?;
         self.write_inputs()?;
         self.read_outputs();
+        self.begin_with_inputs()?;
         self.begin()
     }
 

@@ -6,7 +6,7 @@ use bekker::snapshot::{Fingerprint, Reader, SnapshotError, Writer, close, open};
 
 /// What the bytes are, and the version of their format.
 const KIND: [u8; 4] = *b"BKFR";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 impl From<SnapshotError> for Failure {
     fn from(error: SnapshotError) -> Self {

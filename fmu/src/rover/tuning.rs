@@ -31,6 +31,8 @@ impl RoverFmu {
         self.run.retune(&model).map_err(|error| Failure(error.to_string()))?;
         if let Some(model_exchange) = &mut self.model_exchange {
             model_exchange.equations.retune(model.rover.clone());
+            // Another mass or gravity is another energy.
+            model_exchange.equations.forget_balance();
             model_exchange.stale();
         }
         (self.tuned, self.applied) = (model, wanted);

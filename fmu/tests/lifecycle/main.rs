@@ -86,7 +86,12 @@ fn property_times_and_steps_are_checked() {
         assert!(matches!(life.enter_initialization(start, stop), Err(Refusal::Time(_))), "{start}, {stop:?}");
     }
     let mut endless = running(0.0, None);
-    assert!(matches!(endless.step(0.0, 1e300), Err(Refusal::Time(_))), "would not come back");
+    for size in [3600.1, 1e300] {
+        assert!(matches!(endless.step(0.0, size), Err(Refusal::Long { .. })), "would not come back for long");
+    }
+    set(&mut endless, U, 0.0).unwrap();
+    let longest = endless.step(0.0, 3600.0).unwrap().time;
+    assert!((longest - 3600.0).abs() < 3600.0 * ROUNDING, "the longest in one call");
 }
 
 #[test]

@@ -61,6 +61,8 @@ pub fn rail() -> Rail {
         description: String::new(),
         version: String::new(),
         license: String::new(),
+        author: String::new(),
+        copyright: String::new(),
         generation_tool: String::new(),
         date: None,
         experiment: Experiment { start: 0.0, stop: 1.0, step: STEP },
@@ -219,6 +221,8 @@ impl Continuous for Rail {
         z[0] = 2.0 - self.cart.x;
         Ok(())
     }
+
+    fn states_set_at_event(&mut self) {}
 
     fn handle_event(&mut self) -> Result<EventOutcome, Failure> {
         let states_changed = self.cart.x >= 2.0;

@@ -75,6 +75,8 @@ pub struct Item {
 pub enum Kind {
     /// A 64 bit floating point number.
     Real,
+    /// A signed integer of 32 bits, which FMI 2.0 and 3.0 both have.
+    Integer,
     /// One of a few named integers.
     Enumeration {
         /// Name of the type.
@@ -102,6 +104,11 @@ pub struct Entry {
     pub derivative_of: Option<usize>,
     /// Typical size, where one is known.
     pub nominal: Option<f64>,
+    /// Of what the model computes: references of the inputs and continuous states on which the value depends at the same
+    /// instant; `None` where it is all of them.
+    pub dependencies: Option<Vec<usize>>,
+    /// As `dependencies`, for the inputs on which the value depends at the start, where parameters decide the states.
+    pub initial_dependencies: Option<Vec<usize>>,
 }
 
 impl Entry {
@@ -118,37 +125,40 @@ impl Entry {
             role: Role::Signal,
             source: Cow::Borrowed(""),
         };
-        let (causality, variability) = (Causality::Independent, Variability::Continuous);
-        Self { variable, kind: Kind::Real, start: 0.0, causality, variability, derivative_of: None, nominal: None }
+        Self::real(variable, 0.0, Causality::Independent, Variability::Continuous)
+    }
+
+    fn real(variable: Variable, start: f64, causality: Causality, variability: Variability) -> Self {
+        Self {
+            variable,
+            kind: Kind::Real,
+            start,
+            causality,
+            variability,
+            derivative_of: None,
+            nominal: None,
+            dependencies: None,
+            initial_dependencies: None,
+        }
     }
 
     /// A parameter with the value `start`, which may not change after initialization.
     #[must_use]
     pub fn parameter(variable: Variable, start: f64) -> Self {
-        let (causality, variability) = (Causality::Parameter, Variability::Fixed);
-        Self { variable, kind: Kind::Real, start, causality, variability, derivative_of: None, nominal: None }
+        Self::real(variable, start, Causality::Parameter, Variability::Fixed)
     }
 
     /// An input with the value `start` until another is set.
     #[must_use]
     pub fn input(variable: Variable, start: f64) -> Self {
-        let (causality, variability) = (Causality::Input, Variability::Continuous);
-        Self { variable, kind: Kind::Real, start, causality, variability, derivative_of: None, nominal: None }
+        Self::real(variable, start, Causality::Input, Variability::Continuous)
     }
 
     /// An output.
     #[must_use]
     pub fn output(variable: Variable) -> Self {
-        let (causality, variability) = (Causality::Output, Variability::Continuous);
-        Self {
-            start: variable.default,
-            variable,
-            kind: Kind::Real,
-            causality,
-            variability,
-            derivative_of: None,
-            nominal: None,
-        }
+        let start = variable.default;
+        Self::real(variable, start, Causality::Output, Variability::Continuous)
     }
 
     /// A continuous state of typical size `nominal`, computed at the start.
@@ -168,6 +178,24 @@ impl Entry {
     pub fn enumeration(variable: Variable, name: &'static str, items: &'static [Item]) -> Self {
         let kind = Kind::Enumeration { name, items };
         Self { kind, variability: Variability::Discrete, ..Self::output(variable) }
+    }
+
+    /// An output that is an integer.
+    #[must_use]
+    pub fn integer(variable: Variable) -> Self {
+        Self { kind: Kind::Integer, variability: Variability::Discrete, ..Self::output(variable) }
+    }
+
+    /// A parameter that is an integer, which may not change after initialization.
+    #[must_use]
+    pub fn integer_parameter(variable: Variable, start: f64) -> Self {
+        Self { kind: Kind::Integer, ..Self::parameter(variable, start) }
+    }
+
+    /// The same with these [`dependencies`](Self::dependencies), at any instant and at the start.
+    #[must_use]
+    pub fn depending_on(self, at_any_instant: Vec<usize>, at_the_start: Vec<usize>) -> Self {
+        Self { dependencies: Some(at_any_instant), initial_dependencies: Some(at_the_start), ..self }
     }
 
     pub(super) fn check(&self) -> Result<(), DescriptionError> {

@@ -1,8 +1,8 @@
 //! The writer for FMI 2.0. Units, log categories, bounds and start values are written as for FMI 3.0.
 
 use super::fmi3::{
-    enumerations, experiment, is_calculated, is_initial_unknown, is_set, items, log_categories, quantity_attributes,
-    real_attributes, units,
+    enumerations, experiment, integer_attributes, is_calculated, is_initial_unknown, is_set, items, joined,
+    log_categories, quantity_attributes, real_attributes, units,
 };
 use super::names::is_structured;
 use super::quantity::{quantity, units as all_units};
@@ -39,6 +39,8 @@ fn head<'a>(description: &Description, abilities: &Abilities, guid: &str) -> Att
         ("guid", guid.into()),
         ("description", description.description.clone()),
         ("version", description.version.clone()),
+        ("author", description.author.clone()),
+        ("copyright", description.copyright.clone()),
         ("license", description.license.clone()),
         ("generationTool", description.generation_tool.clone()),
     ];
@@ -114,6 +116,7 @@ fn variable(xml: &mut Xml, reference: usize, entry: &Entry) {
             attributes.extend(entry.derivative_of.map(|state| ("derivative", index(state))));
             xml.empty("Real", &attributes);
         }
+        Kind::Integer => xml.empty("Integer", &integer_attributes(entry)),
         Kind::Enumeration { name, .. } => {
             let mut attributes = vec![("declaredType", name.to_owned())];
             attributes.extend(is_set(entry).then(|| ("start", format!("{:.0}", entry.start))));
@@ -128,23 +131,31 @@ fn index(reference: usize) -> String {
 }
 
 /// Every output, every derivative of a state, and everything that is calculated at the start as an initial unknown.
-/// Without `dependencies` a tool must assume that each depends on everything, which is true.
+/// Without `dependencies` a tool must assume that an unknown depends on everything.
 fn structure(xml: &mut Xml, description: &Description, abilities: &Abilities) {
-    let mut list = |element: &str, belongs: &dyn Fn(usize, &Entry) -> bool| {
+    let mut list = |element: &str,
+                    belongs: &dyn Fn(usize, &Entry) -> bool,
+                    of: &dyn Fn(&Entry) -> Option<Vec<usize>>| {
         let found = description.entries.iter().enumerate().filter(|(reference, entry)| belongs(*reference, entry));
-        let indices: Vec<usize> = found.map(|(reference, _)| reference).collect();
-        if indices.is_empty() {
+        let unknowns: Vec<(usize, Option<Vec<usize>>)> =
+            found.map(|(reference, entry)| (reference, of(entry))).collect();
+        if unknowns.is_empty() {
             return;
         }
         xml.element(element, &vec![], |xml| {
-            for reference in indices {
-                xml.empty("Unknown", &vec![("index", index(reference))]);
+            for (reference, known) in unknowns {
+                let mut attributes = vec![("index", index(reference))];
+                let indices = known.map(|known| known.into_iter().map(|reference| reference + 1).collect::<Vec<_>>());
+                attributes.extend(indices.map(|indices| ("dependencies", joined(&indices))));
+                xml.empty("Unknown", &attributes);
             }
         });
     };
-    list("Outputs", &|_, entry| entry.causality == Causality::Output);
+    let at_any_instant = |entry: &Entry| entry.dependencies.clone();
+    list("Outputs", &|_, entry| entry.causality == Causality::Output, &at_any_instant);
     if abilities.exchange.is_some() {
-        list("Derivatives", &|_, entry| entry.derivative_of.is_some());
+        list("Derivatives", &|_, entry| entry.derivative_of.is_some(), &at_any_instant);
     }
-    list("InitialUnknowns", &|reference, entry| is_initial_unknown(description, abilities, reference, entry));
+    let initial = |reference: usize, entry: &Entry| is_initial_unknown(description, abilities, reference, entry);
+    list("InitialUnknowns", &initial, &|entry| description.initial_dependencies(entry));
 }

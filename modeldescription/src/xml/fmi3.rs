@@ -4,7 +4,7 @@ use super::names::is_structured;
 use super::quantity::{displays, quantity, units as all_units};
 use super::writer::{Attributes, Xml, number};
 use super::{Abilities, Causality, Description, Entry, Item, Kind, indicator_name};
-use crate::Unit;
+use crate::{Unit, Variable};
 
 /// The whole file; the description must have been checked.
 pub(super) fn write(description: &Description, abilities: &Abilities, token: &str) -> String {
@@ -37,6 +37,8 @@ fn head<'a>(description: &Description, token: &str) -> Attributes<'a> {
         ("instantiationToken", token.into()),
         ("description", description.description.clone()),
         ("version", description.version.clone()),
+        ("author", description.author.clone()),
+        ("copyright", description.copyright.clone()),
         ("license", description.license.clone()),
         ("generationTool", description.generation_tool.clone()),
     ];
@@ -73,10 +75,9 @@ fn cosimulation<'a>(description: &Description, abilities: &Abilities) -> Attribu
     let mut attributes = interface(description, abilities);
     attributes.extend([
         ("canHandleVariableCommunicationStepSize", yes_no(true)),
-        ("fixedInternalStepSize", number(description.inner_step)),
         ("maxOutputDerivativeOrder", "1".into()),
         ("providesIntermediateUpdate", yes_no(true)),
-        ("mightReturnEarlyFromDoStep", yes_no(false)),
+        ("mightReturnEarlyFromDoStep", yes_no(true)),
         ("canReturnEarlyAfterIntermediateUpdate", yes_no(true)),
         ("hasEventMode", yes_no(true)),
         ("providesEvaluateDiscreteStates", yes_no(true)),
@@ -96,17 +97,24 @@ pub(super) fn experiment<'a>(description: &Description) -> Attributes<'a> {
 pub(super) fn units(xml: &mut Xml, description: &Description) {
     xml.element("UnitDefinitions", &vec![], |xml| {
         for unit in &all_units(description) {
-            xml.element("Unit", &vec![("name", unit.symbol.into())], |xml| unit_content(xml, unit));
+            xml.element("Unit", &vec![("name", unit.symbol.into())], |xml| {
+                unit_content(xml, "BaseUnit", unit);
+                display_units(xml, unit);
+            });
         }
     });
 }
 
-fn unit_content(xml: &mut Xml, unit: &Unit) {
+/// The SI exponents of a unit, in the element `base`.
+pub(super) fn unit_content(xml: &mut Xml, base: &str, unit: &Unit) {
     if let Some(e) = unit.exponents {
         let exponents = [("kg", e.kg), ("m", e.m), ("s", e.s), ("A", e.a), ("K", e.k), ("rad", e.rad)];
         let used = exponents.iter().filter(|(_, power)| *power != 0);
-        xml.empty("BaseUnit", &used.map(|(name, power)| (*name, power.to_string())).collect());
+        xml.empty(base, &used.map(|(name, power)| (*name, power.to_string())).collect());
     }
+}
+
+fn display_units(xml: &mut Xml, unit: &Unit) {
     for display in displays(unit) {
         let mut attributes = vec![("name", display.symbol.to_owned()), ("factor", number(display.factor))];
         if display.offset != 0.0 {
@@ -196,6 +204,10 @@ fn variable(xml: &mut Xml, description: &Description, reference: usize, entry: &
                 Some(elements) => array(xml, description, attributes, elements),
             }
         }
+        Kind::Integer => {
+            attributes.extend(integer_attributes(entry));
+            xml.empty("Int32", &attributes);
+        }
         Kind::Enumeration { name, .. } => {
             attributes.push(("declaredType", name.to_owned()));
             attributes.extend(is_set(entry).then(|| ("start", format!("{:.0}", entry.start))));
@@ -235,6 +247,17 @@ pub(super) fn real_attributes<'a>(entry: &Entry) -> Attributes<'a> {
     attributes
 }
 
+/// Bounds and start value of an integer, the same in both versions.
+pub(super) fn integer_attributes<'a>(entry: &Entry) -> Attributes<'a> {
+    let whole = |value: f64| format!("{value:.0}");
+    let Variable { min, max, .. } = entry.variable;
+    let mut attributes = Vec::new();
+    attributes.extend(min.is_finite().then(|| ("min", whole(min))));
+    attributes.extend(max.is_finite().then(|| ("max", whole(max))));
+    attributes.extend(is_set(entry).then(|| ("start", whole(entry.start))));
+    attributes
+}
+
 /// The nominal value: as the model says or, of a parameter, the size of its start value.
 fn nominal(entry: &Entry) -> Option<f64> {
     let parameter = (entry.causality == Causality::Parameter).then_some(entry.start.abs());
@@ -257,23 +280,46 @@ fn indicators(xml: &mut Xml, description: &Description, abilities: &Abilities) {
 }
 
 /// Every output, every derivative of a state, and everything that is calculated at the start as an initial unknown.
-/// Without `dependencies` a tool must assume that each depends on everything, which is true.
+/// Without `dependencies` a tool must assume that an unknown depends on everything.
 fn structure(xml: &mut Xml, description: &Description, abilities: &Abilities) {
-    let mut list = |element: &str, belongs: &dyn Fn(usize, &Entry) -> bool| {
+    let mut list = |element: &str,
+                    belongs: &dyn Fn(usize, &Entry) -> bool,
+                    of: &dyn Fn(&Entry) -> Option<Vec<usize>>| {
         for (reference, entry) in description.shown() {
             if belongs(reference, entry) {
-                xml.empty(element, &vec![("valueReference", reference.to_string())]);
+                let mut attributes = vec![("valueReference", reference.to_string())];
+                attributes.extend(of_array(description, reference, of).map(|known| ("dependencies", joined(&known))));
+                xml.empty(element, &attributes);
             }
         }
     };
-    list("Output", &|_, entry| entry.causality == Causality::Output);
+    let at_any_instant = |entry: &Entry| entry.dependencies.clone();
+    list("Output", &|_, entry| entry.causality == Causality::Output, &at_any_instant);
     if abilities.exchange.is_some() {
-        list("ContinuousStateDerivative", &|_, entry| entry.derivative_of.is_some());
+        list("ContinuousStateDerivative", &|_, entry| entry.derivative_of.is_some(), &at_any_instant);
     }
-    list("InitialUnknown", &|reference, entry| is_initial_unknown(description, abilities, reference, entry));
+    let initial = |reference: usize, entry: &Entry| is_initial_unknown(description, abilities, reference, entry);
+    list("InitialUnknown", &initial, &|entry| description.initial_dependencies(entry));
     for number in 0..abilities.exchange.unwrap_or(0) {
         xml.empty("EventIndicator", &vec![("valueReference", (description.entries.len() + number).to_string())]);
     }
+}
+
+/// What an entry depends on or, of an array, any of its elements; `None` where one depends on everything.
+fn of_array(
+    description: &Description,
+    reference: usize,
+    of: &dyn Fn(&Entry) -> Option<Vec<usize>>,
+) -> Option<Vec<usize>> {
+    let alone = [reference];
+    let elements = description.arrays.elements(reference).unwrap_or(&alone);
+    let known: Option<Vec<Vec<usize>>> = elements.iter().map(|element| of(&description.entries[*element])).collect();
+    known.map(|known| description.shown_references(&known.concat()))
+}
+
+/// Numbers with blanks between them.
+pub(super) fn joined(numbers: &[usize]) -> String {
+    numbers.iter().map(usize::to_string).collect::<Vec<_>>().join(" ")
 }
 
 /// Outputs and, where the importer integrates, the states and their derivatives.

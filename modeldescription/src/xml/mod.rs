@@ -5,6 +5,7 @@
 //! (<https://fmi-standard.org/docs/3.0.2/>).
 
 mod arrays;
+mod dependencies;
 mod entry;
 mod fmi2;
 mod fmi3;
@@ -17,7 +18,7 @@ mod writer;
 
 pub use arrays::Arrays;
 pub use entry::{Causality, Entry, Item, Kind, Variability};
-pub use system::{Component, system};
+pub use system::{Component, Shared, System};
 
 use std::collections::HashSet;
 use uuid::Uuid;
@@ -49,6 +50,10 @@ pub struct Description {
     pub version: String,
     /// Licence of the packed files, as an SPDX expression.
     pub license: String,
+    /// Who made the model, for people.
+    pub author: String,
+    /// Whose the packed files are, for people.
+    pub copyright: String,
     /// Program and version that made the package.
     pub generation_tool: String,
     /// When the package was made, in UTC without fractions of a second (`2026-11-21T19:00:00Z`), where it is to say so.
@@ -165,7 +170,8 @@ impl Description {
         if !names::is_identifier(&self.identifier) {
             return Err(DescriptionError::Identifier(self.identifier.clone()));
         }
-        for text in [&self.name, &self.description, &self.version, &self.license, &self.generation_tool] {
+        let Self { name, description, version, license, author, copyright, generation_tool, .. } = self;
+        for text in [name, description, version, license, author, copyright, generation_tool] {
             writable(text)?;
         }
         let Experiment { start, stop, step } = self.experiment;

@@ -41,14 +41,21 @@ pub(super) fn displays(unit: &Unit) -> Vec<DisplayUnit> {
     displays
 }
 
-/// Each unit of the variables once, in the order of first use.
-pub(super) fn units(description: &Description) -> Vec<Unit> {
+/// Each of `units` once, in the order of first use.
+pub(super) fn distinct(units: impl Iterator<Item = Unit>) -> Vec<Unit> {
     let mut seen: Vec<Unit> = Vec::new();
-    for entry in description.entries.iter().filter(|entry| entry.kind == Kind::Real) {
-        if seen.iter().all(|unit| unit.symbol != entry.variable.unit.symbol) {
-            seen.push(entry.variable.unit);
+    for unit in units {
+        if seen.iter().all(|other| other.symbol != unit.symbol) {
+            seen.push(unit);
         }
     }
+    seen
+}
+
+/// Each unit of the variables once, in the order of first use.
+pub(super) fn units(description: &Description) -> Vec<Unit> {
+    let numbers = description.entries.iter().filter(|entry| entry.kind == Kind::Real);
+    let mut seen = distinct(numbers.map(|entry| entry.variable.unit));
     if seen.iter().all(|unit| unit.symbol != Unit::ONE.symbol) {
         seen.push(Unit::ONE);
     }

@@ -8,10 +8,11 @@ use crate::Variable;
 /// A description as bytes, the date apart. A unit stands for itself by its symbol. Arrays follow from the entries and from the
 /// packed text, which is the content; the categories of the log are the same for all.
 pub(super) fn bytes(description: &Description) -> Vec<u8> {
-    let Description { name, identifier, description: about, version, license, generation_tool, .. } = description;
+    let Description { name, identifier, description: about, version, license, author, copyright, .. } = description;
     let Experiment { start, stop, step } = description.experiment;
     let mut bytes = Bytes(Vec::new());
-    for text in [name, identifier, about, version, license, generation_tool, &description.content] {
+    let texts = [name, identifier, about, version, license, author, copyright];
+    for text in texts.into_iter().chain([&description.generation_tool, &description.content]) {
         bytes.text(text);
     }
     for number in [start, stop, step, description.inner_step] {
@@ -36,7 +37,8 @@ impl Bytes {
     }
 
     fn entry(&mut self, entry: &Entry) {
-        let Entry { variable, kind, start, causality, variability, derivative_of, nominal } = entry;
+        // What an entry depends on follows from the kind of model, as the names do.
+        let Entry { variable, kind, start, causality, variability, derivative_of, nominal, .. } = entry;
         // The value that an entry starts with takes the place of the default.
         let Variable { name, doc, unit, default: _, min, max, role: _, source } = variable;
         for text in [name, &**doc, unit.symbol, &**source, causality.word(), variability.word()] {
@@ -45,6 +47,9 @@ impl Bytes {
         let state = derivative_of.map_or(f64::NAN, |state| state as f64);
         for number in [*start, *min, *max, nominal.unwrap_or(f64::NAN), state] {
             self.number(number);
+        }
+        if *kind == Kind::Integer {
+            self.text("integer");
         }
         if let Kind::Enumeration { name, items } = kind {
             self.text(name);
