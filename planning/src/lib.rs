@@ -8,8 +8,11 @@
 //! | [`force`] | forces that hold and drive the robot, as a convex programme; the size of their space | (A.7)-(A.13) |
 //! | [`stability`] | the margin against tipping over | (3.6)-(3.11), (3.21)-(3.22) |
 //! | [`plan`] | search on the performance index, model-based evaluation, and again | (3.1)-(3.5), (3.16)-(3.19) |
+//! | [`anisotropic`] | costs by direction of travel from the core's wheel on its soil, any-angle paths | beyond the thesis |
+//! | [`reconfigure`] | active joints put where the robot stands safest | 3.4, (3.23)-(3.24) |
+//! | [`drive`] | a planned path driven by the core's planar rover | |
 //! | [`trial`] | the comparison with a binary planner | 3.3, table 3.1 |
-//! | [`site`], [`answer`] | all of it in one value, and answers as every door gives them | |
+//! | [`site`], [`answer`], [`page`] | all of it in one value, answers and a page as every door gives them | |
 //!
 //! A module uses those above it. The soil under the wheels and its strength come from the core, `bekker`, which knows nothing of
 //! this crate.
@@ -25,11 +28,15 @@
 //! # Ok::<(), bekker_planning::site::SiteError>(())
 //! ```
 
+pub mod anisotropic;
 pub mod answer;
+pub mod drive;
 pub mod force;
 pub mod map;
+pub mod page;
 pub mod plan;
 pub mod pose;
+pub mod reconfigure;
 pub mod robot;
 pub mod site;
 pub mod stability;

@@ -4,7 +4,9 @@ use crate::force::{Assumptions, Load, Programme, Shear, ShearError};
 use crate::map::{
     CsvGrid, Difficulty, ElevationMap, Interpolation, MapError, MapReadError, RangeError, Surface, blurred, generated,
 };
-use crate::plan::{CostField, Evaluator, Failure, Limits, Localisation, PerformanceIndex, Plan, PlanError, Planner, Request};
+use crate::plan::{
+    CostField, Evaluator, Failure, Limits, Localisation, PerformanceIndex, Plan, PlanError, Planner, Request,
+};
 use crate::pose::{Placing, Pose, PoseError};
 use crate::robot::{Robot, RobotError, fsrl, sample_return};
 use crate::trial::ground_shape;
@@ -16,7 +18,10 @@ use std::path::{Path, PathBuf};
 /// Robots that are built in, and what they are.
 pub const ROBOTS: [(&str, &str); 2] = [
     ("fsrl", "the six-wheeled rocker-bogie rover of the thesis's appendix C"),
-    ("sample_return", "JPL's four-wheeled Sample Return Rover of section 3.5: active shoulders, an arm of three joints"),
+    (
+        "sample_return",
+        "JPL's four-wheeled Sample Return Rover of section 3.5: active shoulders, an arm of three joints",
+    ),
 ];
 
 parameters! {
@@ -111,7 +116,7 @@ pub enum SiteError {
         problem: String,
     },
     /// No such robot.
-    #[error("unknown robot `{0}`; expected {}, or a TOML file of a robot", ROBOTS.map(|(name, _)| name).join(", "))]
+    #[error("unknown robot `{0}`; expected fsrl, sample_return, or a TOML file of a robot")]
     UnknownRobot(String),
     /// The robot's description.
     #[error(transparent)]

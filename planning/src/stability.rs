@@ -64,7 +64,7 @@ pub fn about_axes(
 }
 
 /// Stability angle of the axis from one contact to the next.
-fn angle(from: Vector3<f64>, to: Vector3<f64>, net: Vector3<f64>, moment: Vector3<f64>) -> f64 {
+pub(crate) fn angle(from: Vector3<f64>, to: Vector3<f64>, net: Vector3<f64>, moment: Vector3<f64>) -> f64 {
     // (3.6)-(3.7)
     let axis = (to - from).normalize();
     let across = |v: Vector3<f64>| v - axis * axis.dot(&v);
@@ -81,7 +81,7 @@ fn angle(from: Vector3<f64>, to: Vector3<f64>, net: Vector3<f64>, moment: Vector
 }
 
 /// Contacts on the convex hull in plan view, clockwise from above (monotone chain).
-fn clockwise_hull(points: &[Vector3<f64>]) -> Vec<usize> {
+pub(crate) fn clockwise_hull(points: &[Vector3<f64>]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|&a, &b| points[a].x.total_cmp(&points[b].x).then(points[a].y.total_cmp(&points[b].y)));
     let turn = |a: usize, b: usize, c: usize| {

@@ -210,7 +210,8 @@ fn agreement_programme_and_enumeration_on_200_random_poses() {
         let placing = Placing::new(&robot, &ground, &[]).unwrap();
         let place = [random.random_range(1.2..3.6), random.random_range(1.2..3.6)];
         let Ok(pose) = placing.pose(place, random.random_range(-PI..PI), None) else { continue };
-        let shear = Shear { adhesion: random.random_range(0.0..3.0), friction: random.random_range(0.2..0.7), resistance: 0.0 };
+        let shear =
+            Shear { adhesion: random.random_range(0.0..3.0), friction: random.random_range(0.2..0.7), resistance: 0.0 };
         let Some(enumeration) = Enumeration::new(&placing, &pose, &shear) else { continue };
         poses += 1;
         let programme = Programme::new(&placing, &pose, &Load::default(), &shear, Assumptions::default()).unwrap();
@@ -240,7 +241,9 @@ fn agreement_programme_and_enumeration_on_200_random_poses() {
         }
     }
     let open_mean = open.iter().sum::<f64>() / open.len() as f64;
-    println!("{feasible} feasible ({thin} too thin), {infeasible} infeasible ({refuted} by both); open {open_mean:.4} W");
+    println!(
+        "{feasible} feasible ({thin} too thin), {infeasible} infeasible ({refuted} by both); open {open_mean:.4} W"
+    );
     assert!(infeasible >= 10 && feasible >= 100 && refuted >= 5, "both kinds of pose are tried");
     // Regions that the boxes leave without a lower bound: the programme's own forces have been checked above for these too.
     assert!(thin <= 20 && open_mean < RESOLUTION);
@@ -263,7 +266,8 @@ fn agreement_volume_of_the_solution_space_with_counting() {
     let count = 400_000;
     let mut inside = 0;
     for _ in 0..count {
-        let mut tractions: Vec<f64> = (0..4).map(|_| random.random_range(-enumeration.drive..enumeration.drive)).collect();
+        let mut tractions: Vec<f64> =
+            (0..4).map(|_| random.random_range(-enumeration.drive..enumeration.drive)).collect();
         let others: f64 = (1..4).map(|k| thrust[k] * tractions[k]).sum();
         tractions[0] = (0.05 - enumeration.constant[6] - others) / thrust[0];
         let within = tractions[0].abs() <= enumeration.drive && enumeration.at(&tractions).0 <= 0.0;

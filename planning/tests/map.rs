@@ -108,7 +108,9 @@ fn property_spikes_and_wrong_units_are_named() {
     heights[60 * 20 + 7] += 3.0;
     let spiky = ground.with_heights(heights).unwrap();
     let doubts = spiky.doubts();
-    assert!(matches!(doubts[..], [Doubt::Spikes { count: 1, column: 7, row: 20, height }] if (height - 3.0).abs() < 0.1));
+    assert!(
+        matches!(doubts[..], [Doubt::Spikes { count: 1, column: 7, row: 20, height }] if (height - 3.0).abs() < 0.1)
+    );
     let (smooth, count) = spiky.without_spikes(0.5).unwrap();
     assert_eq!((count, smooth.doubts()), (1, vec![]));
     // The same ground in centimetres on a grid in metres.

@@ -5,8 +5,8 @@
 use bekker_planning::force::Shear;
 use bekker_planning::map::{ElevationMap, GroundShape, Interpolation, RangeError, Surface, generated};
 use bekker_planning::plan::{
-    CostField, Evaluator, Failure, HEADINGS, Limits, Localisation, PerformanceIndex, Plan, PlanError, Planner, Request, Stand,
-    binary_path, obstacle_density, obstacles,
+    CostField, Evaluator, Failure, HEADINGS, Limits, Localisation, PerformanceIndex, Plan, PlanError, Planner, Request,
+    Stand, binary_path, obstacle_density, obstacles,
 };
 use bekker_planning::robot::{Robot, fsrl};
 use pathfinding::directed::dijkstra::dijkstra;
@@ -140,10 +140,13 @@ fn property_bad_starts_and_goals_are_told_with_place_and_reason() {
     let robot = fsrl();
     let ground = map(|x, y| if (x - 1.0).abs() < 0.2 && (y - 1.0).abs() < 0.2 { f64::NAN } else { 0.0 });
     let error = |start, goal| planned(&robot, &ground, &request(start, goal)).unwrap_err();
-    assert!(error([9.0, 1.0], [4.0, 2.0]).to_string().contains("the start (9, 1) is off the map, which spans x 0.00..4.80"));
+    assert!(
+        error([9.0, 1.0], [4.0, 2.0]).to_string().contains("the start (9, 1) is off the map, which spans x 0.00..4.80")
+    );
     assert!(matches!(error([1.0, 1.0], [4.0, 2.0]), PlanError::Hole { which: "start", .. }));
     let beside = error([1.36, 1.0], [4.0, 2.0]);
-    let unknown = matches!(&beside, PlanError::CannotStand { which: "start", reason, .. } if reason.kind() == "unknown ground");
+    let unknown =
+        matches!(&beside, PlanError::CannotStand { which: "start", reason, .. } if reason.kind() == "unknown ground");
     assert!(unknown, "{beside}");
     assert!(matches!(error([2.4, 2.4], [4.78, 2.0]), PlanError::CannotStand { which: "goal", .. }));
     let steep = map(|x, _| 1.2 * x);
@@ -200,6 +203,9 @@ fn analytic_obstacles_are_nodes_with_a_step_to_a_neighbour() {
     let straight = binary_path(&ground, &robot, 0.3, (10, 30), (50, 30)).unwrap();
     assert!((straight.length - 3.2).abs() < 1e-9);
     let around = binary_path(&ground, &robot, 0.1, (10, 30), (50, 30)).unwrap();
-    assert!(around.length > 3.2 && around.stands.iter().all(|stand| stand.column.abs_diff(30).max(stand.row.abs_diff(30)) > 1));
+    assert!(
+        around.length > 3.2
+            && around.stands.iter().all(|stand| stand.column.abs_diff(30).max(stand.row.abs_diff(30)) > 1)
+    );
     assert_eq!(binary_path(&ground, &robot, 0.1, (30, 30), (50, 30)), None);
 }

@@ -144,7 +144,11 @@ fn property_joint_limits_and_belly_are_told_with_place() {
     let ridge = surface(|x, y| if x.abs() < 0.03 && y.abs() < 0.1 { 0.3 } else { 0.0 });
     let pose = Placing::new(&robot, &ridge, &[]).unwrap().pose([0.0, 0.0], 0.0, None).unwrap();
     let belly = pose.violations.iter().find(|violation| matches!(violation, Violation::Belly { .. }));
-    assert!(matches!(belly, Some(Violation::Belly { depth, .. }) if (*depth - 0.17).abs() < 0.02), "{:?}", pose.violations);
+    assert!(
+        matches!(belly, Some(Violation::Belly { depth, .. }) if (*depth - 0.17).abs() < 0.02),
+        "{:?}",
+        pose.violations
+    );
     // A wall under the left front wheel only.
     let wall = surface(|x, y| if x > 0.2 && y > 0.0 { 0.3 } else { 0.0 });
     let pose = Placing::new(&robot, &wall, &[]).unwrap().pose([0.05, 0.0], 0.0, None).unwrap();
@@ -196,7 +200,11 @@ fn property_a_prismatic_leg_stands_like_a_turning_one() {
         mass: 1.0,
         centre_of_mass: [0.0, 0.0, -0.1],
     }];
-    let wheel = |name: &str, x, y| bekker_planning::robot::RobotWheel { name: name.into(), link: Some(0), centre: [x, y, -0.1] };
+    let wheel = |name: &str, x, y| bekker_planning::robot::RobotWheel {
+        name: name.into(),
+        link: Some(0),
+        centre: [x, y, -0.1],
+    };
     robot.wheels = vec![wheel("left", 0.0, 0.2), wheel("right", 0.0, -0.2), wheel("front", 0.4, 0.0)];
     let ground = surface(|_, _| 0.0);
     let height = |lift: f64| {

@@ -56,8 +56,7 @@ impl Shear {
         if !(load > 0.0 && load.is_finite()) {
             return Err(ShearError::Load { load });
         }
-        let rig =
-            Rig { environment: Environment::default(), wheel: *wheel, soil: *soil, effects: Effects::default() };
+        let rig = Rig { environment: Environment::default(), wheel: *wheel, soil: *soil, effects: Effects::default() };
         let point = steady_point(&rig, load, SLIP, SPIN).map_err(|source| ShearError::Sinks { load, source })?;
         let entry = (1.0 - point.sinkage / wheel.radius).acos();
         let area = wheel.width * wheel.radius * entry;

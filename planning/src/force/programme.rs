@@ -210,7 +210,8 @@ fn check(load: &Load, shear: &Shear) -> Result<(), ForceError> {
     if let Some(&value) = load.force.iter().chain(load.moment.iter()).find(|x| !x.is_finite()) {
         return refuse("a force or moment of the load", value, "a finite number");
     }
-    for (name, value) in [("adhesion", shear.adhesion), ("friction", shear.friction), ("resistance", shear.resistance)] {
+    for (name, value) in [("adhesion", shear.adhesion), ("friction", shear.friction), ("resistance", shear.resistance)]
+    {
         if !in_range(value, 0.0) {
             return refuse(name, value, "0 or more");
         }
@@ -264,8 +265,12 @@ fn balance(rows: &mut Rows, pose: &Pose, load: &Load, weight: f64, frames: &Fram
 /// Virtual work of a motion of each passive coordinate, the drives holding their wheels: contact forces and the links' weights.
 fn joints(rows: &mut Rows, placing: &Placing, pose: &Pose, load: &Load, weight: f64, frames: &Frames) {
     let robot = placing.robot();
-    let motions: Vec<Vec<Vector3<f64>>> =
-        robot.wheels.iter().zip(&pose.contacts).map(|(wheel, contact)| frames.motion(wheel.link, contact.point)).collect();
+    let motions: Vec<Vec<Vector3<f64>>> = robot
+        .wheels
+        .iter()
+        .zip(&pose.contacts)
+        .map(|(wheel, contact)| frames.motion(wheel.link, contact.point))
+        .collect();
     for coordinate in 0..robot.passive() {
         let lifted = robot.links.iter().enumerate().map(|(k, link)| {
             let motion = frames.motion(Some(k), frames.point(Some(k), link.centre_of_mass));

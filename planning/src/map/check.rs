@@ -105,7 +105,8 @@ impl ElevationMap {
         let spike = |(column, row)| {
             let here = self.height(column, row);
             let around = self.neighbours(column, row);
-            let (low, high) = around.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(*z), h.max(*z)));
+            let (low, high) =
+                around.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(*z), h.max(*z)));
             let out = here - high > threshold || low - here > threshold;
             (out && !around.is_empty()).then(|| Spike { column, row, height: here - median(around) })
         };

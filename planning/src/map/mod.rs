@@ -64,7 +64,9 @@ pub enum MapError {
         y: f64,
     },
     /// A height is infinite.
-    #[error("the height of column {column}, row {row} is infinite; expected a number, or NaN where nothing was measured")]
+    #[error(
+        "the height of column {column}, row {row} is infinite; expected a number, or NaN where nothing was measured"
+    )]
     Infinite {
         /// Column, from 0 at the west.
         column: usize,
@@ -81,13 +83,7 @@ impl ElevationMap {
     ///
     /// # Errors
     /// [`MapError`] where the numbers make no map.
-    pub fn new(
-        columns: usize,
-        rows: usize,
-        cell: f64,
-        origin: [f64; 2],
-        heights: Vec<f64>,
-    ) -> Result<Self, MapError> {
+    pub fn new(columns: usize, rows: usize, cell: f64, origin: [f64; 2], heights: Vec<f64>) -> Result<Self, MapError> {
         let nodes = columns.checked_mul(rows).filter(|nodes| columns >= 2 && rows >= 2 && *nodes <= MAX_NODES);
         let Some(nodes) = nodes else { return Err(MapError::Size { columns, rows }) };
         if heights.len() != nodes {

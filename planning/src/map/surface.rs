@@ -60,11 +60,8 @@ impl Surface {
     #[must_use]
     pub fn at(&self, place: [f64; 2]) -> Option<Patch> {
         let (column, row, u, v) = self.cell_of(place)?;
-        let patch = if self.slopes.is_empty() {
-            self.bilinear(column, row, u, v)
-        } else {
-            self.hermite(column, row, u, v)
-        };
+        let patch =
+            if self.slopes.is_empty() { self.bilinear(column, row, u, v) } else { self.hermite(column, row, u, v) };
         patch.height.is_finite().then_some(patch)
     }
 
@@ -116,10 +113,7 @@ fn basis(t: f64) -> ([f64; 4], [f64; 4]) {
     let (t2, t3) = (t * t, t * t * t);
     let one = 3.0 * t2 - 2.0 * t3;
     let d_one = 6.0 * (t - t2);
-    (
-        [1.0 - one, one, t - 2.0 * t2 + t3, t3 - t2],
-        [-d_one, d_one, 1.0 - 4.0 * t + 3.0 * t2, 3.0 * t2 - 2.0 * t],
-    )
+    ([1.0 - one, one, t - 2.0 * t2 + t3, t3 - t2], [-d_one, d_one, 1.0 - 4.0 * t + 3.0 * t2, 3.0 * t2 - 2.0 * t])
 }
 
 /// Limited slopes at all nodes, times the spacing. Beside a hole the slope is that of the side that is known.

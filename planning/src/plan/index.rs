@@ -48,7 +48,11 @@ impl CostField {
         let reach = robot.wheels.iter().map(|wheel| wheel.centre[0].hypot(wheel.centre[1])).fold(0.0, f64::max);
         // Unknown ground stays out of reach whatever the weight.
         let scaled = |weight: f64, deviation: f64| {
-            if deviation.is_finite() { (weight * (deviation / diameter).powf(index.exponent)) as f32 } else { f32::INFINITY }
+            if deviation.is_finite() {
+                (weight * (deviation / diameter).powf(index.exponent)) as f32
+            } else {
+                f32::INFINITY
+            }
         };
         let mut roughness = Vec::new();
         for orientation in 0..ORIENTATIONS {

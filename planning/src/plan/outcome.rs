@@ -91,7 +91,9 @@ pub enum PlanError {
     )]
     Unreachable(Unreachable),
     /// The limit of searches is reached.
-    #[error("no safe path after {searches} searches and {evaluations} evaluations; raise the limit of evaluations, or choose another goal")]
+    #[error(
+        "no safe path after {searches} searches and {evaluations} evaluations; raise the limit of evaluations, or choose another goal"
+    )]
     GivenUp {
         /// Searches made.
         searches: usize,

@@ -171,7 +171,8 @@ impl<'a> Planner<'a> {
             if dr * dr + dc * dc > far * far {
                 continue;
             }
-            let (Some(column), Some(row)) = (stand.column.checked_add_signed(dc), stand.row.checked_add_signed(dr)) else {
+            let (Some(column), Some(row)) = (stand.column.checked_add_signed(dc), stand.row.checked_add_signed(dr))
+            else {
                 continue;
             };
             for turn in 0..=2 * eighths.min(HEADINGS / 2) {

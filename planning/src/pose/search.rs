@@ -50,7 +50,8 @@ pub fn search(placing: &Placing, place: [f64; 2], heading: f64, start: Option<&A
 /// Where the search begins: as `start`, or level, with the lowest wheel on the ground.
 fn first(placing: &Placing, [x, y]: [f64; 2], heading: f64, start: Option<&Attitude>) -> Result<Attitude, PoseError> {
     let passive = placing.robot.passive();
-    let level = Attitude { position: Vector3::new(x, y, 0.0), heading, roll: 0.0, pitch: 0.0, passive: vec![0.0; passive] };
+    let level =
+        Attitude { position: Vector3::new(x, y, 0.0), heading, roll: 0.0, pitch: 0.0, passive: vec![0.0; passive] };
     let mut attitude = match start.filter(|start| start.passive.len() == passive) {
         Some(start) => Attitude { position: Vector3::new(x, y, start.position.z), heading, ..start.clone() },
         None => level,

@@ -1,6 +1,6 @@
 //! Forward kinematics: where links, wheels and the centre of mass are, and how they move with each coordinate.
 
-use super::{JointKind, LinkIndex, Robot};
+use super::{JointKind, LinkIndex, Robot, RobotWheel};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
 /// Place and orientation of the body, and the coordinates of its joints.
@@ -53,8 +53,7 @@ impl<'a> Frames<'a> {
     #[must_use]
     pub fn new(robot: &'a Robot, attitude: &'a Attitude, active: &[f64]) -> Self {
         let body = attitude.rotation();
-        let mut frames =
-            Self { robot, attitude, body, links: Vec::new(), joints: Vec::new(), values: Vec::new() };
+        let mut frames = Self { robot, attitude, body, links: Vec::new(), joints: Vec::new(), values: Vec::new() };
         for link in &robot.links {
             let (rotation, translation) = frames.frame(link.parent);
             let joint = &link.joint;
@@ -93,6 +92,12 @@ impl<'a> Frames<'a> {
         self.frame(link).0 * direction
     }
 
+    /// A wheel of the robot.
+    #[must_use]
+    pub fn wheel(&self, wheel: usize) -> &'a RobotWheel {
+        &self.robot.wheels[wheel]
+    }
+
     /// Values of all joints, rad or m.
     #[must_use]
     pub fn joint_values(&self) -> &[f64] {
@@ -122,6 +127,20 @@ impl<'a> Frames<'a> {
             let joint = &self.robot.links[k].joint;
             if let Some((index, factor)) = joint.passive {
                 columns[3 + index] += factor * self.joint_motion(k, point);
+            }
+            at = self.robot.links[k].parent;
+        }
+        columns
+    }
+
+    /// How a point of a link moves with each active value.
+    #[must_use]
+    pub fn active_motion(&self, link: Option<LinkIndex>, point: Vector3<f64>) -> Vec<Vector3<f64>> {
+        let mut columns = vec![Vector3::zeros(); self.robot.active()];
+        let mut at = link;
+        while let Some(k) = at {
+            if let Some((index, factor)) = self.robot.links[k].joint.active {
+                columns[index] += factor * self.joint_motion(k, point);
             }
             at = self.robot.links[k].parent;
         }

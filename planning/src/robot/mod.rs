@@ -218,10 +218,15 @@ impl Robot {
             }
         }
         let places = self.wheels.iter().map(|wheel| (&wheel.name, wheel.centre));
-        let joints = self.links.iter().flat_map(|link| [link.joint.at, link.centre_of_mass].map(|at| (&link.joint.name, at)));
+        let joints =
+            self.links.iter().flat_map(|link| [link.joint.at, link.centre_of_mass].map(|at| (&link.joint.name, at)));
         for (name, place) in places.chain(joints) {
             if let Some(&value) = place.iter().find(|x| !x.is_finite()) {
-                return Err(RobotError::Number { name: format!("a place of `{name}`"), value, expected: "a finite number" });
+                return Err(RobotError::Number {
+                    name: format!("a place of `{name}`"),
+                    value,
+                    expected: "a finite number",
+                });
             }
         }
         for (k, link) in self.links.iter().enumerate() {
@@ -253,7 +258,8 @@ fn check_link(k: usize, link: &Link) -> Result<(), RobotError> {
     if joint.least.is_nan() || joint.most.is_nan() || joint.least >= joint.most {
         return refuse("smallest value", joint.least, "less than the largest");
     }
-    if let Some((_, factor)) = joint.passive.into_iter().chain(joint.active).find(|(_, f)| !f.is_finite() || *f == 0.0) {
+    if let Some((_, factor)) = joint.passive.into_iter().chain(joint.active).find(|(_, f)| !f.is_finite() || *f == 0.0)
+    {
         return refuse("factor", factor, "a finite number other than 0");
     }
     if link.mass.is_nan() || link.mass < 0.0 { refuse("mass", link.mass, "0 or more") } else { Ok(()) }

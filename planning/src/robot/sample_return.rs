@@ -102,7 +102,8 @@ impl SampleReturn {
             arm("arm shoulder", Some(6), nose_up, a, 3, 1.5, 0.6),
             arm("arm elbow", Some(7), nose_up, [a[0] + l, a[1], a[2]], 4, 2.0, 0.4),
         ];
-        let wheel = |name: &str, link, x, y| RobotWheel { name: name.to_owned(), link: Some(link), centre: [x, y, drop] };
+        let wheel =
+            |name: &str, link, x, y| RobotWheel { name: name.to_owned(), link: Some(link), centre: [x, y, drop] };
         Robot {
             mass: self.mass,
             centre_of_mass: [0.0, 0.0, self.centre_of_mass_z],

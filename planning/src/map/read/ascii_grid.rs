@@ -30,7 +30,11 @@ pub fn parse(text: &str) -> Result<Raw, Problem> {
     let count = |key: usize| {
         let value = need(key)?;
         let whole = (1.0..=1e9).contains(&value) && value.fract() == 0.0;
-        if whole { Ok(value as usize) } else { Err(Problem::new(format!("`{}` is {value}; expected a count", KEYS[key]))) }
+        if whole {
+            Ok(value as usize)
+        } else {
+            Err(Problem::new(format!("`{}` is {value}; expected a count", KEYS[key])))
+        }
     };
     let (columns, rows, cell) = (count(0)?, count(1)?, need(6)?);
     let low = |corner: usize, centre: usize| match (header[corner], header[centre]) {
@@ -40,7 +44,10 @@ pub fn parse(text: &str) -> Result<Raw, Problem> {
     };
     let origin = [low(2, 4)?, low(3, 5)?];
     if Some(heights.len()) != columns.checked_mul(rows) {
-        return Err(Problem::at(lines, format!("{} heights; expected {columns} x {rows} by the header", heights.len())));
+        return Err(Problem::at(
+            lines,
+            format!("{} heights; expected {columns} x {rows} by the header", heights.len()),
+        ));
     }
     if let Some(none) = header[7] {
         heights.iter_mut().filter(|z| **z == none).for_each(|z| *z = f64::NAN);

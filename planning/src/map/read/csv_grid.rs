@@ -40,11 +40,15 @@ pub fn parse(text: &str, grid: &CsvGrid) -> Result<Raw, Problem> {
             columns = cells.len();
         }
         if cells.len() != columns {
-            return Err(Problem::at(number + 1, format!("{} heights; expected {columns} as in the first row", cells.len())));
+            return Err(Problem::at(
+                number + 1,
+                format!("{} heights; expected {columns} as in the first row", cells.len()),
+            ));
         }
         for cell in cells {
             let height = if cell.is_empty() { Ok(f64::NAN) } else { cell.parse::<f64>() };
-            heights.push(height.map_err(|_| Problem::at(number + 1, format!("`{cell}`; expected a height in metres")))?);
+            heights
+                .push(height.map_err(|_| Problem::at(number + 1, format!("`{cell}`; expected a height in metres")))?);
         }
         rows += 1;
     }

@@ -20,7 +20,9 @@ pub fn parse(bytes: Vec<u8>) -> Result<Raw, Problem> {
     let scale = file.get_tag_f64_vec(Tag::ModelPixelScaleTag).ok();
     let tie = file.get_tag_f64_vec(Tag::ModelTiepointTag).ok();
     let (Some([width, height, ..]), Some([i, j, _, x, y, ..])) = (scale.as_deref(), tie.as_deref()) else {
-        return Err(Problem::new("no place or spacing (ModelPixelScale, ModelTiepoint); expected a GeoTIFF, not turned"));
+        return Err(Problem::new(
+            "no place or spacing (ModelPixelScale, ModelTiepoint); expected a GeoTIFF, not turned",
+        ));
     };
     let keys = file.get_tag_u16_vec(Tag::GeoKeyDirectoryTag).unwrap_or_default();
     let key = |id: u16| keys.chunks_exact(4).skip(1).find(|key| key[0] == id && key[1] == 0).map(|key| key[3]);

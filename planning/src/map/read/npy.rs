@@ -71,6 +71,10 @@ fn numbers(kind: &str, bytes: &[u8]) -> Result<Vec<f64>, Problem> {
         "<i2" => read!(i16, from_le_bytes),
         "<u2" => read!(u16, from_le_bytes),
         "|u1" => read!(u8, from_le_bytes),
-        _ => return Err(Problem::new(format!("an array of type `{kind}`; expected numbers (float64, float32, int16, ..)"))),
+        _ => {
+            return Err(Problem::new(format!(
+                "an array of type `{kind}`; expected numbers (float64, float32, int16, ..)"
+            )));
+        }
     })
 }
