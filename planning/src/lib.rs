@@ -8,6 +8,7 @@
 //! | [`force`] | forces that hold and drive the robot, as a convex programme; the size of their space | (A.7)-(A.13) |
 //! | [`stability`] | the margin against tipping over | (3.6)-(3.11), (3.21)-(3.22) |
 //! | [`plan`] | search on the performance index, model-based evaluation, and again | (3.1)-(3.5), (3.16)-(3.19) |
+//! | [`incremental`] | replanning where the map changes, D* Lite | suggested in 5.2 |
 //! | [`anisotropic`] | costs by direction of travel from the core's wheel on its soil, any-angle paths | beyond the thesis |
 //! | [`reconfigure`] | active joints put where the robot stands safest | 3.4, (3.23)-(3.24) |
 //! | [`drive`] | a planned path driven by the core's planar rover | |
@@ -32,6 +33,7 @@ pub mod anisotropic;
 pub mod answer;
 pub mod drive;
 pub mod force;
+pub mod incremental;
 pub mod map;
 pub mod page;
 pub mod plan;

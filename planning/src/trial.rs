@@ -7,6 +7,7 @@ use crate::robot::fsrl;
 use crate::site::SiteError;
 use bekker::model::ControlKind;
 use bekker::rover::Rover;
+use bekker::soil::Soil;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -96,8 +97,10 @@ pub fn trial(difficulty: Difficulty, seed: u64, friction: f64) -> Result<Trial, 
             length: path.map(|path| path.length),
         }
     });
-    let drive =
-        planned.as_ref().ok().and_then(|plan| driven(plan, &surface, Rover::fsrl(), ControlKind::Velocity, SPEED).ok());
+    let drive = planned
+        .as_ref()
+        .ok()
+        .and_then(|plan| driven(plan, &surface, firm(friction), ControlKind::Velocity, SPEED).ok());
     Ok(Trial {
         seed,
         start,
@@ -109,6 +112,22 @@ pub fn trial(difficulty: Difficulty, seed: u64, friction: f64) -> Result<Trial, 
         binary: binary.to_vec(),
         drive,
     })
+}
+
+/// One side of the rover on ground that gives way by less than a millimetre and has this coefficient of friction.
+fn firm(friction: f64) -> Rover {
+    let mut rover = Rover::fsrl();
+    let soil = rover.soil;
+    rover.soil = Soil {
+        cohesion: 0.0,
+        friction_angle: friction.atan(),
+        k_c: 0.0,
+        k_phi: 1e8,
+        exponent: 1.0,
+        shear_modulus: 0.001,
+        ..soil
+    };
+    rover
 }
 
 /// Start and goal of a seed, evenly over the map, at least [`LEAST_DISTANCE`] apart.
