@@ -6,6 +6,7 @@ use bekker::model::{ControlKind, Model, ModelError, RunError, SummaryBuilder};
 use bekker::modeldescription::{Lookup, ParameterError};
 use bekker::rover::Rover;
 use bekker::simulation::Status;
+use bekker::soil::Soil;
 use bekker::terrain::{Profile, Samples, SamplesError, Terrain};
 
 /// Level ground before and behind the path, m: the rover starts there, and its rear wheels stand there.
@@ -89,6 +90,21 @@ pub fn profile(surface: &Surface, points: &[[f64; 2]]) -> Result<(Vec<f64>, Vec<
     x.push(way + 2.0 * RUN_IN);
     z.push(last);
     Ok((x, z))
+}
+
+/// The rover on ground that gives way by less than a millimetre and has this coefficient of friction.
+#[must_use]
+pub fn on_firm_ground(mut rover: Rover, friction: f64) -> Rover {
+    rover.soil = Soil {
+        cohesion: 0.0,
+        friction_angle: friction.atan(),
+        k_c: 0.0,
+        k_phi: 1e8,
+        exponent: 1.0,
+        shear_modulus: 0.001,
+        ..rover.soil
+    };
+    rover
 }
 
 /// Drives a plan with one side of `rover` under the controller `kind` at `speed` (m/s).

@@ -1,8 +1,8 @@
 //! Kinematic reconfiguration: active joints put where the robot stands safest, (3.23)-(3.24).
 //!
 //! The ground is known by the contacts alone, as the thesis has it: each wheel stands on the plane through its contact point. Over
-//! small changes of the joints the contacts and the centre of mass then move linearly; within that range the index is minimised,
-//! and a robot that drives does so again at every step.
+//! small changes of the joints the contacts and the centre of mass then move linearly; within that range the index, with a barrier at the ground below the belly,
+//! is minimised, and a robot that drives does so again at every step.
 
 use crate::pose::{Placing, Pose};
 use crate::robot::Frames;
@@ -30,6 +30,8 @@ parameters! {
         stability: [Unit::RADIAN] = 1.0, 0.0..=1e3, Fixed, "assumption: the thesis gives no weights";
         /// Weight of the square of each joint's distance from its nominal value (3.24), 1/rad^2 or 1/m^2.
         excursion: [Unit::ONE] = 0.5, 0.0..=1e3, Fixed, "assumption: the thesis gives no weights";
+        /// Weight of one over the belly's distance from the ground, m: interference, as a barrier.
+        clearance: [Unit::METRE] = 0.002, 0.0..=1.0, Fixed, "assumption: as much as a stability angle of 1 rad at 2 mm";
         /// Largest change of a joint in one optimisation, rad or m.
         range: [Unit::RADIAN] = 0.15, 1e-3..=1.5, Fixed, "assumption: over which contacts move linearly";
     }
@@ -42,6 +44,10 @@ pub struct Stance {
     hull: Vec<Vector3<f64>>,
     /// Their changes with each active value.
     motion: Vec<[Vector3<f64>; MAX_ACTIVE]>,
+    /// Distance of the belly from the ground now, m; infinite without a belly.
+    clearance: f64,
+    /// How far each of its corners rises with each active value, m.
+    rise: Vec<[f64; MAX_ACTIVE]>,
     /// Values now, nominal ones, smallest and largest change.
     values: Vector,
     nominal: Vector,
@@ -117,9 +123,23 @@ impl Stance {
             (0..active).for_each(|j| columns[j] = moved(&passive[k], &driven[k], j) - of_mass[j]);
             columns
         });
+        let corners = robot.belly.into_iter().flat_map(|belly| {
+            let corner = move |x: f64, side: f64| [x, side * belly.half_width, belly.z];
+            [corner(belly.rear, -1.0), corner(belly.rear, 1.0), corner(belly.front, -1.0), corner(belly.front, 1.0)]
+        });
+        let rise = corners.map(|corner| {
+            let at = frames.point(None, corner);
+            let (passive, driven) = (frames.motion(None, at), frames.active_motion(None, at));
+            let mut columns = [0.0; MAX_ACTIVE];
+            (0..active).for_each(|j| columns[j] = moved(&passive, &driven, j).z);
+            columns
+        });
+        let rise = rise.collect();
         let mut stance = Self {
             hull: order.iter().map(|&k| points[k]).collect(),
             motion: motion.collect(),
+            clearance: pose.clearance,
+            rise,
             values: Vector::zeros(),
             nominal: Vector::zeros(),
             low: Vector::zeros(),
@@ -164,6 +184,11 @@ impl Stance {
             margin = margin.min(angle);
             from = to;
         }
+        // The ground below the belly is taken to be as near to every corner as where it is nearest now.
+        for rise in &self.rise {
+            let clearance = (0..MAX_ACTIVE).fold(self.clearance, |sum, j| sum + rise[j] * change[j]);
+            index += if clearance > 0.0 { self.settings.clearance / clearance } else { f64::INFINITY };
+        }
         let excursion = |j: usize| (self.values[j] + change[j] - self.nominal[j]).powi(2);
         index += self.settings.excursion * (0..self.penalised.min(MAX_ACTIVE)).map(excursion).sum::<f64>();
         (index, margin)
@@ -175,6 +200,11 @@ impl Stance {
     pub fn optimised(&self) -> Optimum {
         let mut change = Vector::zeros();
         let (mut index, mut margin) = self.index_at(&change);
+        let active = self.low.iter().zip(self.high.iter()).rposition(|(low, high)| low < high).map_or(0, |j| j + 1);
+        if !index.is_finite() {
+            // It tips, or its belly is in the ground: no slope leads out of there.
+            return Optimum { values: self.values.iter().take(active).copied().collect(), index, margin };
+        }
         let mut gradient = self.gradient(&change, index);
         let mut step = 0.05;
         for _ in 0..STEPS {
@@ -199,7 +229,6 @@ impl Stance {
                 break;
             }
         }
-        let active = self.low.iter().zip(self.high.iter()).rposition(|(low, high)| low < high).map_or(0, |j| j + 1);
         Optimum { values: (0..active).map(|j| self.values[j] + change[j]).collect(), index, margin }
     }
 

@@ -1,13 +1,12 @@
 //! The comparison of table 3.1: the planner against the binary planner on generated ground.
 
-use crate::drive::{Drive, driven};
+use crate::drive::{Drive, driven, on_firm_ground};
 use crate::map::{Difficulty, GroundShape, Interpolation, Surface, generated};
 use crate::plan::{CostField, Evaluator, Localisation, PerformanceIndex, Planner, Request, Stand, binary_path};
 use crate::robot::fsrl;
 use crate::site::SiteError;
 use bekker::model::ControlKind;
 use bekker::rover::Rover;
-use bekker::soil::Soil;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -58,7 +57,7 @@ pub struct Trial {
     pub evaluations: usize,
     /// The binary planner at each obstacle height of [`BINARY`].
     pub binary: Vec<BinaryTrial>,
-    /// The planner's path driven in the core.
+    /// The planner's path driven in the core, where that was asked for and could start.
     pub drive: Option<Drive>,
 }
 
@@ -71,11 +70,11 @@ pub struct BinaryTrial {
     pub unsafe_stands: usize,
 }
 
-/// One trial of table 3.1 on firm ground of `friction`. The same seed gives the same paths.
+/// One trial of table 3.1 on firm ground of `friction`; with `drive` the planner's path is driven. The same seed gives the same paths.
 ///
 /// # Errors
 /// [`SiteError`] where the ground cannot be made; a task without a path is no error.
-pub fn trial(difficulty: Difficulty, seed: u64, friction: f64) -> Result<Trial, SiteError> {
+pub fn trial(difficulty: Difficulty, seed: u64, friction: f64, drive: bool) -> Result<Trial, SiteError> {
     let map = generated(&ground_shape(difficulty), seed)?;
     let robot = fsrl();
     let surface = Surface::new(map.clone(), Interpolation::Smooth);
@@ -97,10 +96,9 @@ pub fn trial(difficulty: Difficulty, seed: u64, friction: f64) -> Result<Trial, 
             length: path.map(|path| path.length),
         }
     });
-    let drive = planned
-        .as_ref()
-        .ok()
-        .and_then(|plan| driven(plan, &surface, firm(friction), ControlKind::Velocity, SPEED).ok());
+    let drive = planned.as_ref().ok().filter(|_| drive).and_then(|plan| {
+        driven(plan, &surface, on_firm_ground(Rover::fsrl(), friction), ControlKind::Velocity, SPEED).ok()
+    });
     Ok(Trial {
         seed,
         start,
@@ -112,22 +110,6 @@ pub fn trial(difficulty: Difficulty, seed: u64, friction: f64) -> Result<Trial, 
         binary: binary.to_vec(),
         drive,
     })
-}
-
-/// One side of the rover on ground that gives way by less than a millimetre and has this coefficient of friction.
-fn firm(friction: f64) -> Rover {
-    let mut rover = Rover::fsrl();
-    let soil = rover.soil;
-    rover.soil = Soil {
-        cohesion: 0.0,
-        friction_angle: friction.atan(),
-        k_c: 0.0,
-        k_phi: 1e8,
-        exponent: 1.0,
-        shear_modulus: 0.001,
-        ..soil
-    };
-    rover
 }
 
 /// Start and goal of a seed, evenly over the map, at least [`LEAST_DISTANCE`] apart.
