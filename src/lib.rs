@@ -38,8 +38,9 @@
 //! imports to that, so no circle runs through modules.
 //!
 //! Below this crate are `bekker-scalar` (what [`scalar`] gives on) and `bekker-modeldescription` (here [`modeldescription`]: the
-//! vocabulary of parameters and signals). Two crates use this one as any other would: `bekker-reproduction` (the thesis's
-//! results beside ours) and `bekker-script` (drives written down with what they must give, for every door).
+//! vocabulary of parameters and signals). Three crates use this one as any other would: `bekker-planning` (where a rover should go,
+//! and in which pose), `bekker-reproduction` (the thesis's results beside ours) and `bekker-script` (drives written down with what
+//! they must give, for every door).
 //!
 //! ```
 //! use bekker::model::Model;

@@ -9,11 +9,14 @@ mod diagnose;
 mod diagnosis_text;
 mod experiment;
 mod fmu;
+mod ground;
 mod import;
 mod interrupt;
 mod model;
 mod output;
 mod parameters;
+mod plan;
+mod pose;
 mod progress;
 mod reproduce;
 mod saving;
@@ -58,6 +61,10 @@ enum Command {
     Fmu(fmu::Fmu),
     /// List the vocabulary: every parameter, input and signal of a model.
     Parameters(parameters::Parameters),
+    /// Plan a safe path of a rover over an elevation map.
+    Plan(plan::Plan),
+    /// Place a rover on an elevation map: pose, stability, thrust.
+    Pose(pose::Pose),
     /// Compute the thesis's results and write them beside the published ones.
     Reproduce(reproduce::Reproduce),
     /// Chapter 4's rover under both controllers, an FMU, and the diagnosis of a wheel experiment.
@@ -77,6 +84,8 @@ fn main() -> ExitCode {
         Command::Check(command) => return command.run(),
         Command::Fmu(command) => command.run(),
         Command::Parameters(command) => command.run(),
+        Command::Plan(command) => command.run(),
+        Command::Pose(command) => command.run(),
         Command::Reproduce(command) => command.run(),
         Command::Demo(command) => command.run(),
     };

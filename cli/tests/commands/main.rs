@@ -2,6 +2,7 @@
 
 mod diagnosis;
 mod experiments;
+mod planning;
 mod program;
 
 use program::{bekker, call, done, file, refused, shown, text};

@@ -1,0 +1,107 @@
+//! `bekker plan`.
+
+use crate::ground::{GroundArguments, degrees, pair};
+use crate::output::{check_all_writable, say, write, write_json};
+use anyhow::Result;
+use bekker::modeldescription::Lookup;
+use bekker_planning::answer::PlanAnswer;
+use bekker_planning::plan::Request;
+use std::path::PathBuf;
+
+/// Columns of the path as CSV.
+const COLUMNS: &str = "travelled,x,y,z,heading,roll,pitch,stability,thrust,clearance";
+
+/// Plan a safe path over a map: a search on roughness, turning and length, then pose, stability and forces at every point.
+#[derive(clap::Args)]
+pub struct Plan {
+    #[command(flatten)]
+    ground: GroundArguments,
+    /// Start, m.
+    #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true, required_unless_present = "list")]
+    start: Option<[f64; 2]>,
+    /// Goal, m.
+    #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true, required_unless_present = "list")]
+    goal: Option<[f64; 2]>,
+    /// Heading at the start, from east towards north, degrees; any where missing.
+    #[arg(long, allow_hyphen_values = true)]
+    heading: Option<f64>,
+    /// Most places to evaluate before giving up.
+    #[arg(long, default_value_t = 100_000)]
+    most_evaluations: usize,
+    /// Write plan and failures as JSON (SI units, radians).
+    #[arg(long)]
+    json: Option<PathBuf>,
+    /// Write the path as CSV (SI units, radians).
+    #[arg(long)]
+    csv: Option<PathBuf>,
+    /// Write a page with the map, the path and the rover on it.
+    #[arg(long)]
+    html: Option<PathBuf>,
+    /// List the numbers that --set changes, and stop.
+    #[arg(long)]
+    list: bool,
+}
+
+impl Plan {
+    pub fn run(self) -> Result<()> {
+        let mut site = self.ground.open()?;
+        if self.list {
+            for (variable, value) in site.settings.list() {
+                say!("{} = {value} {} {} ({})", variable.name, variable.unit.symbol, variable.doc, variable.source);
+            }
+            return Ok(());
+        }
+        let (Some(start), Some(goal)) = (self.start, self.goal) else { return Ok(()) };
+        check_all_writable([&self.json, &self.csv, &self.html])?;
+        site.remarks().iter().try_for_each(|remark| crate::output::line(format_args!("map: {remark}")))?;
+        let heading = self.heading.map(degrees).transpose()?;
+        let plan = site.plan(&Request { start, heading, goal, most_evaluations: self.most_evaluations })?;
+        let answer = PlanAnswer::new(&site, &plan);
+        print(&answer)?;
+        if let Some(file) = &self.csv {
+            write(file, &csv(&answer))?;
+        }
+        if let Some(file) = &self.html {
+            write(file, &bekker_planning::page::plan_page(&site, &plan, &answer))?;
+        }
+        self.json.map_or(Ok(()), |file| write_json(&file, &serde_json::to_value(&answer)?))
+    }
+}
+
+fn print(answer: &PlanAnswer) -> Result<()> {
+    let smallest = |of: &dyn Fn(usize) -> f64| (0..answer.points.len()).map(of).fold(f64::INFINITY, f64::min);
+    say!("path of {:.2} m in {} points, performance index {:.3}", answer.length, answer.points.len(), answer.cost);
+    say!(
+        "{} searches, {} places evaluated, {} of them unsafe",
+        answer.searches,
+        answer.evaluations,
+        answer.failures.len()
+    );
+    say!("smallest stability angle {:.1} deg", smallest(&|k| answer.points[k].stability).to_degrees());
+    say!("smallest thrust in reserve {:.2} N", smallest(&|k| answer.points[k].thrust));
+    let clearance = smallest(&|k| answer.points[k].clearance.unwrap_or(f64::INFINITY));
+    if clearance.is_finite() {
+        say!("smallest clearance {clearance:.3} m");
+    }
+    Ok(())
+}
+
+fn csv(answer: &PlanAnswer) -> String {
+    let rows = answer.points.iter().map(|point| {
+        let clearance = point.clearance.map_or(String::new(), |clearance| clearance.to_string());
+        let numbers = [
+            point.travelled,
+            point.x,
+            point.y,
+            point.z,
+            point.heading,
+            point.roll,
+            point.pitch,
+            point.stability,
+            point.thrust,
+        ];
+        let numbers = numbers.map(|number| number.to_string()).join(",");
+        format!("{numbers},{clearance}\n")
+    });
+    format!("{COLUMNS}\n{}", rows.collect::<String>())
+}

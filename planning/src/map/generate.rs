@@ -1,0 +1,104 @@
+//! Seeded ground with features of a given density, in place of the thesis's terrain generator.
+//!
+//! The thesis names "a pseudo-random terrestrial terrain generator based on the logit transform (Pickover 1995)" and gives
+//! nothing more than the density of obstacles. Here: uniform numbers u on a grid, each turned into ln(u / (1 - u)) (the logit
+//! transform), smoothed by a Gaussian to the size of a feature and scaled to a standard deviation. The logistic distribution's
+//! heavier ends make a few prominent rocks and pits instead of even ground.
+
+use super::{ElevationMap, MapError};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Shape of the ground.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct GroundShape {
+    /// Nodes along each side.
+    pub nodes: usize,
+    /// Spacing of the nodes, m.
+    pub cell: f64,
+    /// Standard deviation of the smoothing, the size of rocks, m.
+    pub feature: f64,
+    /// Standard deviation of the rocks' heights, m.
+    pub roughness: f64,
+    /// Standard deviation of the swells, which are four times as wide and not obstacles, m.
+    pub swell: f64,
+}
+
+/// The three grounds of section 3.3, by their density of obstacles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Difficulty {
+    /// 0.05 obstacles a rover's area.
+    Benign,
+    /// 0.23.
+    Moderate,
+    /// 0.72.
+    Difficult,
+}
+
+impl Difficulty {
+    /// All three, as the thesis numbers them.
+    pub const ALL: [Self; 3] = [Self::Benign, Self::Moderate, Self::Difficult];
+
+    /// Obstacles a rover's area, as the thesis states (nodes whose largest step to a neighbour exceeds 80 % of a wheel's
+    /// diameter, over the rover's footprint).
+    #[must_use]
+    pub fn density(self) -> f64 {
+        match self {
+            Self::Benign => 0.05,
+            Self::Moderate => 0.23,
+            Self::Difficult => 0.72,
+        }
+    }
+}
+
+/// Ground of a seed. The south-western node is at (0, 0); the same seed gives the same bits.
+///
+/// # Errors
+/// [`MapError`] where `shape` makes no map.
+pub fn generated(shape: &GroundShape, seed: u64) -> Result<ElevationMap, MapError> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let rocks = field(shape, shape.feature, &mut random);
+    let swells = field(shape, 4.0 * shape.feature, &mut random);
+    let heights = rocks.iter().zip(&swells).map(|(rock, swell)| shape.roughness * rock + shape.swell * swell);
+    ElevationMap::new(shape.nodes, shape.nodes, shape.cell, [0.0, 0.0], heights.collect())
+}
+
+/// Smoothed logistic noise of mean 0 and standard deviation 1.
+fn field(shape: &GroundShape, size: f64, random: &mut ChaCha8Rng) -> Vec<f64> {
+    let n = shape.nodes;
+    let noise: Vec<f64> = (0..n * n).map(|_| logit(random.random::<f64>())).collect();
+    let along_x = smoothed(&noise, n, size / shape.cell, |row, k| row * n + k);
+    let mut both = smoothed(&along_x, n, size / shape.cell, |column, k| k * n + column);
+    let count = (n * n).max(1) as f64;
+    let mean = both.iter().sum::<f64>() / count;
+    let deviation = (both.iter().map(|z| (z - mean).powi(2)).sum::<f64>() / count).sqrt();
+    both.iter_mut().for_each(|z| *z = (*z - mean) / deviation);
+    both
+}
+
+/// ln(u / (1 - u)), kept finite at u = 0.
+fn logit(u: f64) -> f64 {
+    let u = u.max(f64::EPSILON);
+    (u / (1.0 - u)).ln()
+}
+
+/// Gaussian mean along lines of `n` values; `at(line, k)` is the place of a line's k-th value.
+fn smoothed(values: &[f64], n: usize, deviation: f64, at: impl Fn(usize, usize) -> usize) -> Vec<f64> {
+    let reach = (3.0 * deviation).ceil() as usize;
+    let weights: Vec<f64> = (0..=reach).map(|k| (-0.5 * (k as f64 / deviation).powi(2)).exp()).collect();
+    let mut out = vec![0.0; values.len()];
+    for line in 0..n {
+        for k in 0..n {
+            let window = k.saturating_sub(reach)..=(k + reach).min(n - 1);
+            let (mut sum, mut total) = (0.0, 0.0);
+            for other in window {
+                let weight = weights[other.abs_diff(k)];
+                sum += weight * values[at(line, other)];
+                total += weight;
+            }
+            out[at(line, k)] = sum / total;
+        }
+    }
+    out
+}

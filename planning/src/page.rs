@@ -1,0 +1,108 @@
+//! A plan as one self-contained page: the map with the path, margins along it, the rover on the ground at any point.
+
+use crate::answer::PlanAnswer;
+use crate::map::ElevationMap;
+use crate::plan::Plan;
+use crate::robot::Frames;
+use crate::site::Site;
+use serde::Serialize;
+
+/// A map is thinned to at most this many nodes along a side: what a screen shows.
+const SIDE: usize = 260;
+
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
+
+/// Heights as the page draws them.
+#[derive(Serialize)]
+struct Heights {
+    columns: usize,
+    rows: usize,
+    cell: f64,
+    origin: [f64; 2],
+    /// mm; null in a hole.
+    heights: Vec<Option<i64>>,
+}
+
+/// The rover in one point of the path, m.
+#[derive(Serialize)]
+struct Rover {
+    /// Centres of the wheels.
+    wheels: Vec<[f64; 3]>,
+    /// Forward and up directions of each wheel's plane.
+    planes: Vec<[[f64; 3]; 2]>,
+    /// Ends of links, in pairs.
+    bars: Vec<[[f64; 3]; 2]>,
+    /// Corners of the belly.
+    belly: Vec<[f64; 3]>,
+}
+
+#[derive(Serialize)]
+struct Data<'a> {
+    map: Heights,
+    answer: &'a PlanAnswer,
+    rovers: Vec<Rover>,
+    radius: f64,
+    stability_limit: f64,
+    thrust_limit: f64,
+}
+
+/// The page of a plan, for a browser without a network.
+#[must_use]
+pub fn plan_page(site: &Site, plan: &Plan, answer: &PlanAnswer) -> String {
+    let robot = site.robot();
+    let weight = robot.total_mass() * site.settings.environment.gravity;
+    let data = Data {
+        map: heights(site.surface().map()),
+        answer,
+        rovers: plan.points.iter().map(|point| rover(site, &point.assessment.pose.attitude)).collect(),
+        radius: robot.wheel_radius,
+        stability_limit: site.settings.limits.stability,
+        thrust_limit: site.settings.limits.thrust * weight,
+    };
+    // No script can end within a string of it.
+    let data = serde_json::to_string(&data).unwrap_or_default().replace("</", "<\\/");
+    format!(
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Bekker: plan</title>\
+         <meta name=\"viewport\" content=\"width=device-width\"><style>{STYLE}</style></head><body>\
+         <h1>A safe path of {length:.2} m</h1><p id=\"summary\"></p>\
+         <div class=\"row\"><figure><canvas id=\"map\" width=\"560\" height=\"560\"></canvas><figcaption>Heights (dark low, light high), \
+         the path, and places where the rover would fail (red). Click on the path to put the rover there.</figcaption></figure>\
+         <figure><canvas id=\"rover\" width=\"560\" height=\"420\"></canvas><figcaption>The rover at the chosen point. Drag to turn.\
+         </figcaption><input id=\"point\" type=\"range\" min=\"0\" value=\"0\" aria-label=\"point of the path\">\
+         <p id=\"here\"></p></figure></div><figure><canvas id=\"margins\" width=\"1140\" height=\"420\"></canvas><figcaption>Along the \
+         path: stability angle, thrust in reserve and clearance, the worst of all cases; dashed the smallest allowed.</figcaption>\
+         </figure><script>const data = {data};\n{SCRIPT}</script></body></html>\n",
+        length = answer.length,
+    )
+}
+
+fn heights(map: &ElevationMap) -> Heights {
+    let stride = map.columns().max(map.rows()).div_ceil(SIDE);
+    // Thinning leaves 2 x 2 nodes of any map that is longer than the stride.
+    let map = map.thinned(stride).unwrap_or_else(|_| map.clone());
+    let mm = |z: &f64| z.is_finite().then(|| (z * 1000.0).round() as i64);
+    let heights = map.heights().iter().map(mm).collect();
+    Heights { columns: map.columns(), rows: map.rows(), cell: map.cell(), origin: map.origin(), heights }
+}
+
+fn rover(site: &Site, attitude: &crate::robot::Attitude) -> Rover {
+    let robot = site.robot();
+    let frames = Frames::new(robot, attitude, &site.active);
+    let joint_of = |link: Option<usize>| link.map_or([0.0; 3], |k| robot.links[k].joint.at);
+    let bar =
+        |link: Option<usize>, to: [f64; 3]| [frames.point(link, joint_of(link)).into(), frames.point(link, to).into()];
+    let wheels = robot.wheels.iter().map(|wheel| bar(wheel.link, wheel.centre));
+    let links = robot.links.iter().map(|link| bar(link.parent, link.joint.at));
+    let plane = |link| [nalgebra::Vector3::x(), nalgebra::Vector3::z()].map(|axis| frames.direction(link, axis).into());
+    let belly = robot.belly.map_or(Vec::new(), |belly| {
+        let corners = [(belly.rear, -1.0), (belly.front, -1.0), (belly.front, 1.0), (belly.rear, 1.0)];
+        corners.map(|(x, side)| frames.point(None, [x, side * belly.half_width, belly.z]).into()).to_vec()
+    });
+    Rover {
+        wheels: robot.wheels.iter().map(|wheel| frames.point(wheel.link, wheel.centre).into()).collect(),
+        planes: robot.wheels.iter().map(|wheel| plane(wheel.link)).collect(),
+        bars: wheels.chain(links).collect(),
+        belly,
+    }
+}

@@ -1,0 +1,162 @@
+//! The performance index (3.1)-(3.5).
+
+use super::{HEADINGS, Stand, step_length};
+use crate::map::ElevationMap;
+use crate::robot::Robot;
+use bekker_modeldescription::{Unit, parameters};
+use std::f64::consts::FRAC_PI_4;
+
+/// Footprints of headings that differ by half a turn are the same.
+const ORIENTATIONS: usize = HEADINGS / 2;
+
+/// Rounding of node places against the footprint's sides, in spacings.
+const ON_THE_EDGE: f64 = 1e-9;
+
+parameters! {
+    /// Weights of the performance index (3.5).
+    pub struct PerformanceIndex {
+        /// Weight k_1 of the roughness.
+        roughness: [Unit::ONE] = 5.0, 0.0..=1e6, Fixed, "Iagnemma 2001, 3.3";
+        /// Weight k_2 of turning.
+        turning: [Unit::ONE] = 0.1, 0.0..=1e6, Fixed, "Iagnemma 2001, 3.3";
+        /// Weight k_3 of length.
+        length: [Unit::ONE] = 0.1, 1e-9..=1e6, Fixed, "Iagnemma 2001, 3.3";
+        /// Exponent alpha of (3.2) and (3.3).
+        exponent: [Unit::ONE] = 3.0, 0.1..=20.0, Fixed, "Iagnemma 2001, 3.3";
+    }
+}
+
+/// The index of every node of a map and heading.
+#[derive(Clone, Debug)]
+pub struct CostField {
+    columns: usize,
+    rows: usize,
+    /// k_1 r' of (3.2) by orientation, node; infinite where the footprint reaches unknown ground.
+    roughness: Vec<f32>,
+    /// k_2 t of (3.3) by node.
+    turning: Vec<f32>,
+    /// k_3 l of a straight step (3.4).
+    step: f64,
+}
+
+impl CostField {
+    /// Computes it for a robot: the footprint is the convex hull of the wheels on flat ground.
+    #[must_use]
+    pub fn new(map: &ElevationMap, robot: &Robot, index: &PerformanceIndex) -> Self {
+        let diameter = 2.0 * robot.wheel_radius;
+        let hull = hull(robot.wheels.iter().map(|wheel| [wheel.centre[0], wheel.centre[1]]).collect());
+        let reach = robot.wheels.iter().map(|wheel| wheel.centre[0].hypot(wheel.centre[1])).fold(0.0, f64::max);
+        // Unknown ground stays out of reach whatever the weight.
+        let scaled = |weight: f64, deviation: f64| {
+            if deviation.is_finite() {
+                (weight * (deviation / diameter).powf(index.exponent)) as f32
+            } else {
+                f32::INFINITY
+            }
+        };
+        let mut roughness = Vec::new();
+        for orientation in 0..ORIENTATIONS {
+            let (sin, cos) = (orientation as f64 * FRAC_PI_4).sin_cos();
+            let turned: Vec<[f64; 2]> = hull.iter().map(|[x, y]| [cos * x - sin * y, sin * x + cos * y]).collect();
+            let nodes = nodes_where(reach, map.cell(), |place| inside(&turned, place, map.cell()));
+            // (3.1)-(3.2)
+            roughness.extend(deviations(map, &nodes).map(|deviation| scaled(index.roughness, deviation)));
+        }
+        // (3.3): the circle through the farthest wheel.
+        let nodes = nodes_where(reach, map.cell(), |[x, y]| x.hypot(y) <= reach + ON_THE_EDGE * map.cell());
+        let turning = deviations(map, &nodes).map(|deviation| scaled(index.turning, deviation)).collect();
+        let step = index.length * map.cell() / diameter;
+        Self { columns: map.columns(), rows: map.rows(), roughness, turning, step }
+    }
+
+    /// Cost of a step that leaves `from` in `heading` and arrives at `to`: k_1 r' at the new node (counted by the step's length,
+    /// so that a diagonal is worth its 1.4 nodes), k_2 t at the old one where the heading changes, and k_3 l.
+    #[must_use]
+    pub fn step(&self, from: Stand, to: Stand) -> f64 {
+        let turn = if from.heading == to.heading { 0.0 } else { f64::from(self.turning[self.node(from)]) };
+        let length = step_length(to.heading);
+        turn + length * (self.roughness_at(to) + self.step)
+    }
+
+    /// Least cost of the way over this many columns and rows: only length.
+    pub(super) fn least(&self, columns: usize, rows: usize) -> f64 {
+        let (long, short) = (columns.max(rows) as f64, columns.min(rows) as f64);
+        self.step * (long + (std::f64::consts::SQRT_2 - 1.0) * short)
+    }
+
+    /// k_1 r' of a stand; infinite over unknown ground.
+    #[must_use]
+    pub fn roughness_at(&self, stand: Stand) -> f64 {
+        let orientation = stand.heading % ORIENTATIONS;
+        f64::from(self.roughness[orientation * self.columns * self.rows + self.node(stand)])
+    }
+
+    pub(super) fn node(&self, stand: Stand) -> usize {
+        stand.row * self.columns + stand.column
+    }
+
+    pub(super) fn size(&self) -> (usize, usize) {
+        (self.columns, self.rows)
+    }
+
+    /// Bytes that the field holds.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.roughness[..]) + size_of_val(&self.turning[..])
+    }
+}
+
+/// Nodes within `reach` of a node that lie where `wanted` says, as steps of columns and rows.
+fn nodes_where(reach: f64, cell: f64, wanted: impl Fn([f64; 2]) -> bool) -> Vec<(isize, isize)> {
+    let far = (reach / cell).ceil() as isize;
+    let all = (-far..=far).flat_map(|row| (-far..=far).map(move |column| (column, row)));
+    all.filter(|(column, row)| wanted([*column as f64 * cell, *row as f64 * cell])).collect()
+}
+
+/// Standard deviation of the heights of `nodes` around each node; infinite where one is unknown.
+fn deviations<'a>(map: &'a ElevationMap, nodes: &'a [(isize, isize)]) -> impl Iterator<Item = f64> + 'a {
+    let all = (0..map.rows()).flat_map(|row| (0..map.columns()).map(move |column| (column, row)));
+    all.map(move |(column, row)| {
+        let here = map.height(column, row);
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for (dc, dr) in nodes {
+            let z = match (column.checked_add_signed(*dc), row.checked_add_signed(*dr)) {
+                (Some(column), Some(row)) => map.height(column, row) - here,
+                _ => f64::NAN,
+            };
+            sum += z;
+            squares += z * z;
+        }
+        let count = nodes.len() as f64;
+        let variance = squares / count - (sum / count).powi(2);
+        if variance.is_nan() { f64::INFINITY } else { variance.max(0.0).sqrt() }
+    })
+}
+
+/// Convex hull, counter-clockwise.
+fn hull(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    let half = |points: &mut dyn Iterator<Item = [f64; 2]>| {
+        let mut chain: Vec<[f64; 2]> = Vec::new();
+        for point in points {
+            while chain.len() >= 2 && turn(chain[chain.len() - 2], chain[chain.len() - 1], point) <= 0.0 {
+                chain.pop();
+            }
+            chain.push(point);
+        }
+        chain.pop();
+        chain
+    };
+    let mut hull = half(&mut points.iter().copied());
+    hull.extend(half(&mut points.iter().rev().copied()));
+    hull
+}
+
+/// Twice the area of a triangle, positive where it turns left.
+fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+fn inside(hull: &[[f64; 2]], place: [f64; 2], cell: f64) -> bool {
+    (0..hull.len()).all(|k| turn(hull[k], hull[(k + 1) % hull.len()], place) >= -ON_THE_EDGE * cell * cell)
+}

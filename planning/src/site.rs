@@ -1,0 +1,294 @@
+//! Ground, robot and settings in one value: what the command line and Python work on.
+
+use crate::force::{Assumptions, Load, Programme, Shear, ShearError};
+use crate::map::{
+    CsvGrid, Difficulty, ElevationMap, Interpolation, MapError, MapReadError, RangeError, Surface, blurred, generated,
+};
+use crate::plan::{
+    CostField, Evaluator, Failure, Limits, Localisation, PerformanceIndex, Plan, PlanError, Planner, Request,
+};
+use crate::pose::{Placing, Pose, PoseError};
+use crate::robot::{Robot, RobotError, fsrl, sample_return};
+use crate::trial::ground_shape;
+use bekker::soil::Soil;
+use bekker::wheel::Wheel;
+use bekker_modeldescription::{Parameters, Unit, Variable, join, parameters};
+use std::path::{Path, PathBuf};
+
+/// Robots that are built in, and what they are.
+pub const ROBOTS: [(&str, &str); 2] = [
+    ("fsrl", "the six-wheeled rocker-bogie rover of the thesis's appendix C"),
+    (
+        "sample_return",
+        "JPL's four-wheeled Sample Return Rover of section 3.5: active shoulders, an arm of three joints",
+    ),
+];
+
+parameters! {
+    /// Firm ground, where no soil is given.
+    pub struct Traction {
+        /// Coefficient of friction.
+        friction: [Unit::ONE] = 0.6, 0.0..=5.0, Fixed, "assumption: rubber or lugs on rock and compact soil";
+    }
+}
+
+/// All numbers that a plan needs beside map and robot, by name.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Settings {
+    /// Gravity.
+    pub environment: bekker::rover::Environment,
+    /// Strength of firm ground.
+    pub traction: Traction,
+    /// What the rover must keep.
+    pub limits: Limits,
+    /// Weights of the search.
+    pub index: PerformanceIndex,
+    /// Error of the map.
+    pub range_error: RangeError,
+    /// Error of dead reckoning.
+    pub localisation: Localisation,
+}
+
+impl Parameters<f64> for Settings {
+    fn visit(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut f64)) {
+        self.environment.visit(prefix, f);
+        self.traction.visit(&join(prefix, "traction"), f);
+        self.limits.visit(&join(prefix, "limits"), f);
+        self.index.visit(&join(prefix, "index"), f);
+        self.range_error.visit(&join(prefix, "range_error"), f);
+        self.localisation.visit(&join(prefix, "localisation"), f);
+    }
+
+    fn values(&self, f: &mut dyn FnMut(f64)) {
+        self.environment.values(f);
+        self.traction.values(f);
+        self.limits.values(f);
+        self.index.values(f);
+        self.range_error.values(f);
+        self.localisation.values(f);
+    }
+}
+
+/// Where ground and robot come from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Source {
+    /// A file, see [`ElevationMap::read`]; or `benign`, `moderate`, `difficult`, each with an optional `:SEED`: generated ground.
+    pub map: String,
+    /// Spacing and place for files that do not state them.
+    pub grid: CsvGrid,
+    /// Ground between the nodes.
+    pub interpolation: Interpolation,
+    /// Nodes that stand out of all neighbours by more than this (m) are put to their median.
+    pub spikes: Option<f64>,
+    /// Whether holes are filled from their rims.
+    pub fill: bool,
+    /// The name of a built-in robot, see [`ROBOTS`], or a TOML file of a [`Robot`].
+    pub robot: String,
+}
+
+impl Source {
+    /// The given map and robot, with what is usual.
+    #[must_use]
+    pub fn new(map: &str, robot: &str) -> Self {
+        let (grid, interpolation) = (CsvGrid::default(), Interpolation::default());
+        Self { map: map.to_owned(), grid, interpolation, spikes: None, fill: false, robot: robot.to_owned() }
+    }
+}
+
+/// Why a site cannot be opened or used.
+#[derive(Debug, thiserror::Error)]
+pub enum SiteError {
+    /// The map's file.
+    #[error(transparent)]
+    Read(#[from] MapReadError),
+    /// The map.
+    #[error(transparent)]
+    Map(#[from] MapError),
+    /// The seed after the name of generated ground.
+    #[error("`{0}`: expected a whole number after the colon, the seed of generated ground")]
+    Seed(String),
+    /// The robot's file.
+    #[error("`{file}`: {problem}", file = file.display())]
+    RobotFile {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
+    /// No such robot.
+    #[error("unknown robot `{0}`; expected fsrl, sample_return, or a TOML file of a robot")]
+    UnknownRobot(String),
+    /// The robot's description.
+    #[error(transparent)]
+    Robot(#[from] RobotError),
+    /// The soil does not carry the robot.
+    #[error(transparent)]
+    Shear(#[from] ShearError),
+    /// No pose.
+    #[error(transparent)]
+    Pose(#[from] PoseError),
+    /// No plan.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+}
+
+/// Ground, robot and settings.
+#[derive(Clone, Debug)]
+pub struct Site {
+    surface: Surface,
+    robot: Robot,
+    /// All numbers beside.
+    pub settings: Settings,
+    /// What the force analysis assumes.
+    pub assumptions: Assumptions,
+    /// Values of the robot's active joints; 0 where empty.
+    pub active: Vec<f64>,
+    soil: Option<Shear>,
+    /// What was changed in the map: "12 spikes smoothed".
+    changes: Vec<String>,
+}
+
+impl Site {
+    /// Reads map and robot.
+    ///
+    /// # Errors
+    /// [`SiteError`] names the file and what was expected.
+    pub fn open(source: &Source) -> Result<Self, SiteError> {
+        let robot = robot(&source.robot)?;
+        robot.check()?;
+        let mut map = ground(source)?;
+        let mut changes = Vec::new();
+        if let Some(threshold) = source.spikes {
+            let (smooth, count) = map.without_spikes(threshold)?;
+            map = smooth;
+            changes.push(format!("{count} spikes put to the median of their neighbours"));
+        }
+        if source.fill {
+            let (filled, count) = map.filled()?;
+            map = filled;
+            changes.push(format!("{count} holes filled from their rims"));
+        }
+        Ok(Self::new(map, robot, source.interpolation).changed(changes))
+    }
+
+    /// A site of a map and a robot at hand.
+    #[must_use]
+    pub fn new(map: ElevationMap, robot: Robot, interpolation: Interpolation) -> Self {
+        let surface = Surface::new(map, interpolation);
+        let (settings, assumptions) = (Settings::default(), Assumptions::default());
+        Self { surface, robot, settings, assumptions, active: Vec::new(), soil: None, changes: Vec::new() }
+    }
+
+    fn changed(self, changes: Vec<String>) -> Self {
+        Self { changes, ..self }
+    }
+
+    /// Deformable soil in place of firm ground: its strength under the robot's wheels at an equal share of the weight.
+    ///
+    /// # Errors
+    /// [`SiteError::Shear`] where the soil does not carry the wheels.
+    pub fn on_soil(&mut self, soil: &Soil) -> Result<(), SiteError> {
+        let wheel = Wheel { radius: self.robot.wheel_radius, width: self.robot.wheel_width, ..Wheel::default() };
+        let load = self.robot.total_mass() * self.settings.environment.gravity / self.robot.wheels.len() as f64;
+        self.soil = Some(Shear::of(soil, &wheel, load)?);
+        Ok(())
+    }
+
+    /// The ground.
+    #[must_use]
+    pub fn surface(&self) -> &Surface {
+        &self.surface
+    }
+
+    /// The robot.
+    #[must_use]
+    pub fn robot(&self) -> &Robot {
+        &self.robot
+    }
+
+    /// Strength of the ground.
+    #[must_use]
+    pub fn shear(&self) -> Shear {
+        self.soil.unwrap_or_else(|| Shear::firm(self.settings.traction.friction))
+    }
+
+    /// What is doubtful in the map, and what was changed in it.
+    #[must_use]
+    pub fn remarks(&self) -> Vec<String> {
+        let doubts = self.surface.map().doubts().into_iter().map(|doubt| doubt.to_string());
+        self.changes.iter().cloned().chain(doubts).collect()
+    }
+
+    /// The evaluator of stands; with an uncertain map as seen from `sensor` (m).
+    ///
+    /// # Errors
+    /// [`RobotError`] where the active values do not fit.
+    pub fn evaluator(&self, sensor: [f64; 2]) -> Result<Evaluator<'_>, RobotError> {
+        let mut evaluator = Evaluator::new(&self.robot, &self.surface, &self.active, self.shear())?;
+        evaluator.load = Load { gravity: self.settings.environment.gravity, ..Load::default() };
+        evaluator.assumptions = self.assumptions;
+        evaluator.limits = self.settings.limits;
+        let error = self.settings.range_error;
+        evaluator.uncertainty = (error != RangeError::default()).then_some((error, sensor));
+        Ok(evaluator)
+    }
+
+    /// The pose at a place (m) and heading (rad), and whether the rover is safe there.
+    ///
+    /// # Errors
+    /// [`SiteError`] where there is no pose.
+    pub fn pose(&self, place: [f64; 2], heading: f64) -> Result<(Pose, Option<Failure>), SiteError> {
+        let placing = Placing::new(&self.robot, &self.surface, &self.active)?;
+        let pose = placing.pose(place, heading, None)?;
+        let failure = self.evaluator(place)?.assess(place, heading, None).err();
+        Ok((pose, failure))
+    }
+
+    /// Largest thrust in the direction of travel, N; `None` where no forces hold the rover.
+    pub(crate) fn largest_thrust(&self, pose: &Pose) -> Option<f64> {
+        let placing = Placing::new(&self.robot, &self.surface, &self.active).ok()?;
+        let load = Load { gravity: self.settings.environment.gravity, ..Load::default() };
+        let programme = Programme::new(&placing, pose, &load, &self.shear(), self.assumptions).ok()?;
+        programme.largest_thrust().ok()?.map(|forces| forces.thrust)
+    }
+
+    /// A safe path. The sensor that measured the map is taken to stand at the start.
+    ///
+    /// # Errors
+    /// [`SiteError::Plan`] says why there is none.
+    pub fn plan(&self, request: &Request) -> Result<Plan, SiteError> {
+        let seen = blurred(self.surface.map(), request.start, &self.settings.range_error)?;
+        let field = CostField::new(&seen, &self.robot, &self.settings.index);
+        let mut planner = Planner::new(self.evaluator(request.start)?, field, self.settings.localisation);
+        Ok(planner.plan(request)?)
+    }
+}
+
+/// The map of a file, or generated ground.
+fn ground(source: &Source) -> Result<ElevationMap, SiteError> {
+    let (name, seed) = source.map.split_once(':').map_or((&source.map[..], None), |(name, seed)| (name, Some(seed)));
+    let difficulty = match name {
+        "benign" => Difficulty::Benign,
+        "moderate" => Difficulty::Moderate,
+        "difficult" => Difficulty::Difficult,
+        _ => return Ok(ElevationMap::read(Path::new(&source.map), &source.grid)?),
+    };
+    let seed = seed.map_or(Ok(0), |seed| seed.parse().map_err(|_| SiteError::Seed(source.map.clone())))?;
+    Ok(generated(&ground_shape(difficulty), seed)?)
+}
+
+/// A robot by name or file.
+fn robot(name: &str) -> Result<Robot, SiteError> {
+    match name {
+        "fsrl" => return Ok(fsrl()),
+        "sample_return" => return Ok(sample_return()),
+        _ => {}
+    }
+    if !name.ends_with(".toml") {
+        return Err(SiteError::UnknownRobot(name.to_owned()));
+    }
+    let file = PathBuf::from(name);
+    let refused = |problem: String| SiteError::RobotFile { file: file.clone(), problem };
+    let text = std::fs::read_to_string(&file).map_err(|error| refused(error.to_string()))?;
+    toml::from_str(&text).map_err(|error| refused(error.to_string().trim_end().to_owned()))
+}
