@@ -18,6 +18,7 @@ mod rig;
 mod run;
 mod saving;
 mod sections;
+mod soil_map;
 mod stated;
 mod summary;
 mod tuning;
@@ -192,6 +193,13 @@ impl Parameters<f64> for Model {
                 self.control.rtc.visit(&join(prefix, "rtc"), f);
                 self.control.rtc_timing.visit(&join(prefix, "rtc"), f);
                 self.sensors.encoder.visit(&join(prefix, "sensor"), f);
+                self.visit_estimators(jointed, prefix, f);
+            }
+            ControlKind::RtcSpeed => {
+                self.sensors.body.visit(&join(prefix, "sensor"), f);
+                self.control.rtc_speed.visit(&join(prefix, "rtc_speed"), f);
+                self.sensors.encoder.visit(&join(prefix, "sensor"), f);
+                self.control.velocity.visit(&join(prefix, "velocity_control"), f);
                 self.visit_estimators(jointed, prefix, f);
             }
             ControlKind::Slip => {
