@@ -77,7 +77,9 @@ pub enum ControlError {
         pitch: f64,
     },
     /// Rough-terrain control that commands torques is asked to minimise what depends on slip.
-    #[error("criterion = electrical_power counts slips, which rtc does not choose; expected power, traction, or kind = \"rtc_speed\"")]
+    #[error(
+        "criterion = electrical_power counts slips, which rtc does not choose; expected power, traction, or kind = \"rtc_speed\""
+    )]
     NoSlips,
     /// The model is to be driven by a registered control law and has none.
     #[error(

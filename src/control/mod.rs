@@ -25,7 +25,10 @@ pub use error::ControlError;
 pub use nominal::{Nominal, NominalLink};
 pub use posture::Posture;
 pub use registered::{ControlLaw, History, RegisteredLaw};
-pub use rtc::{Criterion, Footing, Outcome, RoughTerrainControl, Rtc, RtcOptions, Solver, SpeedRoughTerrainControl, SpeedRtc, Strength};
+pub use rtc::{
+    Criterion, Footing, Outcome, RoughTerrainControl, Rtc, RtcOptions, Solver, SpeedRoughTerrainControl, SpeedRtc,
+    Strength,
+};
 pub use slip::{Privileged, SlipControl, SlipController};
 pub use tuning::{TunedVelocity, soil_slope};
 pub use velocity::{VelocityControl, VelocityController};

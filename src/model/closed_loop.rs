@@ -6,7 +6,8 @@ use super::soil_map::SoilMap;
 use crate::control::registered::RegisteredController;
 use crate::control::{
     ControlError, Controller, Criterion, EqualTorque, EqualTorqueController, Nominal, NominalLink, RoughTerrainControl,
-    Rtc, SlipControl, SlipController, Solver, SpeedRoughTerrainControl, SpeedRtc, Strength, TunedVelocity, VelocityControl, VelocityController,
+    Rtc, SlipControl, SlipController, Solver, SpeedRoughTerrainControl, SpeedRtc, Strength, TunedVelocity,
+    VelocityControl, VelocityController,
 };
 use crate::estimation::ContactAngleEstimation;
 use crate::estimation::soil::SoilIdentification;

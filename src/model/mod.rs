@@ -9,6 +9,7 @@ mod file;
 mod find;
 mod inputs;
 mod obstacles;
+mod oracle;
 mod ordinary;
 mod origin;
 mod plant;
@@ -151,7 +152,7 @@ impl Model {
 }
 
 /// Limits of the drives, which a wheel whose speed is imposed does not feel.
-const LIMITS: [&str; 2] = ["motor.inverse_torque_limit", "motor.inverse_current_limit"];
+const LIMITS: [&str; 3] = ["motor.inverse_torque_limit", "motor.inverse_current_limit", "motor.inverse_voltage"];
 
 /// The whole vocabulary of this model: what something reads. Sensors and control are listed where there is
 /// a controller, the drives' limits where torques are commanded, effects where the rover has what they need, obstacles

@@ -1,7 +1,7 @@
 //! What one wheel gets out of the soil that a controller believes in: pull, torque and sinkage over load and slip, by the
 //! full stress integrals (2.7)-(2.9), and the inverse.
 
-use crate::contact::rolling;
+use crate::contact::{Surface, rolling_on};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 
@@ -31,6 +31,10 @@ pub struct SoilBelief {
     pub soil: Soil,
     /// Growth n_1 of the sinkage exponent with slip, n = n_0 + n_1 min(|i|, 1) (Ding et al. 2011).
     pub digging: f64,
+    /// How the rim meets the soil: a smooth rim, where nothing else is known.
+    pub surface: Surface,
+    /// Share of the largest pull that counts as all of it where the pull only grows with slip; [`SUFFICIENT`] for control.
+    pub sufficient: f64,
 }
 
 /// A steady state of a wheel under a load.
@@ -51,6 +55,12 @@ pub struct Working {
 }
 
 impl SoilBelief {
+    /// A smooth wheel on soil in which slip does not dig, with the share of the largest pull that is usual for control.
+    #[must_use]
+    pub fn new(wheel: Wheel, soil: Soil) -> Self {
+        Self { wheel, soil, digging: 0.0, surface: Surface::smooth(0.0), sufficient: SUFFICIENT }
+    }
+
     /// The steady state under `load` (N, over 0) at `slip` (over -1), driving forward.
     #[must_use]
     pub fn at(&self, load: f64, slip: f64) -> Working {
@@ -62,7 +72,7 @@ impl SoilBelief {
         let radius = self.wheel.radius;
         let soil = Soil { exponent: self.soil.exponent + self.digging * slip.abs().min(1.0), ..self.soil };
         let travel = if slip >= 0.0 { radius * (1.0 - slip) } else { radius / (1.0 + slip) };
-        let forces = |z: f64| rolling(&self.wheel, &soil, 0.0, z, travel, 1.0);
+        let forces = |z: f64| rolling_on(&self.wheel, &soil, &self.surface, z, travel, 1.0);
         let (mut low, mut high) = (0.0, radius);
         let mut z = guess.clamp(1e-4 * radius, radius);
         // N is about proportional to z^(n + 1/2) (4.18).
@@ -70,7 +80,8 @@ impl SoilBelief {
         let mut before: Option<(f64, f64)> = None;
         for _ in 0..MOST_STEPS {
             let here = forces(z);
-            let working = |carried| Working { load, slip, sinkage: z, pull: here.drawbar, torque: here.torque, carried };
+            let working =
+                |carried| Working { load, slip, sinkage: z, pull: here.drawbar, torque: here.torque, carried };
             if (here.normal - load).abs() <= LOAD_TOLERANCE * load || high - low <= f64::EPSILON * high {
                 return working(true);
             }
@@ -103,7 +114,7 @@ impl SoilBelief {
     }
 
     /// The state of the best slip i* under `load` (N): that of the largest pull, or where the pull only grows with slip
-    /// the one at which [`SUFFICIENT`] of the largest pull is reached.
+    /// the one at which the share [`sufficient`](Self::sufficient) of the largest pull is reached.
     #[must_use]
     pub fn best(&self, load: f64) -> Working {
         let mut states = [Working::default(); SLIPS.len()];
@@ -143,10 +154,10 @@ impl SoilBelief {
         best
     }
 
-    /// The least slip at which [`SUFFICIENT`] of the pull at the largest slip is reached; that slip where no wheel pulls.
+    /// The least slip at which the sufficient share of the pull at the largest slip is reached; that slip where no wheel pulls.
     fn sufficient(&self, load: f64, states: &[Working; SLIPS.len()]) -> Working {
         let last = states[SLIPS.len() - 1];
-        let wanted = SUFFICIENT * last.pull;
+        let wanted = self.sufficient * last.pull;
         if last.pull <= 0.0 {
             return last;
         }
@@ -211,9 +222,10 @@ impl SoilBelief {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::rolling;
 
     fn belief(digging: f64) -> SoilBelief {
-        SoilBelief { wheel: Wheel::default(), soil: Soil::default(), digging }
+        SoilBelief { digging, ..SoilBelief::new(Wheel::default(), Soil::default()) }
     }
 
     #[test]

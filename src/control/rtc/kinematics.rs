@@ -56,7 +56,8 @@ pub(super) fn rolling(distribution: &Distribution, nominal: &Nominal, lifted: &[
     for (wheel, rolling) in wheels.iter_mut().enumerate() {
         let axle = |row: usize| distribution.axle_coefficient(row, wheel);
         let along: f64 = (0..rows).map(|row| axle(row) * motion[row]).sum();
-        let turning = motion[2] + (3..rows).filter(|&row| distribution.joints[row - 3].carries[wheel]).map(|row| motion[row]).sum::<f64>();
+        let turning = motion[2]
+            + (3..rows).filter(|&row| distribution.joints[row - 3].carries[wheel]).map(|row| motion[row]).sum::<f64>();
         *rolling = Rolling { along: (along / speed).clamp(LEAST, MOST), turning: turning / speed };
     }
 }

@@ -65,7 +65,7 @@ pub(super) struct Sharing {
 impl Sharing {
     pub fn new(nominal: &Nominal, minimum_load: f64, digging: f64, solver: Solver) -> Self {
         let problem = Problem::new(nominal, minimum_load);
-        let belief = SoilBelief { wheel: nominal.wheel, soil: nominal.soil, digging };
+        let belief = SoilBelief { digging, ..SoilBelief::new(nominal.wheel, nominal.soil) };
         let wheels = nominal.wheels();
         Self {
             optimiser: Optimiser::new(&problem, solver),
@@ -167,7 +167,7 @@ impl Sharing {
 }
 
 /// Electrical power of a drive, W: R I^2 (4.6) and the torque times the rim's rate, r omega = V / (1 - i).
-fn electrical(nominal: &Nominal, speed: f64, state: &Working) -> f64 {
+pub(super) fn electrical(nominal: &Nominal, speed: f64, state: &Working) -> f64 {
     let rim = if state.slip >= 0.0 { speed / (1.0 - state.slip) } else { speed * (1.0 + state.slip) };
     nominal.winding_power(state.torque) + state.torque * rim / nominal.wheel.radius
 }

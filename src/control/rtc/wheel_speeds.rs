@@ -267,7 +267,9 @@ impl SpeedRtc {
         }
         *creeps = if creeping { *creeps + period } else { 0.0 };
         let beliefs = self.sharing.beliefs.iter().zip(&self.sharing.shares);
-        if *creeps > patience && beliefs.clone().any(|(belief, share)| share.load > 0.0 && belief.digs(share.load, &share.best)) {
+        if *creeps > patience
+            && beliefs.clone().any(|(belief, share)| share.load > 0.0 && belief.digs(share.load, &share.best))
+        {
             (*creeps, *backs_off) = (0.0, back_off);
         }
     }
@@ -309,7 +311,14 @@ impl Controller for SpeedRtc {
         self.inner.hold_within(measured, |index| goals[index], |index| limits[index], command)?;
         self.watch(&command.values);
         self.progress(wanted, speed, found.feasible);
-        outcome.renew(&self.nominal, &self.sharing.problem, &self.sharing.forces, demand.criterion, found, &command.values);
+        outcome.renew(
+            &self.nominal,
+            &self.sharing.problem,
+            &self.sharing.forces,
+            demand.criterion,
+            found,
+            &command.values,
+        );
         self.outcome = Some(outcome);
         Ok(())
     }
