@@ -1,7 +1,7 @@
 """Chapter 4's comparison driven from FMPy alone: a rover's FMU and its controller's, co-simulated by hand.
 
-Velocity control and rough-terrain control (RTC) drive the two-wheeled rover over 5 m of gently rolling sand, on the
-stated soil (K = 30 mm) and a firmer one (K = 10 mm). Each drive is two FMUs of FMI 2.0, wired by the names of their
+Velocity control and rough-terrain control (RTC), by torques as in the thesis and by wheel speeds, drive the two-wheeled rover
+over 5 m of gently rolling sand, on the stated soil (K = 30 mm) and a firmer one (K = 10 mm). Each drive is two FMUs of FMI 2.0, wired by the names of their
 variables and stepped by the control period: the controller decides on what is measured, the rover moves on.
 
     python examples/fmpy_chapter4.py [--cli PATH] [--plot FILE]
@@ -122,7 +122,7 @@ def plot(drives: dict[str, Drive], file: str) -> None:
     import matplotlib.pyplot as plt
 
     figure, (slip, torque, energy) = plt.subplots(3, 1, figsize=(7.5, 7.0), sharex=True, layout="constrained")
-    for (label, drive), colour in zip(drives.items(), ("#c44e52", "#2b6ca3", "#7f7f7f"), strict=True):
+    for (label, drive), colour in zip(drives.items(), ("#c44e52", "#2b6ca3", "#4c9a5b", "#7f7f7f"), strict=True):
         x = drive.trace["x"]
         slip.plot(x, [100.0 * value for value in drive.trace["slip"]], color=colour, label=label, linewidth=1.2)
         torque.plot(x, drive.trace["rear"], color=colour, linewidth=1.2)
@@ -130,7 +130,7 @@ def plot(drives: dict[str, Drive], file: str) -> None:
         energy.plot(x, drive.trace["energy"], color=colour, linewidth=1.2)
     slip.set_ylabel("mean slip, %")
     slip.set_ylim(0.0, 100.0)
-    slip.legend(frameon=False, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    slip.legend(frameon=False, ncols=2, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     torque.set_ylabel("torque, N m\nrear (line), front (dots)")
     energy.set_ylabel("electrical energy, J")
     energy.set_xlabel("way, m")
@@ -142,7 +142,7 @@ def plot(drives: dict[str, Drive], file: str) -> None:
 
 def write_fmus(folder: Path, cli: str | None) -> None:
     """Rover and controller of both presets."""
-    for preset in ("gentle_velocity", "gentle_rtc"):
+    for preset in ("gentle_velocity", "gentle_rtc", "gentle_rtc_speed"):
         for kind in ("rover", "controller"):
             path = folder / f"{preset}_{kind}.fmu"
             if cli is not None:
@@ -167,12 +167,25 @@ def main() -> None:
             velocity = drive(folder, "gentle_velocity", shear_modulus, SPEED)
             rtc = drive(folder, "gentle_rtc", shear_modulus, SPEED)
             equal = drive_at(folder, "gentle_velocity", shear_modulus, rtc.speed)
+            speeds = drive(folder, "gentle_rtc_speed", shear_modulus, SPEED)
+            equal_speeds = drive_at(folder, "gentle_velocity", shear_modulus, speeds.speed)
             soil = f"K = {1e3 * shear_modulus:.0f} mm"
             if arguments.plot and shear_modulus == 0.03:
-                drives = {"velocity control": velocity, "RTC": rtc, "velocity control at RTC's speed": equal}
+                drives = {
+                    "velocity control": velocity,
+                    "RTC by torques": rtc,
+                    "RTC by wheel speeds": speeds,
+                    "velocity control at the speed of RTC by torques": equal,
+                }
                 plot(drives, arguments.plot)
-            rows = {f"velocity control, {soil}": velocity, f"RTC, {soil}": rtc, "  velocity control at that speed": equal}
-            for label, row in rows.items():
+            rows = [
+                (f"velocity control, {soil}", velocity),
+                (f"RTC by torques, {soil}", rtc),
+                ("  velocity control at that speed", equal),
+                (f"RTC by wheel speeds, {soil}", speeds),
+                ("  velocity control at that speed", equal_speeds),
+            ]
+            for label, row in rows:
                 print(
                     f"{label:36}{row.power:12.2f}{row.electrical_power:12.2f}{row.energy_per_metre:8.1f}"
                     f"{100 * row.slip:9.1f}{100 * row.speed:7.1f}"
