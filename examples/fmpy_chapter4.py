@@ -122,7 +122,7 @@ def plot(drives: dict[str, Drive], file: str) -> None:
     import matplotlib.pyplot as plt
 
     figure, (slip, torque, energy) = plt.subplots(3, 1, figsize=(7.5, 7.0), sharex=True, layout="constrained")
-    for (label, drive), colour in zip(drives.items(), ("#c44e52", "#2b6ca3", "#4c9a5b", "#7f7f7f"), strict=True):
+    for (label, drive), colour in zip(drives.items(), ("#c44e52", "#2b6ca3", "#7f7f7f"), strict=True):
         x = drive.trace["x"]
         slip.plot(x, [100.0 * value for value in drive.trace["slip"]], color=colour, label=label, linewidth=1.2)
         torque.plot(x, drive.trace["rear"], color=colour, linewidth=1.2)
@@ -130,7 +130,7 @@ def plot(drives: dict[str, Drive], file: str) -> None:
         energy.plot(x, drive.trace["energy"], color=colour, linewidth=1.2)
     slip.set_ylabel("mean slip, %")
     slip.set_ylim(0.0, 100.0)
-    slip.legend(frameon=False, ncols=2, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    slip.legend(frameon=False, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     torque.set_ylabel("torque, N m\nrear (line), front (dots)")
     energy.set_ylabel("electrical energy, J")
     energy.set_xlabel("way, m")
@@ -171,12 +171,7 @@ def main() -> None:
             equal_speeds = drive_at(folder, "gentle_velocity", shear_modulus, speeds.speed)
             soil = f"K = {1e3 * shear_modulus:.0f} mm"
             if arguments.plot and shear_modulus == 0.03:
-                drives = {
-                    "velocity control": velocity,
-                    "RTC by torques": rtc,
-                    "RTC by wheel speeds": speeds,
-                    "velocity control at the speed of RTC by torques": equal,
-                }
+                drives = {"velocity control": velocity, "RTC": rtc, "velocity control at RTC's speed": equal}
                 plot(drives, arguments.plot)
             rows = [
                 (f"velocity control, {soil}", velocity),

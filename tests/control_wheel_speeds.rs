@@ -95,11 +95,11 @@ fn property_loads_and_torques_of_steady_driving_are_predicted() {
     };
     let cases = [
         (by_speeds(Rover::two_wheeled()), 0.2, 4.0),
-        (slope(firm(), 8.0), 0.2, 15.0),
-        (slope(firm(), -8.0), 0.2, 15.0),
-        (slope(Rover::rocker_bogie(), 8.0), 0.1, 25.0),
+        (slope(firm(), 8.0), 0.2, 8.0),
+        (slope(firm(), -8.0), 0.2, 8.0),
+        (slope(Rover::rocker_bogie(), 8.0), 0.15, 9.0),
         (by_speeds(Rover::fsrl()), 0.06, 5.0),
-        (slope(Rover::fsrl(), 10.0), 0.06, 40.0),
+        (slope(Rover::fsrl(), 10.0), 0.06, 22.0),
     ];
     for (number, (model, speed, seconds)) in cases.iter().enumerate() {
         let mut run = started(model, *speed);
