@@ -1,7 +1,7 @@
 """Chapter 4's comparison driven from FMPy alone: a rover's FMU and its controller's, co-simulated by hand.
 
-Velocity control and rough-terrain control (RTC) drive the two-wheeled rover over 5 m of gently rolling sand, on the
-stated soil (K = 30 mm) and a firmer one (K = 10 mm). Each drive is two FMUs of FMI 2.0, wired by the names of their
+Velocity control and rough-terrain control (RTC), by torques as in the thesis and by wheel speeds, drive the two-wheeled rover
+over 5 m of gently rolling sand, on the stated soil (K = 30 mm) and a firmer one (K = 10 mm). Each drive is two FMUs of FMI 2.0, wired by the names of their
 variables and stepped by the control period: the controller decides on what is measured, the rover moves on.
 
     python examples/fmpy_chapter4.py [--cli PATH] [--plot FILE]
@@ -142,7 +142,7 @@ def plot(drives: dict[str, Drive], file: str) -> None:
 
 def write_fmus(folder: Path, cli: str | None) -> None:
     """Rover and controller of both presets."""
-    for preset in ("gentle_velocity", "gentle_rtc"):
+    for preset in ("gentle_velocity", "gentle_rtc", "gentle_rtc_speed"):
         for kind in ("rover", "controller"):
             path = folder / f"{preset}_{kind}.fmu"
             if cli is not None:
@@ -167,12 +167,20 @@ def main() -> None:
             velocity = drive(folder, "gentle_velocity", shear_modulus, SPEED)
             rtc = drive(folder, "gentle_rtc", shear_modulus, SPEED)
             equal = drive_at(folder, "gentle_velocity", shear_modulus, rtc.speed)
+            speeds = drive(folder, "gentle_rtc_speed", shear_modulus, SPEED)
+            equal_speeds = drive_at(folder, "gentle_velocity", shear_modulus, speeds.speed)
             soil = f"K = {1e3 * shear_modulus:.0f} mm"
             if arguments.plot and shear_modulus == 0.03:
                 drives = {"velocity control": velocity, "RTC": rtc, "velocity control at RTC's speed": equal}
                 plot(drives, arguments.plot)
-            rows = {f"velocity control, {soil}": velocity, f"RTC, {soil}": rtc, "  velocity control at that speed": equal}
-            for label, row in rows.items():
+            rows = [
+                (f"velocity control, {soil}", velocity),
+                (f"RTC by torques, {soil}", rtc),
+                ("  velocity control at that speed", equal),
+                (f"RTC by wheel speeds, {soil}", speeds),
+                ("  velocity control at that speed", equal_speeds),
+            ]
+            for label, row in rows:
                 print(
                     f"{label:36}{row.power:12.2f}{row.electrical_power:12.2f}{row.energy_per_metre:8.1f}"
                     f"{100 * row.slip:9.1f}{100 * row.speed:7.1f}"

@@ -17,16 +17,17 @@ import numpy as np
 from train_sb3 import EVALUATION_SEEDS, PERIOD, TASKS
 
 import bekker
-from bekker.baselines import Evaluation, Policy, constant, evaluate, rtc, slip_control, trained, velocity
+from bekker.baselines import Evaluation, Policy, constant, evaluate, rtc, rtc_speed, slip_control, trained, velocity
 
 BASELINES = {
     "standing still": lambda env: constant(env, 0.0),
     "constant action 0.5": lambda env: constant(env, 0.5),
     "velocity control": velocity,
     "RTC": rtc,
+    "RTC with wheel-speed loops": rtc_speed,
     "slip control": slip_control,
 }
-BY_TORQUES = ("RTC", "slip control")
+BY_TORQUES = ("RTC", "RTC with wheel-speed loops", "slip control")
 """Those that have no other way to drive."""
 
 

@@ -18,6 +18,8 @@ parameters! {
         inverse_torque_limit: [Unit::PER_NEWTON_METRE] = 0.0, 0.0..=100.0, Fixed, "Iagnemma 2001 (4.14)";
         /// One over the largest current; 0 is no limit.
         inverse_current_limit: [Unit::PER_AMPERE] = 0.0, 0.0..=100.0, Fixed, "amplifier data";
+        /// One over the supply voltage U, within which |R I + K_t N omega| stays; 0 is no limit.
+        inverse_voltage: [Unit::PER_VOLT] = 0.0, 0.0..=10.0, Fixed, "supply data; the motors of the presets have 24 V";
     }
 }
 
@@ -145,7 +147,7 @@ pub fn torque_behind<S: Scalar, T: Drivetrain<S>>(train: &T, speed: S, rim_torqu
 }
 
 /// Torque that the motor gives when `torque` is asked of it at this wheel speed, wheel side, N m: within
-/// the torque limit (4.14), the current limit and what the drivetrain allows (supply voltage). Also its slope in
+/// the torque limit (4.14), the current limit, the supply voltage and what the drivetrain allows. Also its slope in
 /// the speed, N m s/rad, which is steep where the back-EMF limits it.
 #[lanes]
 fn limited_torque<S: Scalar>(
@@ -168,10 +170,39 @@ fn limited_torque<S: Scalar>(
     if let Some(gain) = train.torque_gain() {
         given *= gain;
     }
-    match train.torque_range(actual, speed) {
+    let supplied = supply_range(actual, actual.inverse_voltage, speed);
+    let range = match (train.torque_range(actual, speed), supplied) {
+        (Some(train), Some(supplied)) => Some(train.and(supplied)),
+        (range, None) | (None, range) => range,
+    };
+    match range {
         None => (given, S::from(0.0)),
         Some(range) => range.nearest(given),
     }
+}
+
+/// Torques that a motor gives within a supply voltage, of which `inverse_voltage` is the inverse, at this wheel speed; `None`
+/// where that is 0, without a limit.
+#[lanes]
+pub(crate) fn supply_range<S: Scalar>(motor: &Motor<S>, inverse_voltage: S, speed: S) -> Option<TorqueRange<S>> {
+    if inverse_voltage.is_exactly(0.0) {
+        return None;
+    }
+    let voltage = inverse_voltage.recip();
+    let constant = motor.gear_ratio * motor.torque_constant; // wheel side, N m/A = V s/rad
+    let reachable = |sign: f64| constant * (voltage * sign - constant * speed) / motor.resistance;
+    let slope = -(constant * constant / motor.resistance);
+    Some(TorqueRange { least: reachable(-1.0), most: reachable(1.0), least_slope: slope, most_slope: slope })
+}
+
+/// Share of a supply voltage that `torque` takes at this wheel speed; `None` without a limit.
+#[lanes]
+pub(crate) fn share_of_supply<S: Scalar>(motor: &Motor<S>, inverse_voltage: S, speed: S, torque: S) -> Option<S> {
+    if inverse_voltage.is_exactly(0.0) {
+        return None;
+    }
+    let constant = motor.gear_ratio * motor.torque_constant;
+    Some((torque / constant * motor.resistance + constant * speed).abs() * inverse_voltage)
 }
 
 /// Share of its limits that a drive of the data sheet `motor` has left where `torque` is asked of it: 1 without limits,
@@ -189,6 +220,8 @@ pub(crate) fn reserve<S: Scalar>(
     let given = train.torque_gain().map_or(torque, |gain| torque * gain);
     let taken = by_torque.larger(by_current);
     let taken = train.share_of_limit(actual, speed, given).map_or(taken, |share| taken.larger(share));
+    let supply = share_of_supply(actual, actual.inverse_voltage, speed, given);
+    let taken = supply.map_or(taken, |share| taken.larger(share));
     S::from(1.0) - taken
 }
 

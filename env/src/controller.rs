@@ -26,7 +26,7 @@ enum Work {
 
 #[pymethods]
 impl PyController {
-    /// A controller of `kind` ("velocity", "velocity_tuned", "rtc", "equal_torque" or "slip") for the vehicle of `model`,
+    /// A controller of `kind` ("velocity", "velocity_tuned", "rtc", "rtc_speed", "equal_torque" or "slip") for the vehicle of `model`,
     /// at rest, that decides every `period` seconds.
     #[new]
     fn new(model: &PyModel, kind: &str, period: f64) -> PyResult<Self> {

@@ -210,7 +210,7 @@ impl PyModel {
         }
     }
 
-    /// What drives the wheels: "torque", "speed", "speed_loop", "velocity", "velocity_tuned", "rtc", "slip" or
+    /// What drives the wheels: "torque", "speed", "speed_loop", "velocity", "velocity_tuned", "rtc", "rtc_speed", "slip" or
     /// "equal_torque".
     #[getter]
     fn control(&self) -> &'static str {
@@ -221,6 +221,7 @@ impl PyModel {
             ControlKind::Velocity => "velocity",
             ControlKind::VelocityTuned => "velocity_tuned",
             ControlKind::Rtc => "rtc",
+            ControlKind::RtcSpeed => "rtc_speed",
             ControlKind::Slip => "slip",
             ControlKind::EqualTorque => "equal_torque",
             ControlKind::Registered => "registered",

@@ -33,7 +33,7 @@ def test_agreement_velocity_control_through_the_observation_is_that_of_the_core(
     assert x[-1] > 0.2
 
 
-@pytest.mark.parametrize("policy", [baselines.velocity, baselines.rtc, baselines.slip_control])
+@pytest.mark.parametrize("policy", [baselines.velocity, baselines.rtc, baselines.rtc_speed, baselines.slip_control])
 def test_property_controllers_hold_a_speed_better_than_doing_nothing(policy: object) -> None:
     env = made()
     still = baselines.evaluate(env, baselines.constant(env, 0.0), range(2)).returns

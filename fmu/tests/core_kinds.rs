@@ -101,6 +101,10 @@ fn agreement_also_with_the_errors_of_sensors_and_with_estimators() {
     let words = "[control]\nkind = \"rtc\"\ncontact_angles = \"estimator\"\nsoil = \"estimator\"\n";
     let further = [&noise[..], &[("sensor.pitch_rate_noise", 0.005), ("sensor.torque_noise", 0.02)]].concat();
     agree(&model("gentle_rtc", words, &further), "measured.");
+    agree(
+        &model("gentle_rtc_speed", "[control]\ncontact_angles = \"estimator\"\nsoil = \"map\"\n", &noise),
+        "measured.",
+    );
 }
 
 #[test]
@@ -124,6 +128,8 @@ fn property_modes_choose_the_controller() {
     assert_eq!(torques(dual, steep), torques(traction, steep));
     assert_ne!(torques(power, steep), torques(traction, steep));
     assert_ne!(torques(velocity, steep), torques(power, steep));
+    let wheel_speeds = 4.0;
+    assert_ne!(torques(wheel_speeds, steep), torques(velocity, steep));
     // The usual mode of a model under rough-terrain control.
     assert_eq!(get(&*loaded(&model, Kind::Controller), "mode"), dual);
 }

@@ -2,6 +2,7 @@
 
 use super::contender::{Contender, FIELD, published};
 use super::drive::{Course, Drive, drive, drive_at};
+use super::oracle::bound;
 use super::{Finding, LinePlot, ReproductionError, Row, Spread};
 use bekker::model::Model;
 use bekker::parallel::map_in_order;
@@ -16,6 +17,12 @@ const STEEPEST: f64 = 5.0 * std::f64::consts::PI / 180.0;
 /// Shear moduli K, m: as stated in 4.4.1, and as firm sand has it.
 const SHEAR_MODULI: [f64; 2] = [0.03, 0.01];
 
+/// What the bound is.
+const ORACLE: &str = "The oracle: at every pose the slips that need least, quasi-static, at a constant speed; kinetic energy is not counted";
+/// What its share is.
+const SHARE: &str =
+    "Of next to nothing: (energy of velocity control - ours) over (energy of velocity control - the oracle's)";
+
 /// Gentle ground, one a seed.
 ///
 /// # Errors
@@ -28,6 +35,8 @@ pub fn benign(trials: usize) -> Result<Vec<Finding>, ReproductionError> {
 struct Trial {
     free: Vec<Drive>,
     equal: Vec<Drive>,
+    /// Least energy a metre at each contender's mean speed, J/m: the oracle's.
+    least: Vec<f64>,
 }
 
 pub(super) fn model(contender: &Contender, shear_modulus: f64, seed: u32) -> Result<Model, ReproductionError> {
@@ -45,7 +54,9 @@ fn trial(shear_modulus: f64, seed: u32) -> Result<Trial, ReproductionError> {
     let reference = model(&FIELD[0], shear_modulus, seed)?;
     let equal = free.iter().map(|drive| drive_at(&reference, drive.summary.speed, &COURSE));
     let equal = equal.collect::<Result<_, ReproductionError>>()?;
-    Ok(Trial { free, equal })
+    let least = free.iter().map(|drive| Ok(bound(&reference, COURSE.length, drive.summary.speed)?.energy));
+    let least = least.collect::<Result<_, ReproductionError>>()?;
+    Ok(Trial { free, equal, least })
 }
 
 fn on_soil(shear_modulus: f64, trials: usize) -> Result<Finding, ReproductionError> {
@@ -101,6 +112,11 @@ fn rows_of(k: usize, contender: &Contender, trials: &[Trial], stated: bool) -> V
         row("electrical energy, J/m", None, "", &|t| t.free[k].summary.energy_per_metre),
         row("energy a metre against velocity control at the same mean speed, %", None, "", &|t| {
             100.0 * (t.free[k].summary.energy_per_metre / t.equal[k].summary.energy_per_metre - 1.0)
+        }),
+        row("least electrical energy at that speed, J/m", None, ORACLE, &|t| t.least[k]),
+        row("share of the attainable saving over velocity control at the same speed, %", None, SHARE, &|t| {
+            let theirs = t.equal[k].summary.energy_per_metre;
+            100.0 * (theirs - t.free[k].summary.energy_per_metre) / (theirs - t.least[k])
         }),
         row("courses completed, %", None, "", &|t| if t.free[k].completed { 100.0 } else { 0.0 }),
     ];

@@ -23,21 +23,26 @@ pub(super) const FIELD: &[Contender] = &[
     Contender { name: "RTC, true contact angles", apply: |model| with(model, ControlKind::Rtc), in_figures: false },
     Contender { name: "RTC, soil identified on the way", apply: identifying, in_figures: false },
     Contender { name: "RTC holding its speed", apply: holding_speed, in_figures: false },
+    Contender { name: RTC_SPEED, apply: by_wheel_speeds, in_figures: false },
     Contender {
         name: "velocity control, tuned to the plant",
         apply: |model| with(model, ControlKind::VelocityTuned),
         in_figures: false,
     },
     Contender { name: "equal torque", apply: |model| with(model, ControlKind::EqualTorque), in_figures: false },
-    Contender {
-        name: "slip control by the true slip",
-        apply: |model| with(model, ControlKind::Slip),
-        in_figures: false,
-    },
+    Contender { name: SLIP, apply: |model| with(model, ControlKind::Slip), in_figures: false },
 ];
 
 pub(super) const VELOCITY: &str = "velocity control";
 pub(super) const RTC: &str = "RTC";
+pub(super) const RTC_SPEED: &str = "RTC with wheel-speed loops";
+pub(super) const SLIP: &str = "slip control that receives the true slip";
+
+/// RTC with wheel-speed loops, which have the gains of velocity control: the sensors of 4.4.1, contact angles estimated.
+pub(super) fn by_wheel_speeds(model: &mut Model) {
+    with(model, ControlKind::RtcSpeed);
+    model.control.contact_angles = ContactAngleSource::Estimator;
+}
 
 /// RTC as section 4.4.1 has it: pitch and wheel speeds are measured, contact angles estimated from them, the soil known.
 pub(super) fn as_in_the_thesis(model: &mut Model) {

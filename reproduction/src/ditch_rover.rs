@@ -1,12 +1,12 @@
 //! The FSRL rover of section 4.4.2 before a ditch of loose sand, and the controllers that are compared there.
 
 use super::ReproductionError;
-use super::contender::{RTC, VELOCITY, as_in_the_thesis, holding_speed, with};
-use bekker::model::{ControlKind, Distribution, Model, Variation};
+use super::contender::{RTC, RTC_SPEED, SLIP, VELOCITY, as_in_the_thesis, by_wheel_speeds, holding_speed, with};
+use bekker::model::{ControlKind, Distribution, Model, SoilSource, Variation};
 use bekker::modeldescription::Lookup;
 use bekker::rover::Rover;
 use bekker::soil::Soil;
-use bekker::terrain::LooseDitch;
+use bekker::terrain::{LooseDitch, Terrain};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::FRAC_PI_2;
@@ -74,7 +74,7 @@ impl Trial {
         model.stepping.seed = seed;
         model.control.lighten();
         let constant = model.rover.motor.gear_ratio * model.rover.motor.torque_constant;
-        model.set("voltage_limit.inverse_voltage", 1.0 / (constant * LARGEST_SPEED))?;
+        model.set("motor.inverse_voltage", 1.0 / (constant * LARGEST_SPEED))?;
         let width = uniform(2.0 * DIAMETER, 4.0 * DIAMETER);
         let (speed, body_force) = (uniform(0.04, 0.08), uniform(0.5, 1.0));
         Ok(Self { model, width, speed, body_force })
@@ -99,6 +99,15 @@ impl Trial {
         self.ditch(wall).depth()
     }
 
+    /// The same on level ground of the loose sand.
+    pub fn level(&self, entrant: &Entrant, traction: &Traction) -> Result<(Model, f64), ReproductionError> {
+        let mut trial = self.clone();
+        trial.model.rover.soil.cohesion = COHESION;
+        let (mut model, speed) = trial.model(entrant, traction, 0.0)?;
+        model.rover.terrain = Terrain::default();
+        Ok((model, speed))
+    }
+
     /// The model that `entrant` drives, and the speed to command, m/s.
     pub fn model(&self, entrant: &Entrant, traction: &Traction, wall: f64) -> Result<(Model, f64), ReproductionError> {
         let mut model = self.model.clone();
@@ -115,9 +124,9 @@ impl Trial {
 /// A controller of section 4.4.2.
 pub(super) struct Entrant {
     pub name: &'static str,
-    apply: fn(&mut Model),
+    pub apply: fn(&mut Model),
     /// The commanded speed, m/s.
-    command: fn(&Trial) -> f64,
+    pub command: fn(&Trial) -> f64,
 }
 
 /// Velocity control first: the others are compared with it; then the thesis's RTC.
@@ -126,12 +135,16 @@ pub(super) const ENTRANTS: &[Entrant] = &[
     Entrant { name: RTC, apply: by_body_force, command: wish },
     Entrant { name: "RTC that knows the soil's resistance", apply: by_body_force_with_resistance, command: wish },
     Entrant { name: "RTC holding its speed", apply: holding_speed, command: |trial| trial.speed },
-    Entrant {
-        name: "slip control by the true slip",
-        apply: |model| with(model, ControlKind::Slip),
-        command: |trial| trial.speed,
-    },
+    Entrant { name: RTC_SPEED, apply: mapped, command: |trial| trial.speed },
+    Entrant { name: SLIP, apply: |model| with(model, ControlKind::Slip), command: |trial| trial.speed },
 ];
+
+/// RTC with wheel-speed loops that has the ditch on its map and knows how much slip digs.
+fn mapped(model: &mut Model) {
+    by_wheel_speeds(model);
+    model.control.soil = SoilSource::Map;
+    model.control.rtc_speed.slip_sinkage = model.rover.effects.slip_sinkage.n1;
+}
 
 /// RTC as in 4.4.2: a body force is commanded, not a speed, and there is no loop around it.
 fn by_body_force(model: &mut Model) {

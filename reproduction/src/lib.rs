@@ -8,12 +8,15 @@ mod benign;
 mod challenging;
 pub mod contact_angles;
 mod contender;
+mod digging;
 mod ditch;
 mod ditch_rover;
 mod drive;
 pub mod instruments;
 pub mod on_board;
+mod oracle;
 mod page;
+mod pull;
 mod sensitivity;
 mod sled;
 pub mod soil;
@@ -55,6 +58,8 @@ pub const STUDIES: &[Study] = &[
     Study { id: "challenging", run: challenging::challenging },
     Study { id: "ditch", run: ditch::ditch },
     Study { id: "sled", run: sled::sled },
+    Study { id: "pull", run: pull::pull },
+    Study { id: "digging", run: digging::digging },
 ];
 
 /// Trials as the studies of contact angles count them.

@@ -76,6 +76,11 @@ pub enum ControlError {
         /// The measured pitch, rad.
         pitch: f64,
     },
+    /// Rough-terrain control that commands torques is asked to minimise what depends on slip.
+    #[error(
+        "criterion = electrical_power counts slips, which rtc does not choose; expected power, traction, or kind = \"rtc_speed\""
+    )]
+    NoSlips,
     /// The model is to be driven by a registered control law and has none.
     #[error(
         "control.kind = \"registered\", but the model has no control law of another crate; expected one, by `drive_by`"

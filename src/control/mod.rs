@@ -3,9 +3,10 @@
 //! | controller | what it does |
 //! |---|---|
 //! | [`Rtc`] | shares one body force out among the wheels (rough-terrain control, 4.2-4.3) |
+//! | [`SpeedRtc`] | the same force distribution, turned into slips and wheel speeds by a model of the soil |
 //! | [`VelocityController`] | holds every wheel's speed by itself (the usual rover control, 4.4.1), with given gains or with those of [`TunedVelocity`], which follow from the plant |
 //! | [`EqualTorqueController`] | the same torque for all wheels, from the body's speed |
-//! | [`SlipController`] | the same slip at all wheels; it is told the true slip ([`Privileged`]), and a bound for the others |
+//! | [`SlipController`] | the same slip at all wheels; it receives the true slip ([`Privileged`]), which no rover measures |
 //!
 //! All know the rover only as [`Nominal`] describes it. Another crate adds its own, see [`registered`].
 
@@ -24,7 +25,10 @@ pub use error::ControlError;
 pub use nominal::{Nominal, NominalLink};
 pub use posture::Posture;
 pub use registered::{ControlLaw, History, RegisteredLaw};
-pub use rtc::{Criterion, Footing, Outcome, RoughTerrainControl, Rtc, RtcOptions, Solver, Strength};
+pub use rtc::{
+    Criterion, Footing, Outcome, RoughTerrainControl, Rtc, RtcOptions, Solver, SpeedRoughTerrainControl, SpeedRtc,
+    Strength,
+};
 pub use slip::{Privileged, SlipControl, SlipController};
 pub use tuning::{TunedVelocity, soil_slope};
 pub use velocity::{VelocityControl, VelocityController};

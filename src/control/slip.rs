@@ -1,4 +1,5 @@
-//! Slip control by the true slip: an upper bound on what control of the wheels can do, not a controller for a rover.
+//! The same slip at all wheels, by a controller that receives the true slip: no rover can measure it. It is a reference, not a
+//! bound: other slips for each wheel may need less power or pull more.
 
 use super::error::{ControlError, finite, same_count, same_links, within_bounds};
 use super::{Controller, Nominal, VelocityControl, VelocityController};
@@ -20,7 +21,7 @@ parameters! {
     }
 }
 
-/// What no rover can measure, for a controller that serves as a bound.
+/// What no rover can measure.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Privileged {
     /// True slip of every wheel, rear to front.

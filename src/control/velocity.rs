@@ -102,19 +102,34 @@ impl VelocityController {
         goal: impl Fn(usize) -> f64,
         command: &mut Command,
     ) -> Result<(), ControlError> {
+        let limit = self.limit;
+        self.hold_within(measured, goal, |_| limit, command)
+    }
+
+    /// The same with torques within `limit` (N m, not negative) of each wheel, either way.
+    ///
+    /// # Errors
+    /// As [`Controller::command`]; nothing has changed then.
+    pub(super) fn hold_within(
+        &mut self,
+        measured: &Measurement,
+        goal: impl Fn(usize) -> f64,
+        limit: impl Fn(usize) -> f64,
+        command: &mut Command,
+    ) -> Result<(), ControlError> {
         same_count(self.loops.len(), measured.wheels.len())?;
         for (index, (wheel, seen)) in self.loops.iter().zip(&measured.wheels).enumerate() {
             finite("measured speed", Some(index), seen.speed)?;
             let goal = finite("commanded speed", Some(index), goal(index))?;
             // On a copy: a reading so large that the law overflows must not spoil the history.
-            let torque = wheel.clone().torque(&self.gains, self.limit, goal, seen.speed);
+            let torque = wheel.clone().torque(&self.gains, limit(index), goal, seen.speed);
             finite("commanded torque", Some(index), torque)?;
         }
         command.drive = Drive::Torque;
         command.values.clear();
         let wheels = self.loops.iter_mut().zip(&measured.wheels).enumerate();
         command.values.extend(
-            wheels.map(|(index, (wheel, seen))| wheel.torque(&self.gains, self.limit, goal(index), seen.speed)),
+            wheels.map(|(index, (wheel, seen))| wheel.torque(&self.gains, limit(index), goal(index), seen.speed)),
         );
         Ok(())
     }

@@ -1,7 +1,7 @@
-//! Back-EMF and a limited supply voltage.
+//! Back-EMF and a supply voltage that is lower than the data sheet says.
 
 use super::{Advice, Effect, Facts, Needs};
-use crate::motor::{Motor, TorqueRange};
+use crate::motor::{self, Motor, TorqueRange};
 use crate::scalar::{Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 
@@ -30,21 +30,10 @@ impl<S: Scalar> Effect<S> for VoltageLimit<S> {
     }
 
     fn torque_range(&self, motor: &Motor<S>, speed: S) -> Option<TorqueRange<S>> {
-        if self.inverse_voltage.is_exactly(0.0) {
-            return None;
-        }
-        let voltage = self.inverse_voltage.recip();
-        let constant = motor.gear_ratio * motor.torque_constant; // wheel side, N m/A = V s/rad
-        let reachable = |sign: f64| constant * (voltage * sign - constant * speed) / motor.resistance;
-        let slope = -(constant * constant / motor.resistance);
-        Some(TorqueRange { least: reachable(-1.0), most: reachable(1.0), least_slope: slope, most_slope: slope })
+        motor::supply_range(motor, self.inverse_voltage, speed)
     }
 
     fn share_of_limit(&self, motor: &Motor<S>, speed: S, torque: S) -> Option<S> {
-        if self.inverse_voltage.is_exactly(0.0) {
-            return None;
-        }
-        let constant = motor.gear_ratio * motor.torque_constant;
-        Some((torque / constant * motor.resistance + constant * speed).abs() * self.inverse_voltage)
+        motor::share_of_supply(motor, self.inverse_voltage, speed, torque)
     }
 }

@@ -2,10 +2,12 @@
 
 use super::Model;
 use super::estimating::{ContactAngleSource, EstimatingRtc, SoilSource};
+use super::soil_map::SoilMap;
 use crate::control::registered::RegisteredController;
 use crate::control::{
     ControlError, Controller, Criterion, EqualTorque, EqualTorqueController, Nominal, NominalLink, RoughTerrainControl,
-    Rtc, SlipControl, SlipController, Solver, Strength, TunedVelocity, VelocityControl, VelocityController,
+    Rtc, SlipControl, SlipController, Solver, SpeedRoughTerrainControl, SpeedRtc, Strength, TunedVelocity,
+    VelocityControl, VelocityController,
 };
 use crate::estimation::ContactAngleEstimation;
 use crate::estimation::soil::SoilIdentification;
@@ -34,7 +36,9 @@ pub enum ControlKind {
     VelocityTuned,
     /// Rough-terrain control: input `velocity_command`.
     Rtc,
-    /// Slip control that receives the true slip, an upper bound for the other controllers: input `velocity_command`.
+    /// Rough-terrain control with wheel-speed loops, which have the gains of velocity control: input `velocity_command`.
+    RtcSpeed,
+    /// The same slip at all wheels, by a controller that receives the true slip: input `velocity_command`.
     Slip,
     /// The same torque for all wheels, from the body's speed: input `velocity_command`.
     EqualTorque,
@@ -61,6 +65,8 @@ pub struct Control {
     pub rtc: RoughTerrainControl,
     /// How often rough-terrain control decides.
     pub rtc_timing: RtcTiming,
+    /// Rough-terrain control with wheel-speed loops.
+    pub rtc_speed: SpeedRoughTerrainControl,
     /// Which shear limit rough-terrain control keeps.
     pub strength: Strength,
     /// Who solves rough-terrain control's optimisation.
@@ -69,7 +75,7 @@ pub struct Control {
     pub criterion: Option<Criterion>,
     /// Individual-wheel velocity control with gains from the plant.
     pub velocity_tuned: TunedVelocity,
-    /// Slip control by the true slip.
+    /// Slip control that receives the true slip.
     pub slip: SlipControl,
     /// The same torque for all wheels.
     pub equal_torque: EqualTorque,
@@ -97,7 +103,9 @@ impl Control {
     pub fn period(&self) -> Option<f64> {
         match self.kind {
             ControlKind::Torque | ControlKind::Speed | ControlKind::Registered => None,
-            ControlKind::SpeedLoop | ControlKind::Velocity | ControlKind::Slip => Some(self.velocity.period),
+            ControlKind::SpeedLoop | ControlKind::Velocity | ControlKind::Slip | ControlKind::RtcSpeed => {
+                Some(self.velocity.period)
+            }
             ControlKind::VelocityTuned => Some(self.velocity_tuned.period),
             ControlKind::Rtc => Some(self.rtc_timing.period),
             ControlKind::EqualTorque => Some(self.equal_torque.period),
@@ -141,8 +149,9 @@ impl fmt::Debug for ActiveController {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Velocity(_) => "individual-wheel velocity control",
+            Self::Rtc(controller) if controller.speed_rtc().is_some() => "rough-terrain control with wheel-speed loops",
             Self::Rtc(_) => "rough-terrain control",
-            Self::Slip(_) => "slip control by the true slip",
+            Self::Slip(_) => "slip control that receives the true slip",
             Self::EqualTorque(_) => "equal torque",
             Self::Registered(_) => "a registered control law",
         })
@@ -166,7 +175,10 @@ impl ActiveController {
                 let gains = control.velocity_tuned.gains(&nominal)?;
                 Some(Self::Velocity(VelocityController::new(&nominal, gains)?))
             }
-            ControlKind::Rtc => Some(Self::Rtc(Box::new(EstimatingRtc::new(nominal, control)?))),
+            ControlKind::Rtc | ControlKind::RtcSpeed => {
+                let map = SoilMap::new(model, &nominal);
+                Some(Self::Rtc(Box::new(EstimatingRtc::new(nominal, control, map)?)))
+            }
             ControlKind::Slip => {
                 Some(Self::Slip(Box::new(SlipController::new(nominal, control.slip, control.velocity)?)))
             }
@@ -186,7 +198,7 @@ impl ActiveController {
     /// [`SnapshotError`] where it is another controller.
     pub fn resume(&mut self, old: &Self) -> Result<(), SnapshotError> {
         let believed = match self {
-            Self::Rtc(controller) => Some(controller.rtc().nominal().soil),
+            Self::Rtc(controller) => Some(controller.believed()),
             _ => None,
         };
         let mut history = Writer::default();
@@ -204,7 +216,15 @@ impl ActiveController {
     /// Rough-terrain control, where it is at work.
     pub fn rtc(&self) -> Option<&Rtc> {
         match self {
-            Self::Rtc(controller) => Some(controller.rtc()),
+            Self::Rtc(controller) => controller.rtc(),
+            _ => None,
+        }
+    }
+
+    /// Rough-terrain control with wheel-speed loops, where it is at work.
+    pub fn speed_rtc(&self) -> Option<&SpeedRtc> {
+        match self {
+            Self::Rtc(controller) => controller.speed_rtc(),
             _ => None,
         }
     }

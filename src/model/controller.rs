@@ -5,7 +5,7 @@ use super::inputs::VelocityCommand;
 use super::origin::Origin;
 use super::run::whole_multiple;
 use super::{ControlKind, Model, RunError};
-use crate::control::Rtc;
+use crate::control::{Rtc, SpeedRtc};
 use crate::signals::{Command, Measurement, Reference, Signals};
 use crate::snapshot::{Moving, Reader, SnapshotError, Writer, close, open};
 
@@ -41,6 +41,7 @@ impl Model {
             ControlKind::Velocity
             | ControlKind::VelocityTuned
             | ControlKind::Rtc
+            | ControlKind::RtcSpeed
             | ControlKind::EqualTorque
             | ControlKind::Registered => {}
             kind @ (ControlKind::Torque | ControlKind::Speed | ControlKind::SpeedLoop | ControlKind::Slip) => {
@@ -121,6 +122,12 @@ impl ControllerRun {
     #[must_use]
     pub fn rtc(&self) -> Option<&Rtc> {
         self.controller.rtc()
+    }
+
+    /// Rough-terrain control with wheel-speed loops, where it decides.
+    #[must_use]
+    pub fn speed_rtc(&self) -> Option<&SpeedRtc> {
+        self.controller.speed_rtc()
     }
 
     /// Everything that moves as bytes, as [`Run::snapshot`](super::Run::snapshot).

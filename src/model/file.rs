@@ -12,12 +12,12 @@
 //! [terrain]
 //! preset = "waves"
 //! [control]
-//! kind = "rtc"                     # torque, speed, speed_loop, velocity, velocity_tuned, rtc, slip, equal_torque
+//! kind = "rtc"                     # torque, speed, speed_loop, velocity, velocity_tuned, rtc, rtc_speed, slip, equal_torque
 //! strength = "mohr_coulomb"        # shear limit of rtc; or "thesis", (4.15) as printed; or "mobilised"
 //! solver = "clarabel"              # of rtc's optimisation; or "active_set", for batches of rovers
-//! criterion = "power"            # of rtc: power or traction; without it, whichever the ground asks for (4.11)
+//! criterion = "power"              # power or traction, of rtc_speed also electrical_power; without it as the ground asks (4.11)
 //! contact_angles = "sensor"        # of rtc; or "estimator", the filter of 2.5
-//! soil = "nominal"                 # strength that rtc believes in; or "estimator", identified on the way
+//! soil = "nominal"                 # strength that rtc believes in; or "estimator", identified on the way; or "map"
 //! [control.nominal_soil]           # the soil that controllers believe in; without it, the true one
 //! cohesion = 500.0                 # names of `soil.*`; those that are not named are as the true soil's
 //! [simulation]

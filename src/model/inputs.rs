@@ -59,6 +59,7 @@ impl Inputs {
             ControlKind::Velocity
             | ControlKind::VelocityTuned
             | ControlKind::Rtc
+            | ControlKind::RtcSpeed
             | ControlKind::Slip
             | ControlKind::EqualTorque
             | ControlKind::Registered => Self::Velocity(VelocityCommand::default()),

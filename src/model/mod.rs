@@ -9,6 +9,7 @@ mod file;
 mod find;
 mod inputs;
 mod obstacles;
+mod oracle;
 mod ordinary;
 mod origin;
 mod plant;
@@ -18,6 +19,7 @@ mod rig;
 mod run;
 mod saving;
 mod sections;
+mod soil_map;
 mod stated;
 mod summary;
 mod tuning;
@@ -150,7 +152,7 @@ impl Model {
 }
 
 /// Limits of the drives, which a wheel whose speed is imposed does not feel.
-const LIMITS: [&str; 2] = ["motor.inverse_torque_limit", "motor.inverse_current_limit"];
+const LIMITS: [&str; 3] = ["motor.inverse_torque_limit", "motor.inverse_current_limit", "motor.inverse_voltage"];
 
 /// The whole vocabulary of this model: what something reads. Sensors and control are listed where there is
 /// a controller, the drives' limits where torques are commanded, effects where the rover has what they need, obstacles
@@ -192,6 +194,13 @@ impl Parameters<f64> for Model {
                 self.control.rtc.visit(&join(prefix, "rtc"), f);
                 self.control.rtc_timing.visit(&join(prefix, "rtc"), f);
                 self.sensors.encoder.visit(&join(prefix, "sensor"), f);
+                self.visit_estimators(jointed, prefix, f);
+            }
+            ControlKind::RtcSpeed => {
+                self.sensors.body.visit(&join(prefix, "sensor"), f);
+                self.control.rtc_speed.visit(&join(prefix, "rtc_speed"), f);
+                self.sensors.encoder.visit(&join(prefix, "sensor"), f);
+                self.control.velocity.visit(&join(prefix, "velocity_control"), f);
                 self.visit_estimators(jointed, prefix, f);
             }
             ControlKind::Slip => {

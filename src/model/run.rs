@@ -3,7 +3,7 @@
 use super::closed_loop::ActiveController;
 use super::origin::Origin;
 use super::{AnyPlant, ControlKind, Inputs, Model, ModelKind};
-use crate::control::{ControlError, Rtc};
+use crate::control::{ControlError, Rtc, SpeedRtc};
 use crate::sensors::SensorSuite;
 use crate::signals::{Command, Drive, Measurement, Reference, Signals};
 use crate::simulation::{Simulation, Status, StepError, check_command};
@@ -74,7 +74,7 @@ pub enum RunError {
     /// A controller is asked for by itself, and the model has none that needs measurements only.
     #[error(
         "control.kind = {kind:?} is no controller that needs measurements only; \
-         expected velocity, velocity_tuned, rtc or equal_torque"
+         expected velocity, velocity_tuned, rtc, rtc_speed or equal_torque"
     )]
     NoController {
         /// The kind of control.
@@ -287,6 +287,12 @@ impl Run {
     #[must_use]
     pub fn rtc(&self) -> Option<&Rtc> {
         self.controller.as_ref().and_then(ActiveController::rtc)
+    }
+
+    /// Rough-terrain control with wheel-speed loops, where it drives.
+    #[must_use]
+    pub fn speed_rtc(&self) -> Option<&SpeedRtc> {
+        self.controller.as_ref().and_then(ActiveController::speed_rtc)
     }
 
     /// Signals at the present time: the true ones, but for the errors of sensors among the rover's effects.

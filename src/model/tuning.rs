@@ -14,7 +14,7 @@ impl Model {
         let group = name.split(['.', '[']).next().unwrap_or(name);
         match group {
             "gravity" | "soil" | "nominal" | "motor" | "sensor" => true,
-            "velocity_control" | "velocity_tuned" | "rtc" | "slip_control" | "equal_torque" => {
+            "velocity_control" | "velocity_tuned" | "rtc" | "rtc_speed" | "slip_control" | "equal_torque" => {
                 !name.ends_with(".period")
             }
             _ if self.registered_law.as_ref().is_some_and(|law| law.id() == group) => !name.ends_with(".period"),

@@ -7,6 +7,9 @@ use crate::soil::Soil;
 use crate::terrain::Terrain;
 use crate::wheel::Wheel;
 
+/// Supply voltage of the motors, V, which are of 24 V by their data sheet.
+const SUPPLY: f64 = 24.0;
+
 impl Rover<f64> {
     /// The planar two-wheeled rover of Iagnemma 2001, 4.4.1: 10 kg, wheels of radius 10 cm and width
     /// 15 cm, 70 cm apart, on flat ground of the soil given there. The height of the centre of mass, the
@@ -26,7 +29,7 @@ impl Rover<f64> {
             links: Vec::new(),
             wheel: Wheel::default(),
             wheels: wheel_x.iter().map(mount).collect(),
-            motor: Motor::default(),
+            motor: Motor { inverse_voltage: 1.0 / SUPPLY, ..Motor::default() },
             soil: Soil::default(),
             terrain: Terrain::default(),
             effects: Effects::default(),

@@ -21,6 +21,9 @@ struct Trio {
     rtc: Summary,
     /// Velocity control slowed down or sped up to RTC's mean speed.
     equal: Summary,
+    /// RTC with wheel-speed loops, and velocity control at its mean speed.
+    speeds: Summary,
+    equal_speeds: Summary,
     /// Slip of velocity control on level ground.
     level_slip: f64,
 }
@@ -53,6 +56,8 @@ pub fn run(out: &Path) -> Result<Vec<(PathBuf, &'static str)>> {
         line(&format!("velocity control, K = {millimetres:.0} mm"), &trio.velocity)?;
         line(&format!("RTC, K = {millimetres:.0} mm"), &trio.rtc)?;
         line("  velocity control at that speed", &trio.equal)?;
+        line(&format!("RTC by speeds, K = {millimetres:.0} mm"), &trio.speeds)?;
+        line("  velocity control at that speed", &trio.equal_speeds)?;
         trios.push(trio);
     }
     explain(&trios)?;
@@ -89,13 +94,18 @@ impl Trio {
         save("gentle_velocity", &velocity.table)?;
         let rtc = driven(&model("gentle_rtc")?, SPEED)?;
         save("gentle_rtc", &rtc.table)?;
-        let equal =
-            drive_at(&model("gentle_velocity")?, rtc.summary.speed, &COURSE).map_err(anyhow::Error::from_boxed)?;
+        let speeds = driven(&model("gentle_rtc_speed")?, SPEED)?;
+        save("gentle_rtc_speed", &speeds.table)?;
+        let velocity_at = |speed: f64| -> Result<Drive> {
+            drive_at(&model("gentle_velocity")?, speed, &COURSE).map_err(anyhow::Error::from_boxed)
+        };
+        let (equal, equal_speeds) = (velocity_at(rtc.summary.speed)?, velocity_at(speeds.summary.speed)?);
         let mut level = model("gentle_velocity")?;
         level.rover.terrain = Terrain::default();
         let level_slip = driven(&level, SPEED)?.summary.slip;
         let (velocity, rtc, equal) = (velocity.summary, rtc.summary, equal.summary);
-        Ok(Self { shear_modulus, velocity, rtc, equal, level_slip })
+        let (speeds, equal_speeds) = (speeds.summary, equal_speeds.summary);
+        Ok(Self { shear_modulus, velocity, rtc, equal, speeds, equal_speeds, level_slip })
     }
 }
 
@@ -125,7 +135,7 @@ fn explain(trios: &[Trio]) -> Result<()> {
     say!("   - Power. Motors, gear, gains, gravity and the centre of mass's height are not in the thesis; ours are");
     say!("     assumptions (`bekker parameters gentle_rtc` lists each), so watts compare only with ours.");
     say!("   - RTC against velocity control: the thesis has -38.3 % power, at speeds that it does not state.");
-    for Trio { shear_modulus, velocity, rtc, equal, .. } in trios {
+    for Trio { shear_modulus, velocity, rtc, equal, speeds, equal_speeds, .. } in trios {
         say!(
             "     K = {:.0} mm: {:+.1} % in the windings at {:.1} against {:.1} cm/s; at equal speed {:+.1} % in the windings",
             1e3 * shear_modulus,
@@ -134,9 +144,15 @@ fn explain(trios: &[Trio]) -> Result<()> {
             100.0 * velocity.speed,
             change(equal.power, rtc.power)
         );
-        say!("     and {:+.1} % energy a metre.", change(equal.energy_per_metre, rtc.energy_per_metre));
+        say!("     and {:+.1} % energy a metre;", change(equal.energy_per_metre, rtc.energy_per_metre));
+        say!(
+            "     RTC with wheel-speed loops {:+.1} % energy a metre at equal speed.",
+            change(equal_speeds.energy_per_metre, speeds.energy_per_metre)
+        );
     }
-    say!("     RTC commands torques, not speeds: where the soil gives way its wheels run away (fastest rim above).");
+    say!(
+        "     The thesis's RTC commands torques, not speeds: where the soil gives way its wheels run away (fastest rim above)."
+    );
     say!("   - Terrain. Figure 4.6 gives no numbers; ours are waves of 2.5 m. RTC here reads speed and contact angles");
     say!("     without noise, knows the true soil and has no resistance term, so it droops below 25 cm/s.");
     Ok(())

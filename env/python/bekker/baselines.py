@@ -34,6 +34,7 @@ __all__ = [
     "constant",
     "evaluate",
     "rtc",
+    "rtc_speed",
     "slip_control",
     "trained",
     "velocity",
@@ -43,7 +44,7 @@ Floats = NDArray[np.float64]
 Actions = NDArray[np.float32]
 State = tuple[Any, ...] | None
 
-CONTROLLERS = ("velocity", "velocity_tuned", "rtc", "equal_torque", "slip")
+CONTROLLERS = ("velocity", "velocity_tuned", "rtc", "rtc_speed", "equal_torque", "slip")
 """Kinds of controllers, as in a model file."""
 
 _NEEDED = ("pitch", "pitch_rate", "velocity")
@@ -182,6 +183,11 @@ def velocity(env: gymnasium.Env[Any, Any], speed: float = 0.25) -> ControllerPol
 def rtc(env: gymnasium.Env[Any, Any], speed: float = 0.25) -> ControllerPolicy:
     """Rough-terrain control (Iagnemma 2001, chapter 4)."""
     return ControllerPolicy(env, "rtc", speed)
+
+
+def rtc_speed(env: gymnasium.Env[Any, Any], speed: float = 0.25) -> ControllerPolicy:
+    """Rough-terrain control with wheel-speed loops: the same force distribution, turned into slips and wheel speeds."""
+    return ControllerPolicy(env, "rtc_speed", speed)
 
 
 def slip_control(env: gymnasium.Env[Any, Any], speed: float = 0.25) -> ControllerPolicy:

@@ -48,6 +48,7 @@ _COMMANDED = {
     "velocity": "velocity",
     "velocity_tuned": "velocity",
     "rtc": "velocity",
+    "rtc_speed": "velocity",
     "slip": "velocity",
     "equal_torque": "velocity",
 }

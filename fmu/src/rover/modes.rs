@@ -11,10 +11,11 @@ pub(super) const MODES: &[Item] = &[
     Item { name: "traction", value: 1, doc: "Rough-terrain control for the most traction (4.5)." },
     Item { name: "power", value: 2, doc: "Rough-terrain control for the least power (4.10)." },
     Item { name: "dual", value: 3, doc: "Rough-terrain control for whichever the ground asks for (4.11)." },
+    Item { name: "wheel_speeds", value: 4, doc: "Rough-terrain control with wheel-speed loops." },
 ];
 
 /// First parts of names that a controller reads.
-const READ: [&str; 9] = [
+const READ: [&str; 10] = [
     "gravity",
     "motor",
     "soil",
@@ -22,6 +23,7 @@ const READ: [&str; 9] = [
     "velocity_control",
     "velocity_tuned",
     "rtc",
+    "rtc_speed",
     "contact_angle_estimation",
     "soil_identification",
 ];
@@ -47,8 +49,9 @@ pub(super) fn check_kind(model: &RoverModel) -> Result<(), String> {
 pub(super) fn usual_mode(model: &RoverModel) -> f64 {
     match (model.control.kind, model.control.criterion) {
         (ControlKind::Velocity | ControlKind::VelocityTuned | ControlKind::SpeedLoop, _) => 0.0,
+        (ControlKind::RtcSpeed, _) => 4.0,
         (_, Some(Criterion::Traction)) => 1.0,
-        (_, Some(Criterion::Power)) => 2.0,
+        (_, Some(Criterion::Power | Criterion::ElectricalPower)) => 2.0,
         (_, None) => 3.0,
     }
 }
@@ -56,6 +59,7 @@ pub(super) fn usual_mode(model: &RoverModel) -> f64 {
 /// The kind of control of a mode, for a model that has `usual` of itself.
 pub(super) fn kind_of(usual: ControlKind, mode: f64) -> ControlKind {
     match usual {
+        _ if mode == 4.0 => ControlKind::RtcSpeed,
         _ if mode > 0.0 => ControlKind::Rtc,
         ControlKind::VelocityTuned => ControlKind::VelocityTuned,
         _ => ControlKind::Velocity,
@@ -63,11 +67,12 @@ pub(super) fn kind_of(usual: ControlKind, mode: f64) -> ControlKind {
 }
 
 pub(super) fn in_mode(model: &RoverModel, mode: f64) -> RoverModel {
-    let mut model = model.clone();
+    let (mut model, usual) = (model.clone(), model.control.kind);
     model.control.kind = kind_of(model.control.kind, mode);
     model.control.criterion = match mode {
         1.0 => Some(Criterion::Traction),
         2.0 => Some(Criterion::Power),
+        4.0 if usual == ControlKind::RtcSpeed => model.control.criterion,
         _ => None,
     };
     model
@@ -80,7 +85,7 @@ pub(super) fn mode_entry(mode: f64) -> Entry {
         unit: Unit::ONE,
         default: 3.0,
         min: 0.0,
-        max: 3.0,
+        max: 4.0,
         role: Role::Fixed,
         source: "Iagnemma 2001, chapter 4".into(),
     };

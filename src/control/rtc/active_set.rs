@@ -95,6 +95,12 @@ impl ActiveSet {
         &self.x
     }
 
+    /// Takes the weights of the unknowns anew; which of them have one has not changed.
+    pub fn weigh(&mut self, numbers: &Numbers) {
+        let sums = self.hessian.iter_mut().zip(numbers.quadratic.iter().zip(&self.proximal));
+        sums.for_each(|(sum, (weight, proximal))| *sum = weight + proximal);
+    }
+
     pub fn multipliers(&self) -> &[f64] {
         &self.multipliers
     }

@@ -66,6 +66,8 @@ pub struct JointBalance {
     pub arms: Vec<[f64; 2]>,
     /// Moment that the contact forces add up to, nose up positive, N m.
     pub moment: f64,
+    /// What of that moment an acceleration of the rover along x takes away: mass times height over the joint, kg m.
+    pub inertia: f64,
 }
 
 /// The equations G x = f_s (4.3, 4.4) with x = [T_1, N_1, .., T_n, N_n].
@@ -78,8 +80,15 @@ pub struct Distribution {
     pub body_force: [f64; 3],
     /// One a passive joint.
     pub joints: Vec<JointBalance>,
+    /// Share of a change of the torque's force T_i = tau/r that arrives as pull at the axle, one a wheel; the soil's
+    /// resistance takes the rest. 1 takes all torque for pull (4.3).
+    pub yields: Vec<f64>,
+    /// Wheel radius, m.
+    radius: f64,
     /// Where the bodies are.
     posture: Posture,
+    /// Sine and cosine of the pitch.
+    heading: (f64, f64),
 }
 
 impl Distribution {
@@ -91,12 +100,16 @@ impl Distribution {
             carries: nominal.wheel_bodies.iter().map(|&body| nominal.carries(link, body)).collect(),
             arms: vec![[0.0; 2]; wheels],
             moment: 0.0,
+            inertia: 0.0,
         };
         Self {
             contacts: vec![Contact::default(); wheels],
             body_force: [0.0; 3],
             joints: (0..nominal.links.len()).map(joint).collect(),
+            yields: vec![1.0; wheels],
+            radius: nominal.wheel.radius,
             posture: Posture::new(nominal),
+            heading: (0.0, 1.0),
         }
     }
 
@@ -115,6 +128,8 @@ impl Distribution {
         angles: impl Iterator<Item = f64>,
     ) {
         self.posture.update(nominal, pitch, joint_angles);
+        self.heading = pitch.sin_cos();
+        self.yields.fill(1.0);
         for (k, angle) in angles.enumerate().take(self.contacts.len()) {
             let centre = self.posture.point(nominal.wheel_bodies[k], nominal.wheel_centres[k]);
             let contact = Contact::new(centre, nominal.wheel.radius, angle);
@@ -136,6 +151,7 @@ impl Distribution {
         for (j, joint) in self.joints.iter_mut().enumerate() {
             let (mass, [x, z]) = self.posture.carried(j);
             joint.moment = mass * (x * nominal.gravity - z * acceleration);
+            joint.inertia = mass * z;
         }
     }
 
@@ -154,9 +170,55 @@ impl Distribution {
         }
     }
 
-    /// Row `row` of G at wheel `wheel`: the coefficients of T_i and N_i. Rows 0..3 are those of the whole rover.
+    /// Row `row` of G at wheel `wheel`: the coefficients of T_i and N_i, where [`yields`](Self::yields) of T_i pulls at
+    /// the axle and all of it turns the body. Rows 0..3 are those of the whole rover.
     #[must_use]
     pub fn coefficients(&self, row: usize, wheel: usize) -> [f64; 2] {
+        let [traction, load] = self.rim_coefficients(row, wheel);
+        let lost = 1.0 - self.yields[wheel];
+        if lost == 0.0 {
+            return [traction, load];
+        }
+        [traction - lost * self.axle_coefficient(row, wheel), load]
+    }
+
+    /// Coefficient of a force along the ground at the axle of wheel `wheel` in row `row`.
+    #[must_use]
+    pub fn axle_coefficient(&self, row: usize, wheel: usize) -> f64 {
+        let contact = &self.contacts[wheel];
+        match row {
+            0 => contact.cos,
+            1 => contact.sin,
+            2 => contact.arm[1] - self.radius,
+            _ if self.joints[row - 3].carries[wheel] => self.joints[row - 3].arms[wheel][0] - self.radius,
+            _ => 0.0,
+        }
+    }
+
+    /// The chassis reference point from the centre of mass, world axes, m.
+    pub(super) fn reference(&self) -> [f64; 2] {
+        self.posture.point(0, [0.0; 2])
+    }
+
+    /// Place along x of the contact point of wheel `wheel` from the chassis reference point, m.
+    pub(crate) fn foot(&self, wheel: usize) -> f64 {
+        let Contact { cos, sin, arm: [along, across] } = self.contacts[wheel];
+        across * sin - along * cos - self.reference()[0]
+    }
+
+    /// Those of all wheels, rear to front.
+    pub(crate) fn feet(&self) -> impl Iterator<Item = f64> + '_ {
+        (0..self.contacts.len()).map(|wheel| self.foot(wheel))
+    }
+
+    /// Sine and cosine of the pitch.
+    pub(super) fn heading(&self) -> (f64, f64) {
+        self.heading
+    }
+
+    /// The same as [`coefficients`](Self::coefficients) for a force T_i that acts on the rim as a whole (4.3).
+    #[must_use]
+    pub fn rim_coefficients(&self, row: usize, wheel: usize) -> [f64; 2] {
         let contact = &self.contacts[wheel];
         match row {
             0..3 => [contact.traction_column()[row], contact.load_column()[row]],

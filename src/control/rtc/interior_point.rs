@@ -24,12 +24,14 @@ pub(super) struct InteriorPoint {
     /// Clarabel's form of the rows; holds pattern and values.
     matrix: CscMatrix<f64>,
     solver: Option<Box<DefaultSolver<f64>>>,
+    /// Whether the weights of the unknowns have changed since they were handed over.
+    weighed: bool,
 }
 
 impl InteriorPoint {
     pub fn new(numbers: &Numbers) -> Self {
         let (matrix, places) = compress(&numbers.rows, numbers.linear.len());
-        Self { places, matrix, solver: None }
+        Self { places, matrix, solver: None, weighed: false }
     }
 
     /// Solves within 1e-9 (feasibility) and 1e-8 (gap), or says why not.
@@ -47,6 +49,11 @@ impl InteriorPoint {
         }
     }
 
+    /// Hands the weights of the unknowns over anew at the next solution.
+    pub fn weigh(&mut self) {
+        self.weighed = true;
+    }
+
     pub fn solution(&self) -> &[f64] {
         self.solver.as_deref().map_or(&[], |solver| &solver.solution.x)
     }
@@ -58,7 +65,12 @@ impl InteriorPoint {
     /// Hands the present numbers to Clarabel.
     fn load(&mut self, numbers: &Numbers) -> Result<(), Cow<'static, str>> {
         let bounds = &numbers.rows.bounds;
+        let weighed = std::mem::take(&mut self.weighed);
         if let Some(solver) = self.solver.as_deref_mut() {
+            if weighed {
+                solver.update_P(&numbers.quadratic).map_err(|error| Cow::Owned(error.to_string()))?;
+                solver.update_q(&numbers.linear).map_err(|error| Cow::Owned(error.to_string()))?;
+            }
             solver.update_A(&self.matrix.nzval).map_err(|error| Cow::Owned(error.to_string()))?;
             return solver.update_b(bounds).map_err(|error| Cow::Owned(error.to_string()));
         }
@@ -73,7 +85,7 @@ impl InteriorPoint {
 
 impl Clone for InteriorPoint {
     fn clone(&self) -> Self {
-        Self { places: self.places.clone(), matrix: self.matrix.clone(), solver: None }
+        Self { places: self.places.clone(), matrix: self.matrix.clone(), solver: None, weighed: false }
     }
 }
 

@@ -5,31 +5,42 @@
 //! within load, torque and soil strength ([`Problem`], [`Optimiser`]); command the torques r T_i. The speed
 //! is not held: without a term for the soil's resistance the rover drives slower than asked (4.4.1).
 //!
+//! [`SpeedRtc`] is another controller on the same force distribution: it counts with the soil's resistance and strength by the
+//! full stress integrals, and holds wheel speeds in the place of torques.
+//!
 //! Beyond the thesis, each neutral by default: compensation of the soil's resistance and integral action on the
 //! body's speed, so that it is held; and a [`SpeedLoop`] at each wheel, which trims its torque where the soil gives
 //! way under it and finds wheels that are off the ground. Soil strength ([`Rtc::set_soil`]) and contact angles (in
 //! the [`Measurement`]) may come from estimators.
 
 mod active_set;
+mod belief;
 mod distribution;
 mod interior_point;
+mod kinematics;
 mod nearest;
 mod optimiser;
+mod oracle;
 mod outcome;
 mod power;
 mod problem;
+mod sharing;
 mod solver;
 mod speed_loop;
 mod strength;
 mod switch;
 mod traction;
+mod wheel_speeds;
 
+pub use belief::{SUFFICIENT, SoilBelief, Working};
 pub use distribution::{Contact, Distribution, JointBalance};
 pub use nearest::{CHEAPNESS, LAW_WEIGHT, Nearest, WISH_OUT_OF_BALANCE};
 pub use optimiser::{Found, Optimiser};
+pub use oracle::{Attainable, Oracle};
 pub use outcome::{Footing, Outcome};
 pub use power::MinimumPower;
 pub use problem::{Problem, load_of, traction_of};
+pub use sharing::Share;
 pub use solver::{Program, Rows, Solver, Unsolved};
 pub use speed_loop::SpeedLoop;
 use speed_loop::Speeds;
@@ -38,6 +49,7 @@ pub use strength::{
 };
 pub use switch::Criterion;
 pub use traction::{MaximumTraction, Search};
+pub use wheel_speeds::{SpeedRoughTerrainControl, SpeedRtc};
 
 use super::error::{ControlError, finite, same_count, same_links, within_bounds};
 use super::{Controller, Nominal};
@@ -46,9 +58,6 @@ use crate::snapshot::{Moving, Reader, SnapshotError, Writer, loaded};
 use crate::soil::Soil;
 use bekker_modeldescription::{Lookup, Unit, parameters};
 use std::ops::RangeInclusive;
-
-/// Load over the minimum, of the weight, up to which a wheel counts as about to lift off.
-const LIGHT: f64 = 1e-6;
 
 parameters! {
     /// Rough-terrain control.
@@ -166,6 +175,9 @@ impl Rtc {
     ) -> Result<Self, ControlError> {
         nominal.check()?;
         within_bounds("rough_terrain_control", parameters)?;
+        if options.criterion == Some(Criterion::ElectricalPower) {
+            return Err(ControlError::NoSlips);
+        }
         let (load, wheels, weight) = (parameters.minimum_load, nominal.wheels(), nominal.weight());
         if load * wheels as f64 >= weight {
             return Err(ControlError::MinimumLoad { load, wheels, weight });
@@ -296,46 +308,6 @@ impl Rtc {
             self.problem.distribution.resist(index, wheel.radius, resistance * wanted.signum());
         }
     }
-
-    /// Renews the outcome, reusing its memory; `torques` are the commanded ones, N m.
-    fn report(&mut self, mut outcome: Outcome, criterion: Criterion, found: Found, torques: &[f64]) {
-        outcome.forces.clone_from(&self.forces);
-        outcome.criterion = criterion;
-        outcome.feasible = found.feasible;
-        outcome.optimal = found.optimal;
-        outcome.steps = found.steps;
-        outcome.objective = match criterion {
-            Criterion::Power => self.power(),
-            Criterion::Traction => self.problem.ratio(&self.forces),
-        };
-        let balance = &self.problem.distribution;
-        outcome.body_force = balance.body_force;
-        let missing = |row: usize| balance.wanted(row) - balance.sum(row, &self.forces);
-        outcome.shortfall = std::array::from_fn(missing);
-        outcome.joint_shortfall.clear();
-        outcome.joint_shortfall.extend((3..balance.rows()).map(missing));
-        outcome.footing.clear();
-        outcome.footing.extend((0..self.nominal.wheels()).map(|wheel| self.footing(wheel)));
-        outcome.trim.clear();
-        let pairs = torques.iter().zip(self.forces.iter().step_by(2));
-        outcome.trim.extend(pairs.map(|(torque, traction)| torque - self.nominal.wheel.radius * traction));
-        self.outcome = Some(outcome);
-    }
-
-    fn footing(&self, wheel: usize) -> Footing {
-        let over = self.forces[load_of(wheel)] - self.problem.minimum_load;
-        match self.problem.lifted[wheel] {
-            true => Footing::Lifted,
-            false if over <= LIGHT * self.problem.force_unit() => Footing::Light,
-            false => Footing::Loaded,
-        }
-    }
-
-    /// P = sum R r^2 / (K_t^2 gear^2) T_i^2 (4.10), W.
-    fn power(&self) -> f64 {
-        let tractions = self.forces.iter().step_by(2);
-        tractions.map(|traction| self.nominal.winding_power(self.nominal.wheel.radius * traction)).sum()
-    }
 }
 
 /// Bounds of a parameter of the soil in the vocabulary; none contains anything where there is no such parameter.
@@ -346,7 +318,7 @@ fn bounds_of_soil(name: &str) -> RangeInclusive<f64> {
 
 impl Controller for Rtc {
     fn command(&mut self, measured: &Measurement, goal: &Reference, command: &mut Command) -> Result<(), ControlError> {
-        let outcome = self.outcome.take().unwrap_or_default();
+        let mut outcome = self.outcome.take().unwrap_or_default();
         self.pose(measured, goal)?;
         let touching = measured.wheels.iter().zip(&self.problem.lifted).filter(|(_, lifted)| !**lifted);
         let angles = touching.map(|(wheel, _)| wheel.contact_angle);
@@ -359,7 +331,8 @@ impl Controller for Rtc {
         command.drive = Drive::Torque;
         self.torques(measured, goal, &mut command.values);
         self.integrate(goal.velocity - measured.velocity, found.feasible);
-        self.report(outcome, criterion, found, &command.values);
+        outcome.renew(&self.nominal, &self.problem, &self.forces, criterion, found, &command.values);
+        self.outcome = Some(outcome);
         Ok(())
     }
 

@@ -53,7 +53,7 @@ impl Optimiser {
             return Ok(Found { feasible: miss(problem, forces) <= BALANCED, optimal: false, steps: 0 });
         }
         Ok(match criterion {
-            Criterion::Power => Found { feasible: true, optimal: true, steps: 0 },
+            Criterion::Power | Criterion::ElectricalPower => Found { feasible: true, optimal: true, steps: 0 },
             Criterion::Traction => {
                 let search = self.traction.solve(problem, &mut self.power, forces);
                 Found { feasible: true, optimal: search.converged, steps: search.steps }
@@ -64,7 +64,6 @@ impl Optimiser {
 
 /// Largest miss of the balance in the optimiser's units.
 fn miss(problem: &Problem, forces: &[f64]) -> f64 {
-    let balance = &problem.distribution;
-    let row = |row: usize| ((balance.sum(row, forces) - balance.wanted(row)) / problem.row_unit(row)).abs();
+    let row = |row: usize| (problem.shortfall(row, forces) / problem.row_unit(row)).abs();
     (0..problem.rows()).map(row).fold(0.0, f64::max)
 }

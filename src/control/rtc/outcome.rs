@@ -1,9 +1,11 @@
 //! What an optimisation has found.
 
-use super::Criterion;
-#[cfg(doc)]
-use super::Found;
+use super::{Criterion, Found, Problem, load_of};
+use crate::control::Nominal;
 use crate::snapshot::{Moving, Reader, SnapshotError, Writer, load_grown, loaded, moving_code};
+
+/// Load over the minimum, of the weight, up to which a wheel counts as about to lift off.
+const LIGHT: f64 = 1e-6;
 
 /// How a wheel stands, as the controller sees it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,15 +34,15 @@ pub struct Outcome {
     pub feasible: bool,
     /// Whether the forces are the criterion's optimum; see [`Found::optimal`].
     pub optimal: bool,
-    /// Value of the criterion: P in W (4.10) or R (4.5).
+    /// P in W (4.10) where power is the criterion, or R (4.5).
     pub objective: f64,
     /// x = [T_1, N_1, .., T_n, N_n]: tractive and normal forces, N.
     pub forces: Vec<f64>,
     /// The wanted body force f_s: N, N, N m.
     pub body_force: [f64; 3],
-    /// f_s - G x: what of the body force is missing; N, N, N m.
+    /// f_s - G x: what of the body force is missing; N, N, N m. Of the first the rover does not accelerate.
     pub shortfall: [f64; 3],
-    /// The same about every passive joint, N m.
+    /// The same about every passive joint, for the acceleration that is left, N m.
     pub joint_shortfall: Vec<f64>,
     /// How every wheel stands.
     pub footing: Vec<Footing>,
@@ -48,6 +50,50 @@ pub struct Outcome {
     pub trim: Vec<f64>,
     /// Linear programs of the traction search.
     pub steps: usize,
+}
+
+impl Outcome {
+    /// Takes the forces x of a problem over, reusing its memory; `torques` are the commanded ones, N m.
+    pub(super) fn renew(
+        &mut self,
+        nominal: &Nominal,
+        problem: &Problem,
+        forces: &[f64],
+        criterion: Criterion,
+        found: Found,
+        torques: &[f64],
+    ) {
+        let radius = nominal.wheel.radius;
+        self.forces.clear();
+        self.forces.extend_from_slice(forces);
+        self.criterion = criterion;
+        (self.feasible, self.optimal, self.steps) = (found.feasible, found.optimal, found.steps);
+        self.objective = match criterion {
+            // P = sum R r^2 / (K_t^2 gear^2) T_i^2 (4.10), W.
+            Criterion::Power | Criterion::ElectricalPower => {
+                forces.iter().step_by(2).map(|traction| nominal.winding_power(radius * traction)).sum()
+            }
+            Criterion::Traction => problem.ratio(forces),
+        };
+        self.body_force = problem.distribution.body_force;
+        self.shortfall = std::array::from_fn(|row| problem.shortfall(row, forces));
+        self.joint_shortfall.clear();
+        self.joint_shortfall.extend((3..problem.rows()).map(|row| problem.shortfall(row, forces)));
+        self.footing.clear();
+        self.footing.extend((0..problem.wheels()).map(|wheel| footing(problem, forces, wheel)));
+        self.trim.clear();
+        let pairs = torques.iter().zip(forces.iter().step_by(2));
+        self.trim.extend(pairs.map(|(torque, traction)| torque - radius * traction));
+    }
+}
+
+fn footing(problem: &Problem, forces: &[f64], wheel: usize) -> Footing {
+    let over = forces[load_of(wheel)] - problem.minimum_load;
+    match problem.lifted[wheel] {
+        true => Footing::Lifted,
+        false if over <= LIGHT * problem.force_unit() => Footing::Light,
+        false => Footing::Loaded,
+    }
 }
 
 impl Moving for Outcome {

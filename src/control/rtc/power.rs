@@ -40,6 +40,9 @@ impl MinimumPower {
     /// # Errors
     /// [`Unsolved`], also where no admissible forces exist.
     pub fn solve(&mut self, problem: &Problem, forces: &mut [f64]) -> Result<(), Unsolved> {
+        if let Some(costs) = &problem.costs {
+            self.program.weigh(costs.iter().enumerate().map(|(wheel, cost)| (traction_of(wheel), *cost)));
+        }
         let solution = self.program.solve(|rows| write(problem, rows))?;
         to_newton(problem, solution, forces);
         Ok(())

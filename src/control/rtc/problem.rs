@@ -34,6 +34,11 @@ pub struct Problem {
     pub lifted: Vec<bool>,
     /// Loads of a rover at rest, from which the contact areas follow, N, one a wheel.
     pub expected_loads: Vec<f64>,
+    /// Weights (a, b) of a T_i^2/2 + b T_i in the power that is minimised, for T_i in weights, one a wheel; `None` is (4.10),
+    /// the same weight on all squares.
+    pub costs: Option<Vec<[f64; 2]>>,
+    /// Mass of the rover, kg.
+    mass: f64,
     /// Units in which the optimiser counts: force, N, and length, m.
     unit: (f64, f64),
     /// Room for the least-norm solution.
@@ -53,6 +58,8 @@ impl Problem {
             adhesion: vec![0.0; wheels],
             lifted: vec![false; wheels],
             expected_loads: vec![0.0; wheels],
+            costs: None,
+            mass: nominal.mass,
             unit: (nominal.weight(), 0.5 * nominal.base()),
             forces: vec![0.0; 2 * wheels],
         }
@@ -115,18 +122,32 @@ impl Problem {
 
     /// Writes G x + slack = f_s, in the optimiser's units: the unknowns after the forces are slack of the
     /// first `slacks` rows, and the horizontal force is asked for within `limit` weights.
+    ///
+    /// What the horizontal force falls short of, the rover does not accelerate, and the bodies on joints do not either: the
+    /// first slack and the cut by `limit` stand in the joints' rows too.
     pub(super) fn write_balance(&self, rows: &mut Rows, slacks: usize, limit: f64) {
         let (force, length) = self.unit;
+        let wish = self.distribution.wanted(0) / force;
+        let asked = wish.clamp(-limit, limit);
         for row in 0..self.rows() {
             let scale = if row < 2 { 1.0 } else { length };
             let wanted = self.distribution.wanted(row) / (force * scale);
-            rows.row(if row == 0 { wanted.clamp(-limit, limit) } else { wanted });
+            // Moment about a joint of one weight less of horizontal force on the whole rover.
+            let inert = if row < 3 { 0.0 } else { self.distribution.joints[row - 3].inertia / (self.mass * length) };
+            match row {
+                0 => rows.row(asked),
+                1 | 2 => rows.row(wanted),
+                _ => rows.row(wanted + inert * (wish - asked)),
+            };
             for wheel in 0..self.wheels() {
                 let contact = if self.lifted[wheel] { [0.0; 2] } else { self.distribution.coefficients(row, wheel) };
                 rows.term(traction_of(wheel), contact[0] / scale).term(load_of(wheel), contact[1] / scale);
             }
             if row < slacks {
                 rows.term(2 * self.wheels() + row, 1.0);
+            }
+            if row >= 3 && slacks > 0 {
+                rows.term(2 * self.wheels(), -inert);
             }
         }
     }
@@ -143,6 +164,17 @@ impl Problem {
                     rows.row(limit / unit).term(traction_of(wheel), sign); // (4.14)
                 }
             }
+        }
+    }
+
+    /// What of the balance `forces` = x leave open, f_s - G x, in the units of
+    /// [`wanted`](Distribution::wanted); a joint's for the acceleration that the horizontal force does give.
+    #[must_use]
+    pub fn shortfall(&self, row: usize, forces: &[f64]) -> f64 {
+        let missing = |row: usize| self.distribution.wanted(row) - self.distribution.sum(row, forces);
+        match row.checked_sub(3) {
+            None => missing(row),
+            Some(joint) => missing(row) + self.distribution.joints[joint].inertia * missing(0) / self.mass,
         }
     }
 

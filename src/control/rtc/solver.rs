@@ -114,6 +114,18 @@ impl Program {
         }
     }
 
+    /// Takes other weights (P_jj, q_j) for some unknowns j that had a weight P_jj over 0, from the next solution on.
+    pub(super) fn weigh(&mut self, weights: impl Iterator<Item = (usize, [f64; 2])>) {
+        for (unknown, [quadratic, linear]) in weights {
+            debug_assert!(self.numbers.quadratic[unknown] > 0.0 && quadratic > 0.0);
+            (self.numbers.quadratic[unknown], self.numbers.linear[unknown]) = (quadratic, linear);
+        }
+        match &mut self.engine {
+            Engine::InteriorPoint(engine) => engine.weigh(),
+            Engine::ActiveSet(engine) => engine.weigh(&self.numbers),
+        }
+    }
+
     /// Multipliers of the last solution, one a row: P x + q + A' multipliers = 0, and none negative on rows a'x <= b.
     #[must_use]
     pub fn multipliers(&self) -> &[f64] {

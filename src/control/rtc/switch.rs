@@ -9,6 +9,9 @@ pub enum Criterion {
     /// Least power P dissipated in the windings (4.10), W: for benign ground.
     #[default]
     Power,
+    /// Least electrical power, that in the windings and that at the rims T_i V_i / (r (1 - i)), which grows with slip, W: a
+    /// criterion beside (4.10) where slips are chosen.
+    ElectricalPower,
     /// Least value of the largest ratio R of tractive force to load (4.5), dimensionless: for rough ground.
     Traction,
 }
@@ -16,6 +19,7 @@ pub enum Criterion {
 moving_code!(Criterion, "a criterion" {
     Criterion::Power => 0 => Criterion::Power,
     Criterion::Traction => 1 => Criterion::Traction,
+    Criterion::ElectricalPower => 2 => Criterion::ElectricalPower,
 });
 
 impl Criterion {

@@ -1,0 +1,85 @@
+//! What the best slips can do at one pose, for a reader of tables: a bound beside controllers, not a controller.
+//!
+//! The rover stands at a pose that is known exactly, on soil that is known exactly, and moves at a constant speed: forces
+//! balance, nothing accelerates. Of all slips that balance it, those of the least electrical power are found, and of all slips
+//! those of the largest pull, by the same wheel and the same soil as the simulation's. A drive may be below this energy where
+//! it lets kinetic energy help it over a hill, and above this pull only while it slows down.
+
+use super::belief::SoilBelief;
+use super::kinematics::{Rolling, rolling};
+use super::sharing::{Demand, Sharing, electrical};
+use super::solver::Solver;
+use super::switch::Criterion;
+use crate::control::{ControlError, Nominal};
+use crate::signals::Measurement;
+use crate::soil::Soil;
+
+/// Least load of a wheel, of the weight: wheels may lift off nearly.
+const LEAST_LOAD: f64 = 1e-4;
+/// Acceleration that no ground gives, of g: asks for all pull that there is.
+const ALL: f64 = 10.0;
+
+/// What is attainable at a pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attainable {
+    /// Whether some slips balance the rover at a constant speed.
+    pub balanced: bool,
+    /// Least electrical power of all drives at that speed, W; infinite where nothing balances.
+    pub electrical_power: f64,
+    /// Largest horizontal force that is left over, N; under zero where the rover cannot go on.
+    pub pull: f64,
+}
+
+/// Finds what is attainable, pose by pose.
+#[derive(Clone)]
+pub struct Oracle {
+    nominal: Nominal,
+    sharing: Sharing,
+    rolling: Vec<Rolling>,
+}
+
+impl Oracle {
+    /// An oracle for a rover as it is, all of whose wheels roll as `wheel` says.
+    ///
+    /// # Errors
+    /// [`ControlError`] where the rover makes no sense.
+    pub fn new(nominal: Nominal, wheel: SoilBelief) -> Result<Self, ControlError> {
+        nominal.check()?;
+        let wheels = nominal.wheels();
+        let mut sharing = Sharing::new(&nominal, LEAST_LOAD * nominal.weight(), 0.0, Solver::ActiveSet);
+        sharing.beliefs.fill(SoilBelief { sufficient: 1.0, ..wheel });
+        Ok(Self { sharing, rolling: vec![Rolling::default(); wheels], nominal })
+    }
+
+    /// What is attainable at the true pitch, joint and contact angles of `pose`, at `speed` m/s, where the soil `along` m ahead of
+    /// the chassis reference point is `soil(along)`.
+    ///
+    /// # Errors
+    /// [`ControlError`] where the contact points coincide or the optimiser gives up.
+    pub fn at(
+        &mut self,
+        pose: &Measurement,
+        speed: f64,
+        soil: impl Fn(f64) -> Soil,
+    ) -> Result<Attainable, ControlError> {
+        let Self { nominal, sharing, rolling: wheels } = self;
+        let joints = pose.links.iter().map(|link| link.angle);
+        let angles = pose.wheels.iter().map(|wheel| wheel.contact_angle);
+        sharing.problem.distribution.place(nominal, pose.pitch, joints, angles);
+        for (wheel, belief) in sharing.beliefs.iter_mut().enumerate() {
+            belief.soil = soil(sharing.problem.distribution.foot(wheel));
+        }
+        rolling(&sharing.problem.distribution, nominal, &sharing.problem.lifted, wheels);
+        let mut demand = Demand { acceleration: 0.0, speed, criterion: Criterion::ElectricalPower };
+        let found = sharing.share(nominal, pose.pitch, wheels, &demand)?;
+        let powers = sharing.shares.iter().zip(wheels.iter()).zip(&sharing.beliefs).map(|((share, wheel), belief)| {
+            electrical(nominal, speed.abs() * wheel.along, &belief.at(share.load, share.slip))
+        });
+        let electrical_power = if found.feasible { powers.sum() } else { f64::INFINITY };
+        demand.acceleration = ALL * nominal.gravity * if speed < 0.0 { -1.0 } else { 1.0 };
+        sharing.share(nominal, pose.pitch, wheels, &demand)?;
+        let missing = sharing.problem.shortfall(0, &sharing.forces);
+        let pull = (nominal.mass * demand.acceleration - missing) * speed.signum();
+        Ok(Attainable { balanced: found.feasible, electrical_power, pull })
+    }
+}

@@ -1,0 +1,61 @@
+//! The oracle of a model: what its rover could do with the best slips, see [`Oracle`].
+
+use super::{ControlKind, Model, RunError, nominal};
+use crate::control::rtc::{Attainable, Oracle, SoilBelief};
+use crate::effects::Place;
+use crate::signals::Measurement;
+use crate::simulation::{Status, StepError};
+
+impl Model {
+    /// The oracle of this rover on its own soil, where the ground says nothing else: the true wheel and rim, and slip-sinkage.
+    /// Effects that are neither on the wheel's rim nor slip-sinkage do not enter.
+    ///
+    /// # Errors
+    /// [`RunError`] where the rover makes no sense to a controller or an effect of the user's own gives no number.
+    pub fn oracle(&self) -> Result<Oracle, RunError> {
+        let rover = &self.rover;
+        let refused = |source| RunError::Control { time: 0.0, source };
+        let place = Place {
+            wheel: 0,
+            x: None,
+            passes: 0.0,
+            contact_angle: 0.0,
+            slip: 0.0,
+            sinkage: 0.0,
+            normal_velocity: 0.0,
+            velocity: 0.0,
+        };
+        let wheel = rover.effects.wheel(&rover.wheel).unwrap_or(rover.wheel);
+        let none = crate::contact::Forces::zero();
+        let contact = rover.effects.contact(&place, wheel, rover.soil, |_| none);
+        let (local, _) =
+            contact.map_err(|failure| RunError::Step(StepError::Dynamics { time: 0.0, source: failure.into() }))?;
+        let belief = SoilBelief {
+            digging: rover.effects.slip_sinkage.n1,
+            surface: local.surface,
+            ..SoilBelief::new(local.wheel, local.soil)
+        };
+        Oracle::new(nominal(rover), belief).map_err(refused)
+    }
+
+    /// What the rover could do with the best slips at rest with its chassis reference point at `x` (m), would it move on at
+    /// `speed` (m/s) from there; `oracle` is this model's. Where the rest is an event, a belly on the ground for example, nothing is.
+    ///
+    /// # Errors
+    /// [`RunError`] where the rover finds no rest there or the oracle no answer.
+    pub fn attainable(&self, oracle: &mut Oracle, x: f64, speed: f64) -> Result<Attainable, RunError> {
+        let mut there = self.clone();
+        (there.start.x0, there.control.kind) = (x, ControlKind::Torque);
+        let run = there.start()?;
+        if run.status() != Status::Running {
+            return Ok(Attainable { balanced: false, electrical_power: f64::INFINITY, pull: f64::NEG_INFINITY });
+        }
+        let signals = run.signals();
+        let mut pose = Measurement::of(signals.wheels.len(), signals.links.len());
+        pose.pitch = signals.body.pitch;
+        pose.wheels.iter_mut().zip(&signals.wheels).for_each(|(seen, wheel)| seen.contact_angle = wheel.contact_angle);
+        pose.links.iter_mut().zip(&signals.links).for_each(|(seen, link)| seen.angle = link.angle);
+        let ground = |along: f64| self.rover.terrain.soil(&self.rover.soil, signals.body.x + along);
+        oracle.at(&pose, speed, ground).map_err(|source| RunError::Control { time: 0.0, source })
+    }
+}
