@@ -133,7 +133,7 @@ fn on_file(script: &Script, file: &Path) -> Result<bool> {
 fn on_own_fmu(script: &Script, version: Version) -> Result<bool> {
     let folder = tempfile::tempdir().context("no folder for the FMU")?;
     let file = folder.path().join("model.fmu");
-    bekker_fmu_package::export(&script.model, &Options { version, ..Options::default() }, &file)
+    bekker_fmu_package::export(&script.model, &Options { version: Some(version), ..Options::default() }, &file)
         .with_context(|| format!("{}", script.file.display()))?;
     on_file(script, &file)
 }
