@@ -24,7 +24,8 @@ pub struct AnyAnglePath {
 }
 
 /// The cheapest path from the field's start to `goal` (m), traced back from the goal: each step is taken from where the cost to come
-/// plus that of the step is least. `None` where the goal is out of reach.
+/// plus that of the step is least. `None` where the goal is out of reach, or where the trace stops coming nearer to the start, as it can
+/// between places that cannot be passed, a cell or two apart.
 #[must_use]
 pub fn path_from(field: &ArrivalField, cost: &impl DirectionalCost, goal: [f64; 2]) -> Option<AnyAnglePath> {
     if !field.at(goal).is_finite() {
@@ -60,7 +61,12 @@ pub fn path_from(field: &ArrivalField, cost: &impl DirectionalCost, goal: [f64; 
         if !least.is_finite() {
             return None;
         }
-        here = [here[0] - step * angle.cos(), here[1] - step * angle.sin()];
+        let next = [here[0] - step * angle.cos(), here[1] - step * angle.sin()];
+        // A trace that does not come nearer to the start would run in circles.
+        if field.at(next) >= field.at(here) {
+            return None;
+        }
+        here = next;
         points.push(here);
     }
     points.push(field.start);
