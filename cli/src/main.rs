@@ -61,7 +61,7 @@ enum Command {
     Fmu(fmu::Fmu),
     /// List the vocabulary: every parameter, input and signal of a model.
     Parameters(parameters::Parameters),
-    /// Plan a safe path of a rover over an elevation map.
+    /// Plan a path of a rover over an elevation map on which it stands, holds and can drive at every point.
     Plan(plan::Plan),
     /// Place a rover on an elevation map: pose, stability, thrust.
     Pose(pose::Pose),

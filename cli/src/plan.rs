@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// Columns of the path as CSV.
 const COLUMNS: &str = "travelled,x,y,z,heading,roll,pitch,stability,thrust,clearance";
 
-/// Plan a safe path over a map: a search on roughness, turning and length, then pose, stability and forces at every point.
+/// Plan a path over a map: a search on roughness, turning and length, then pose, stability and forces at every point.
 #[derive(clap::Args)]
 pub struct Plan {
     #[command(flatten)]

@@ -65,7 +65,7 @@ pub fn plan_page(site: &Site, plan: &Plan, answer: &PlanAnswer) -> String {
     format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Bekker: plan</title>\
          <meta name=\"viewport\" content=\"width=device-width\"><style>{STYLE}</style></head><body>\
-         <h1>A safe path of {length:.2} m</h1><p id=\"summary\"></p>\
+         <h1>A path of {length:.2} m on which every stand holds</h1><p id=\"summary\"></p>\
          <div class=\"row\"><figure><canvas id=\"map\" width=\"560\" height=\"560\"></canvas><figcaption>Heights (dark low, light high), \
          the path, and places where the rover would fail (red). Click on the path to put the rover there.</figcaption></figure>\
          <figure><canvas id=\"rover\" width=\"560\" height=\"420\"></canvas><figcaption>The rover at the chosen point. Drag to turn.\
