@@ -23,6 +23,8 @@ const ACCELERATION: f64 = 2e-3;
 fn firm() -> Rover {
     let mut rover = Rover::two_wheeled();
     rover.soil.shear_modulus = 0.01;
+    // Torques are what is commanded, at any speed.
+    rover.motor.inverse_voltage = 0.0;
     rover
 }
 

@@ -76,7 +76,8 @@ def drawn(seed: int) -> Drive:
         if name not in RANGES and not name.endswith("period") and value != 0.0:
             varied = value * random.uniform(0.95, 1.05)
             model.set(name, min(max(varied, variable["min"]), variable["max"]))
-    largest = {"torque": 0.2 * model.total_mass, "speed": 5.0, "speed_loop": 5.0, "velocity": 0.4, "rtc": 0.4}[model.control]
+    usual = {"speed": 5.0, "speed_loop": 5.0, "velocity": 0.4, "rtc": 0.4, "rtc_speed": 0.4}
+    largest = 0.2 * model.total_mass if model.control == "torque" else usual[model.control]
     commands = np.repeat(random.uniform(-0.2, 1.0, (20, len(model.inputs()))), 5, axis=0) * largest
     return Drive(model, commands, steps=10)
 

@@ -30,10 +30,11 @@ length = 0.01
 position = 1.0
 [parameters]
 gravity = 1.62
+motor.inverse_voltage = 0.0
 """
 OUTPUTS = ["x", "z", "pitch", "wheel[1].sinkage", "wheel[2].sinkage", "power", "wheel[1].torque", "wheel[2].current", "event"]
 # Way by which the fixed step of 2 ms and an integrator of relative tolerance 1e-6 may differ, as a share of it; measured:
-# 1.8 % where the rims spin up to 20 m/s, 0.8 % on a ramp and in reversals, 0.01 % under a held torque.
+# 1.8 % where rims spin up to 20 m/s (without a supply limit), 0.8 % on a ramp and in reversals, 0.01 % under a held torque.
 DIFFERENCE = 0.02
 # The least way that the share belongs to, m.
 LEAST = 0.05

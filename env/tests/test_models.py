@@ -84,7 +84,8 @@ def test_property_inputs_in_every_form_are_the_same() -> None:
 
 
 def test_property_an_event_ends_the_record() -> None:
-    result = bekker.simulate("two_wheeled", 20.0, {"wheel[1].torque_command": 8.0, "wheel[2].torque_command": 8.0})
+    torques = {"wheel[1].torque_command": 8.0, "wheel[2].torque_command": 8.0}
+    result = bekker.simulate("two_wheeled", 20.0, torques, parameters={"motor.inverse_voltage": 0.0})
     assert result.status == "stuck" and result.event is not None and result.event.startswith("stuck:")
     assert 0.0 < result.time[-1] < 20.0
     assert all(len(column) == len(result.time) for column in result.values())

@@ -15,6 +15,7 @@ BITING = {
     "motor.inverse_torque_limit": 10.0,
     "motor.inverse_current_limit": 50.0,
     "voltage_limit.inverse_voltage": 5.0,
+    "motor.inverse_voltage": 5.0,
     "rtc.switch_angle": 0.02,
     "rim_adhesion.loss": 0.8,
     "flexible_wheel.compliance": 1e-4,

@@ -20,7 +20,12 @@ DIGGING: dict[str, Any] = {
     "randomise": {"soil.cohesion": (300.0, 2000.0), "x0": (-1.0, 1.0)},
     "max_episode_steps": LIMIT,
     "measured": True,
-    "parameters": {"sensor.pitch_noise": 0.01, "sensor.torque_noise": 0.05, "sensor.wheel_speed_resolution": 0.05},
+    "parameters": {
+        "sensor.pitch_noise": 0.01,
+        "sensor.torque_noise": 0.05,
+        "sensor.wheel_speed_resolution": 0.05,
+        "motor.inverse_voltage": 0.0,
+    },
 }
 
 

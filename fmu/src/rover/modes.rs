@@ -36,10 +36,10 @@ const READ_OF_VEHICLE: [&str; 7] = ["x", "z", "mass", "centre_of_mass_x", "centr
 /// A sentence where it has none, or one that has no mode.
 pub(super) fn check_kind(model: &RoverModel) -> Result<(), String> {
     match model.control.kind {
-        ControlKind::Velocity | ControlKind::VelocityTuned | ControlKind::Rtc => Ok(()),
+        ControlKind::Velocity | ControlKind::VelocityTuned | ControlKind::Rtc | ControlKind::RtcSpeed => Ok(()),
         kind => Err(format!(
             "control.kind = {kind:?} of `{}` is no controller that an FMU of its own can be; expected velocity, \
-             velocity_tuned or rtc",
+             velocity_tuned, rtc or rtc_speed",
             model.name
         )),
     }

@@ -225,7 +225,9 @@ mod tests {
     use crate::contact::rolling;
 
     fn belief(digging: f64) -> SoilBelief {
-        SoilBelief { digging, ..SoilBelief::new(Wheel::default(), Soil::default()) }
+        // On the thesis's sand pull grows up to full slip; with a third of its K it is all but reached at little slip.
+        let shear_modulus = if digging > 0.0 { 0.01 } else { Soil::<f64>::default().shear_modulus };
+        SoilBelief { digging, ..SoilBelief::new(Wheel::default(), Soil { shear_modulus, ..Soil::default() }) }
     }
 
     #[test]
@@ -246,7 +248,7 @@ mod tests {
         assert!((best.pull / most - SUFFICIENT).abs() < 1e-3 && !grows.digs(49.0, &best), "{best:?}, {most} N");
         let digs = belief(0.4);
         let best = digs.best(49.0);
-        assert!(digs.digs(49.0, &best));
+        assert!(digs.digs(49.0, &best), "{best:?}, {:?}", digs.from(49.0, LARGEST_SLIP, best.sinkage));
         for k in 0..99 {
             let other = digs.at(49.0, 0.01 * f64::from(k));
             assert!(!other.carried || other.pull <= best.pull + 1e-3, "{other:?} against {best:?}");

@@ -7,6 +7,7 @@
 use super::NoiseModel;
 use super::labels::LabelContrasts;
 use crate::diagnosis::layout::Layout;
+use crate::diagnosis::thresholds::ENOUGH_REPEATS;
 use crate::measurement::{Experiment, Sample};
 use std::collections::BTreeMap;
 
@@ -153,6 +154,7 @@ impl Search {
         if !long && !with_share {
             return Some(NoiseModel::white((squares / count as f64).sqrt()));
         }
+        let few = with_share && strands.len() + labels.count() < ENOUGH_REPEATS;
         let (mut centre, mut half) = (self.centre, self.half);
         let mut best = (f64::INFINITY, NoiseModel::white(1.0));
         for _ in 0..self.rounds {
@@ -165,7 +167,7 @@ impl Search {
                     let correlation = if long { at(1, k) } else { 0.0 };
                     let trial = NoiseModel { deviation: 1.0, run_share, correlation };
                     let (deviance, deviation) = deviance(&trial, strands, labels, count);
-                    let penalised = deviance + if with_share { away_from_zero(run_share) } else { 0.0 };
+                    let penalised = deviance + if few { away_from_zero(run_share) } else { 0.0 };
                     if penalised < best.0 {
                         best = (penalised, NoiseModel { deviation, ..trial });
                     }
@@ -181,7 +183,7 @@ impl Search {
 /// Penalty on -2 ln likelihood that keeps the share of a run off zero: -2 ln of the standard deviation that runs have in common
 /// (Chung, Rabe-Hesketh, Dorie, Gelman and Liu 2013, Psychometrika 78, a gamma(2, 0) prior). With few repeated runs the most likely
 /// share is zero by chance now and then; the means of runs then count as exact, and any difference between them as misfit. The penalty
-/// moves a share by about its own standard error at most, and does nothing where many runs tell it.
+/// moves a share by about its own standard error at most. It is used where fewer than [`ENOUGH_REPEATS`] contrasts tell the share.
 fn away_from_zero(run_share: f64) -> f64 {
     -run_share.max(f64::MIN_POSITIVE).ln()
 }
