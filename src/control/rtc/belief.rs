@@ -114,7 +114,7 @@ impl SoilBelief {
     }
 
     /// The state of the best slip i* under `load` (N): that of the largest pull, or where the pull only grows with slip
-    /// the one at which the share [`sufficient`](Self::sufficient) of the largest pull is reached.
+    /// the one at which the share `sufficient` of the largest pull is reached.
     #[must_use]
     pub fn best(&self, load: f64) -> Working {
         let mut states = [Working::default(); SLIPS.len()];
