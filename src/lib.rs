@@ -31,7 +31,7 @@
 //! | `batch` | many runs stepped together (feature `batch`) | all above |
 //! | [`soil_class`], [`parallel`] | what is believable for a class of soil before anything is measured; work on all cores, with the same bits for any number of them | |
 //! | [`measurement`] | experiments: folders, columns, units, import | contact, effects, model, signals, soil_class, vehicle, wheel |
-//! | [`diagnosis`] | comparison, calibration, what physics is missing | carriage, effects, measurement, model, parallel, rover, signals, simulation, soil_class, terrain |
+//! | [`diagnosis`] | comparison, calibration, what physics is missing | batch, carriage, effects, measurement, model, parallel, rover, signals, simulation, soil_class, terrain |
 //! | [`report`] | pages | diagnosis, effects, measurement, signals |
 //!
 //! A module uses what stands in its row, what stands before it in its row, and the first row; `tests/rooms.rs` holds the

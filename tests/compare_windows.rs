@@ -7,7 +7,9 @@
 #[allow(dead_code, reason = "tests use parts of it")]
 mod hill_drive;
 
-use bekker::diagnosis::{Calibration, CompareOptions, Comparison, compare};
+use bekker::diagnosis::{
+    Calibration, CompareOptions, Comparison, Control, DiagnoseOptions, Verdict, compare, diagnose,
+};
 use bekker::measurement::Experiment;
 use hill_drive::{PLANTED, drive, shipped};
 
@@ -57,6 +59,17 @@ fn property_places_that_jump_from_window_to_window_do_not_matter() {
         true
     };
     assert_planted(&calibrated(&drive(jump)), 10.0 * RECOVERY);
+}
+
+#[test]
+fn property_a_drive_of_which_all_is_known_is_diagnosed() {
+    let mut experiment = drive(|_, _| true);
+    experiment.parameters.extend(PLANTED.map(|(name, value)| (name.to_owned(), value)));
+    let candidates = Some(vec!["drag".to_owned(), "coulomb_friction".to_owned()]);
+    let options = DiagnoseOptions { candidates, ..DiagnoseOptions::default() };
+    let diagnosis = diagnose(&shipped(), &experiment, &options, &Control::default()).unwrap();
+    assert_eq!(diagnosis.verdict, Verdict::Explained);
+    assert!(diagnosis.steps[0].parameters.is_empty());
 }
 
 #[test]

@@ -12,7 +12,7 @@ pub enum BatchError {
     #[error("0 threads; expected one at least")]
     NoThreads,
     /// Instructions that this processor does not have.
-    #[error("the kernel {0:?} is not on this processor; expected another, such as Kernel::best()")]
+    #[error("the kernel {0:?} is not built in or not on this processor; expected another, such as Kernel::best()")]
     Kernel(super::Kernel),
     /// A run of another structure.
     #[error(

@@ -15,7 +15,7 @@ use std::fmt::Debug;
 
 /// What runs side by side must share: everything about which the code branches for all of them at once.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Kind {
+pub(crate) struct Kind {
     drive: Drive,
     profile: std::mem::Discriminant<crate::terrain::Profile>,
     /// Parents of the links, bodies of the wheels.
@@ -29,18 +29,20 @@ impl Kind {
     /// records that lag.
     pub fn of(run: &Run) -> Option<Self> {
         let simulation = run.in_joint_coordinates()?;
-        let rover = simulation.rover();
-        let own = rover.effects.custom.iter().next().is_some() || !rover.effects.registered.is_empty();
-        if simulation.lags() || own {
-            return None;
-        }
+        let effects = &simulation.rover().effects;
+        let own = effects.custom.iter().next().is_some() || !effects.registered.is_empty();
+        (!simulation.lags() && !own).then(|| Self::of_rover(simulation.rover(), run.drive()))
+    }
+
+    /// The kind of a rover that is driven so, where it need not go on by itself.
+    pub fn of_rover(rover: &Rover, drive: Drive) -> Self {
         let mut neutral = Vec::new();
         rover.motor.values(&mut |x| neutral.push([x == 0.0, x == 1.0]));
         rover.effects.values(&mut |x| neutral.push([x == 0.0, x == 1.0]));
         let links = rover.links.iter().map(|link| link.parent);
         let tree = links.chain(rover.wheels.iter().map(|wheel| wheel.body)).collect();
         let profile = std::mem::discriminant(&rover.terrain.profile);
-        Some(Self { drive: run.drive(), profile, tree, neutral })
+        Self { drive, profile, tree, neutral }
     }
 }
 

@@ -28,6 +28,8 @@ mod pool;
 mod shard;
 
 pub use error::BatchError;
+#[cfg(feature = "experiments")]
+pub(crate) use group::Kind;
 pub use kernel::Kernel;
 
 use crate::model::{Inputs, Run, RunError};
@@ -263,6 +265,21 @@ impl Batch {
     #[must_use]
     pub fn time(&self, index: usize) -> f64 {
         self.slot(index).run.time()
+    }
+
+    /// Inner steps that the run at `index` has made.
+    #[cfg(feature = "experiments")]
+    pub(crate) fn ticks(&self, index: usize) -> u64 {
+        self.slot(index).run.ticks()
+    }
+
+    /// Lets the run at `index` go on after an event, from now on by itself.
+    #[cfg(feature = "experiments")]
+    pub(crate) fn resume(&mut self, index: usize) {
+        let share = self.shards[0].slots.len();
+        let run = &mut self.shards[index / share].slots[index % share].run;
+        run.resume();
+        self.statuses[index] = run.status();
     }
 
     /// What the sensors of the run at `index` read last.

@@ -80,23 +80,28 @@ pub(super) fn sums<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
             }
         }
         let rest = !(some | cut_more);
-        if rest.any() {
-            each(rim, rest, &mut sums);
+        let quick = rest & grips;
+        if quick.any() {
+            sums.take(quick, &between(rim, displacement.quick_changes(quick), &NODES_16));
+        }
+        let limited = rest & !grips;
+        if limited.any() {
+            each(rim, limited, &mut sums);
         }
         sums
     })
 }
 
-/// The contacts that neither rule suits, one by one.
+/// The contacts whose shear meets what the rim transmits, one by one.
 #[inline(never)]
 fn each<S: Scalar>(rim: &Rim<S>, mask: S::Mask, sums: &mut Sums<S>) {
     if S::Plain::LANES == 1 {
-        *sums = many_cuts(rim);
+        *sums = limited(rim);
         return;
     }
     let mut numbers = sums.values().map(|sum| std::array::from_fn::<f64, MOST_LANES, _>(|k| lane(sum, k)));
     for k in (0..S::Plain::LANES).filter(|&k| mask.lane(k)) {
-        let one = many_cuts(&rim.map(&|x| lane(x, k)));
+        let one = limited(&rim.map(&|x| lane(x, k)));
         numbers.iter_mut().zip(one.values()).for_each(|(numbers, sum)| numbers[k] = sum);
     }
     for (sum, numbers) in sums.all().into_iter().zip(numbers) {
@@ -109,25 +114,21 @@ fn lane<S: Scalar>(x: S, k: usize) -> f64 {
     x.plain().lane(if k < S::Plain::LANES { k } else { 0 })
 }
 
-/// A contact whose shear builds up within a small part of it, or meets what the rim transmits.
-fn many_cuts<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
+/// A contact whose shear meets what the rim transmits.
+fn limited<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
     let (Shear::Ratio(ratio) | Shear::OnSurface(ratio)) = rim.shear else { return whole(rim, &NODES_12) };
     let displacement = Displacement::new(&rim.map(&|x| x.value()), ratio.value());
-    if rim.grip.value() < 1.0 {
-        // The shear has a kink where it meets what the rim transmits: 1 - exp(-|j|/K) = grip.
-        let grip = rim.grip.value();
-        let limit = level_of(grip);
-        if rim.rounding.value() > 0.0 {
-            let beside = |side: f64| level_of(grip * (side * CORNER * rim.rounding.value()).exp());
-            let [before, after] = [beside(-1.0), beside(1.0)];
-            let levels = [0.0, before, -before, limit, -limit, after, -after, BUILT_UP, -BUILT_UP];
-            return smooth_pieces(rim, &displacement, &displacement.cuts(&levels));
-        }
-        let nodes: &[(f64, f64)] = if displacement.largest_change() <= MORE_NODES { &NODES_12 } else { &NODES_16 };
-        return pieces(rim, &displacement.cuts(&[0.0, limit, -limit]), nodes);
+    // The shear has a kink where it meets what the rim transmits: 1 - exp(-|j|/K) = grip.
+    let grip = rim.grip.value();
+    let limit = level_of(grip);
+    if rim.rounding.value() > 0.0 {
+        let beside = |side: f64| level_of(grip * (side * CORNER * rim.rounding.value()).exp());
+        let [before, after] = [beside(-1.0), beside(1.0)];
+        let levels = [0.0, before, -before, limit, -limit, after, -after, BUILT_UP, -BUILT_UP];
+        return smooth_pieces(rim, &displacement, &displacement.cuts(&levels));
     }
-    let levels: &[f64] = if displacement.changes_sign() { &[0.0, BUILT_UP, -BUILT_UP] } else { &[BUILT_UP, -BUILT_UP] };
-    pieces(rim, &displacement.cuts(levels), &NODES_16)
+    let nodes: &[(f64, f64)] = if displacement.largest_change() <= MORE_NODES { &NODES_12 } else { &NODES_16 };
+    pieces(rim, &displacement.cuts(&[0.0, limit, -limit]), nodes)
 }
 
 /// j/K at which the share `b` of the strength is built up, [`BUILT_UP`] at most.
@@ -174,7 +175,7 @@ fn smooth_pieces<S: Scalar>(rim: &Rim<S>, displacement: &Displacement<f64>, cuts
 
 /// Between each of `angles` and the next, which may be the same.
 #[lanes]
-fn between<S: Scalar>(rim: &Rim<S>, angles: [S::Plain; 6], nodes: &[(f64, f64)]) -> Sums<S> {
+fn between<S: Scalar, const N: usize>(rim: &Rim<S>, angles: [S::Plain; N], nodes: &[(f64, f64)]) -> Sums<S> {
     let mut sums = Sums::zero();
     for piece in angles.windows(2) {
         // Side by side, a piece of no length adds nothing.
@@ -264,23 +265,37 @@ impl<R: Plain> Displacement<R> {
         turns | (!self.shear_radius.same(R::from(1.0)) & passes)
     }
 
-    /// The ends of the zones and the places where j passes zero, from theta_1 down to theta_2, which stands for those
-    /// that are not there. Of no meaning outside the mask.
+    /// The ends of the zones and the places where j passes zero.
     fn sign_changes(&self, mask: R::Mask) -> [R; 6] {
+        self.passes([0.0], mask)
+    }
+
+    /// The same and the places where the shear has built up.
+    fn quick_changes(&self, mask: R::Mask) -> [R; 12] {
+        self.passes([0.0, BUILT_UP, -BUILT_UP], mask)
+    }
+
+    /// The ends of the zones and the places where j/K passes one of the levels, from theta_1 down to theta_2, which stands for those
+    /// that are not there. Of no meaning outside the mask. j has three monotone parts, so `N` is 3 + 3 `LEVELS`.
+    fn passes<const LEVELS: usize, const N: usize>(&self, levels: [f64; LEVELS], mask: R::Mask) -> [R; N] {
+        const { assert!(N == 3 + 3 * LEVELS, "a place for every pass") };
         let turns = &self.turns;
         let ends = [self.of(turns[0]), self.of(turns[1]), self.of(turns[2]), self.of(turns[3])];
-        let mut angles = [self.theta_2; 6];
+        let mut angles = [self.theta_2; N];
         (angles[0], angles[1]) = (self.theta_1, self.theta_m);
         for part in 0..3 {
             let [from, to] = [ends[part], ends[part + 1]];
-            let passes = mask & (from * to).under(0.0);
-            if !passes.any() {
-                continue;
-            }
-            let place = self.pass(R::from(0.0), [self.turns[part], self.turns[part + 1]], from.below(to), passes);
-            let mut next = R::select(passes, place, self.theta_2);
-            for angle in &mut angles[1..5] {
-                (*angle, next) = (angle.larger(next), angle.smaller(next));
+            for level in levels {
+                let passes = mask & ((from - level) * (to - level)).under(0.0);
+                if !passes.any() {
+                    continue;
+                }
+                let within = [self.turns[part], self.turns[part + 1]];
+                let place = self.pass(R::from(level), within, from.below(to), passes);
+                let mut next = R::select(passes, place, self.theta_2);
+                for angle in &mut angles[1..N - 1] {
+                    (*angle, next) = (angle.larger(next), angle.smaller(next));
+                }
             }
         }
         angles

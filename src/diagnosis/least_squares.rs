@@ -97,6 +97,17 @@ impl LeastSquares<'_> {
     /// Searches from each of `starts`, which must have finite costs; where each ended. Empty where the bounds are not an
     /// interval each.
     pub fn minimise(&self, starts: &[Vec<f64>], pace: Pace) -> Vec<Minimum> {
+        if self.lower.is_empty() {
+            // Nothing is free: every start is the answer.
+            let known = |x: &Vec<f64>| Minimum {
+                x: x.clone(),
+                cost: self.cost_at(x),
+                steps: 0,
+                converged: true,
+                triangle: None,
+            };
+            return starts.iter().map(known).collect();
+        }
         let mut searches: Vec<Search> = starts.iter().filter_map(|start| Search::new(self, start, pace)).collect();
         for search in &mut searches {
             search.follow(pace.first_steps);

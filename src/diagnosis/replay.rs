@@ -67,6 +67,26 @@ impl Replay {
         self.due.len()
     }
 
+    /// Inner steps since the start at which `row` is due.
+    pub(super) fn due(&self, row: usize) -> u64 {
+        self.due[row]
+    }
+
+    /// Commands of a row, one a wheel.
+    pub(super) fn command(&self, row: usize) -> &[f64] {
+        let wheels = self.commands.len() / self.due.len();
+        &self.commands[row * wheels..(row + 1) * wheels]
+    }
+
+    pub(super) fn drive(&self) -> Drive {
+        self.drive
+    }
+
+    /// Inner step, s.
+    pub(super) fn step_size(&self) -> f64 {
+        self.step_size
+    }
+
     /// Replays the commands and calls `record` with every row and the signals at its time, before its own command acts.
     /// Over dual numbers the signals carry their derivatives in what `rover` and `x0` (m) are seeded with.
     ///

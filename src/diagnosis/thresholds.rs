@@ -132,11 +132,11 @@ pub(crate) const MAY_STAY: f64 = 0.1;
 pub(crate) const TOO_MUCH: f64 = 0.5;
 /// A rival ties within this fall of chi-square: a likelihood ratio of 20.
 pub(crate) const REACH: f64 = 6.0;
-/// A rival of like signature ties within this fall of chi-square on a traverse, whatever left-out data say: a likelihood ratio of 400.
+/// A rival that looks alike ties within this fall of chi-square on a traverse, whatever left-out data say: a likelihood ratio of 400.
 /// Two signatures of cosine 0.9, 7.5 standard deviations long, differ by 3.3 of them; noise makes the wrong one fit better by [`REACH`]
 /// once in 200 times, and by this once in 3000. Likelihoods there are also less exact: starts of windows are projected out, and the
-/// inner step is as long as the noise allows. Argument, not tried on a set yet. It does not catch the wrong name of development seed
-/// 1001 (a bulldozing of 7.7 standard deviations called drag, which fits better by 8): their cosine is below [`ALIKE`] there.
+/// inner step is as long as the noise allows. Development seed 1001 led to likeness at the fits themselves: a bulldozing of 7.7 standard
+/// deviations was called drag, which fits better by 8; about the baseline, whose soil is bent, their cosine is below [`ALIKE`].
 pub(crate) const REACH_ALIKE: f64 = 12.0;
 /// A rival ties within this share of the gain too: form errors of the effects' laws reach it. It was 5 % before
 /// the looks at seeds from 7000.

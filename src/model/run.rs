@@ -121,8 +121,20 @@ pub struct Run {
 impl Run {
     pub(super) fn new(model: &Model) -> Result<Self, RunError> {
         model.check_start()?;
+        Self::with_plant(model, AnyPlant::new(model)?)
+    }
+
+    /// A run of `model`, which has passed its checks, from where `simulation` stands.
+    ///
+    /// # Errors
+    /// As for a run from the model's start.
+    #[cfg(feature = "experiments")]
+    pub(crate) fn from_simulation(model: &Model, simulation: Simulation) -> Result<Self, RunError> {
+        Self::with_plant(model, AnyPlant::JointCoordinates(Box::new(simulation)))
+    }
+
+    fn with_plant(model: &Model, simulation: AnyPlant) -> Result<Self, RunError> {
         let step_size = model.stepping.step_size;
-        let simulation = AnyPlant::new(model)?;
         let zeros = vec![0.0; model.rover.wheels.len()];
         let command = match model.control.kind {
             ControlKind::Speed => Command::speed(zeros),
@@ -217,6 +229,20 @@ impl Run {
             AnyPlant::JointCoordinates(simulation) => Some(simulation),
             #[cfg(feature = "rigid")]
             AnyPlant::RigidBodies(_) => None,
+        }
+    }
+
+    /// Inner steps since the start.
+    #[cfg(feature = "experiments")]
+    pub(crate) fn ticks(&self) -> u64 {
+        self.simulation.ticks()
+    }
+
+    /// Goes on after an event.
+    #[cfg(feature = "experiments")]
+    pub(crate) fn resume(&mut self) {
+        if let Some(simulation) = self.in_joint_coordinates_mut() {
+            simulation.resume();
         }
     }
 

@@ -9,11 +9,14 @@ use crate::diagnosis::problem::Problem;
 /// Share of a signal's noise by which the inner step may change it, RMS: chi-square grows by less than half a per cent.
 const SHOWS: f64 = 0.06;
 
-/// Whether the inner step shows beside the noise: the next finer one changes some signal by more than a share of its noise.
+/// Whether the inner step shows beside the noise: the next finer one changes some signal by more than a share of its noise. Where there
+/// are many windows some of them, evenly spread, tell.
 ///
 /// # Errors
 /// [`CompareError`] where the model has no answer at `values`.
 pub(super) fn is_coarse(problem: &Problem, noise: &Noise, values: &[f64]) -> Result<bool, CompareError> {
+    let thinned = problem.thinned();
+    let problem = thinned.as_ref().unwrap_or(problem);
     let mut finer = problem.clone();
     if !finer.refine_step() {
         return Ok(false);

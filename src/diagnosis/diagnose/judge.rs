@@ -9,7 +9,7 @@ use super::search::Search;
 use super::stage::Stage;
 use super::verdict::{self, Case, Judgement};
 use crate::diagnosis::prediction::PredictionError;
-use crate::diagnosis::thresholds::{ALIKE, BETTER, NAMED, UNLIKELY, WORTH_A_SWAP};
+use crate::diagnosis::thresholds::{BETTER, NAMED, UNLIKELY, WORTH_A_SWAP};
 
 /// A verdict and the set that it is about, in the order in which its effects were chosen.
 pub(crate) struct Judged {
@@ -66,11 +66,11 @@ fn judged(
     };
     let residual = search.whitened_residual(chosen, &fit.values())?;
     let all = candidates(stage);
-    let as_good = verdict::rivals(search, stage, chosen, &all);
+    let as_good = verdict::rivals(search, stage, chosen, &all)?;
     let imitates = |own: &String| {
         as_good.iter().any(|(other, _)| other == own) || verdict::is_imitation(search, stage, chosen, own)
     };
-    let mut rivals = rivals(search, stage, evidence, chosen, as_good.clone());
+    let mut rivals = rivals(search, stage, evidence, chosen, as_good.clone())?;
     let probabilities = evidence.probabilities(search, stage, prepared);
     let improbable = probabilities.and_then(|probabilities| {
         add_probable(&probabilities, stage, chosen, &mut rivals);
@@ -120,18 +120,21 @@ fn rivals(
     evidence: &mut Evidence,
     chosen: &[String],
     as_good: Vec<(String, String)>,
-) -> Vec<(String, String)> {
-    let mut rivals = as_good;
-    let mut sets: Vec<Vec<String>> = rivals.iter().map(|(own, other)| verdict::swapped(chosen, own, other)).collect();
+) -> Result<Vec<(String, String)>, PredictionError> {
+    let mut sets: Vec<Vec<String>> = as_good.iter().map(|(own, other)| verdict::swapped(chosen, own, other)).collect();
     sets.push(chosen.to_vec());
     evidence.add(search, sets);
     let told_apart = |(own, other): &(String, String)| {
         evidence.against(chosen, &verdict::swapped(chosen, own, other)).is_some_and(|ours| ours > BETTER)
     };
     let alikes_tie = search.problem.strategy().budget().alike_reach.is_some();
-    let ties_anyway = |(own, other): &(String, String)| alikes_tie && stage.cosine(own, other) > ALIKE;
-    rivals.retain(|pair| ties_anyway(pair) || !told_apart(pair));
-    rivals
+    let mut rivals = Vec::new();
+    for pair in as_good {
+        if !told_apart(&pair) || (alikes_tie && verdict::are_alike(search, stage, chosen, &pair.0, &pair.1)?) {
+            rivals.push(pair);
+        }
+    }
+    Ok(rivals)
 }
 
 /// Adds those candidates to the rivals that keep more than the probability [`UNLIKELY`] without an effect of the set.

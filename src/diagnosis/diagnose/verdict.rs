@@ -5,6 +5,8 @@ use super::doubts::Doubt;
 use super::result::Verdict;
 use super::search::Search;
 use super::stage::Stage;
+use crate::diagnosis::linear_algebra::{dot, norm};
+use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::thresholds::{ALIKE, MAY_BE_UNANSWERED, MAY_STAY, MISFIT, REACH, REACH_SHARE, TOO_MUCH};
 
 /// A verdict and what it rests on.
@@ -102,25 +104,71 @@ pub(crate) fn left(search: &Search, stage: &Stage, effects: &[String], residual:
 }
 
 /// Rivals within reach of a fitted set: candidates that could stand in the place of one of its effects.
-pub(crate) fn rivals(search: &Search, stage: &Stage, effects: &[String], all: &[String]) -> Vec<(String, String)> {
+///
+/// # Errors
+/// [`PredictionError`] where the model has no answer at a fit.
+pub(crate) fn rivals(
+    search: &Search,
+    stage: &Stage,
+    effects: &[String],
+    all: &[String],
+) -> Result<Vec<(String, String)>, PredictionError> {
     let of_alikes = search.problem.strategy().budget().alike_reach;
     let gain = search.net_gain(effects);
     let mut found = Vec::new();
     for own in effects {
-        let without: Vec<String> = effects.iter().filter(|id| *id != own).cloned().collect();
-        let part = gain - search.net_gain(&without);
+        let part = gain - search.net_gain(&without(effects, own));
         let reach = REACH.max(REACH_SHARE * part);
         for id in all.iter().filter(|id| !effects.contains(id)) {
-            let mut swapped = without.clone();
-            swapped.push(id.clone());
-            let reach =
-                of_alikes.filter(|_| stage.cosine(own, id) > ALIKE).map_or(reach, |of_alikes| reach.max(of_alikes));
-            if search.fits.get(&swapped).is_some() && search.net_gain(&swapped) >= gain - reach {
+            let in_place = swapped(effects, own, id);
+            if search.fits.get(&in_place).is_none() {
+                continue;
+            }
+            let behind = gain - search.net_gain(&in_place);
+            let ties_as_alike = match of_alikes.filter(|of_alikes| behind > reach && behind <= *of_alikes) {
+                Some(_) => are_alike(search, stage, effects, own, id)?,
+                None => false,
+            };
+            if behind <= reach || ties_as_alike {
                 found.push((own.clone(), id.clone()));
             }
         }
     }
-    found
+    Ok(found)
+}
+
+/// Whether an effect of a fitted set and one in its place change much the same: by their signatures about the baseline, or where they
+/// stand at their own fits. The baseline bends its soil to stand in for what it lacks, so that signatures there may differ more.
+///
+/// # Errors
+/// [`PredictionError`] where the model has no answer at a fit.
+pub(crate) fn are_alike(
+    search: &Search,
+    stage: &Stage,
+    set: &[String],
+    own: &str,
+    other: &str,
+) -> Result<bool, PredictionError> {
+    if stage.cosine(own, other) > ALIKE {
+        return Ok(true);
+    }
+    let residual = |effects: &[String]| match search.fits.get(effects) {
+        Some(fit) => search.whitened_residual(effects, &fit.values()).map(Some),
+        None => Ok(None),
+    };
+    let rest = without(set, own);
+    let (Some(rest), Some(own), Some(other)) = (residual(&rest)?, residual(set)?, residual(&swapped(set, own, other))?)
+    else {
+        return Ok(false);
+    };
+    let change = |fitted: &[f64]| -> Vec<f64> { fitted.iter().zip(&rest).map(|(a, b)| a - b).collect() };
+    let (own, other) = (change(&own), change(&other));
+    Ok(dot(&own, &other) > ALIKE * norm(&own) * norm(&other))
+}
+
+/// A set without one of its effects.
+fn without(effects: &[String], own: &str) -> Vec<String> {
+    effects.iter().filter(|id| *id != own).cloned().collect()
 }
 
 /// What the verdict needs to know of the final set.
@@ -270,7 +318,6 @@ fn told_apart(search: &Search, set: &[String], own: &str, other: &str) -> bool {
     if set.iter().any(|id| id == other) || search.fits.get(&in_place).is_none() {
         return false;
     }
-    let without: Vec<String> = set.iter().filter(|id| *id != own).cloned().collect();
-    let rest = search.net_gain(&without);
+    let rest = search.net_gain(&without(set, own));
     search.net_gain(&in_place) - rest < ALIKE * ALIKE * (search.net_gain(set) - rest)
 }

@@ -1,6 +1,9 @@
 //! One recorded run of a traverse, prepared for replays: no names are looked up in them.
 
+mod side_by_side;
 mod windows;
+
+pub(super) use side_by_side::{Variant, traced};
 
 use super::guide::Guide;
 use super::halt::Halt;
@@ -199,6 +202,17 @@ impl Recorded {
                 row[*column] = value;
             }
         });
+    }
+
+    /// How a trace differs from `own` by a change of `step`, per unit of it; where one of them has ended as at the last row that both
+    /// have reached.
+    pub fn slope(&self, own: &Traced<f64>, changed: &Traced<f64>, step: f64) -> Vec<f64> {
+        let mut slope: Vec<f64> = changed.values.iter().zip(&own.values).map(|(a, b)| (a - b) / step).collect();
+        let mut ended: Vec<Range<usize>> =
+            own.ended.iter().chain(&changed.ended).map(|(rows, _)| rows.clone()).collect();
+        ended.sort_by_key(|rows| rows.start);
+        ended.into_iter().for_each(|rows| self.stay(&mut slope, rows));
+        slope
     }
 
     /// Puts a trace where it was measured.

@@ -54,7 +54,7 @@ impl Recorded {
     }
 
     /// How a window begins.
-    fn state<S: Scalar>(
+    pub(super) fn state<S: Scalar>(
         &self,
         rover: &Rover<S>,
         x0: S,
@@ -88,7 +88,7 @@ impl Recorded {
     }
 
     /// Repeats the row before `rows`; where there is none, nothing is known.
-    fn stay<S: Scalar>(&self, trace: &mut [S], rows: Range<usize>) {
+    pub(super) fn stay<S: Scalar>(&self, trace: &mut [S], rows: Range<usize>) {
         for at in rows.start * self.traced..rows.end * self.traced {
             if at >= self.traced {
                 trace[at] = trace[at - self.traced];

@@ -4,6 +4,7 @@ mod place;
 mod plan;
 mod prediction;
 mod shapes;
+mod slopes;
 mod starts;
 mod variations;
 

@@ -1,15 +1,14 @@
 //! How a traverse depends on what is open of the starts of its windows.
 
 use super::prediction::TraversePrediction;
+use super::slopes::SHIFT;
 use crate::diagnosis::layout::Block;
 use crate::diagnosis::prediction::PredictionError;
-use crate::diagnosis::recorded::{Drives, Recorded};
+use crate::diagnosis::recorded::{Drives, Recorded, Traced, Variant, traced};
 use crate::diagnosis::windows::OPEN;
 use crate::diagnosis::windows::free::FreeStart;
 use crate::model::ControlKind;
 use crate::parallel::map_in_order;
-use crate::rover::Rover;
-use crate::scalar::Dual;
 
 impl TraversePrediction<'_> {
     /// How the modelled values depend on what is open of the starts of windows. The velocity is open where torques were
@@ -44,23 +43,23 @@ impl TraversePrediction<'_> {
     /// Derivatives of a run's signals in place and, where torques were commanded, velocity in which its windows begin; none where
     /// all of it is replayed as a whole.
     fn slopes_of_starts(&self, run: &Recorded, free: &[f64]) -> Result<Vec<Vec<f64>>, PredictionError> {
-        let Drives::Open(replay) = &run.drives else { return Ok(Vec::new()) };
-        if run.windows.is_empty() {
+        if run.windows.is_empty() || !matches!(run.drives, Drives::Open(_)) {
             return Ok(Vec::new());
         }
         let model = self.model(run, free)?;
         let numbers = if model.control.kind == ControlKind::Torque { OPEN } else { 1 };
-        // More derivatives than are asked for: a width of its own would be one more copy of the physics to compile.
-        let rover: Rover<Dual<8>> = model.rover.map(&Dual::from);
-        let open = |start: [f64; OPEN]| {
-            std::array::from_fn(|k| {
-                let value = Dual::<8>::from(start[k]);
-                if k < numbers { value.derivative(k) } else { value }
-            })
+        let shifted = |number: Option<usize>| {
+            let shift = std::array::from_fn(|k| if number == Some(k) { SHIFT } else { 0.0 });
+            Variant { shift, ..Variant::new(run, model.clone()) }
         };
-        let traced = run.windowed(replay, &rover, Dual::from(model.start.x0), &open, self.halt)?;
-        let slope = |value: &Dual<8>, k: usize| value.eps.0.map_or(0.0, |eps| eps[k]);
+        let variants: Vec<Variant> = [None].into_iter().chain((0..numbers).map(Some)).map(shifted).collect();
+        let mut all = traced(&variants, self.halt).into_iter();
+        let Some(own) = all.next() else { return Ok(Vec::new()) };
+        let own = own?;
         let finite = |x: f64| if x.is_finite() { x } else { 0.0 };
-        Ok((0..numbers).map(|k| traced.values.iter().map(|value| finite(slope(value, k))).collect()).collect())
+        let slope = |changed: Result<Traced<f64>, PredictionError>| {
+            Ok(run.slope(&own, &changed?, SHIFT).into_iter().map(finite).collect())
+        };
+        all.map(slope).collect()
     }
 }
