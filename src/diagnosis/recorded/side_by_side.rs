@@ -60,6 +60,8 @@ struct Piece<'a> {
     of: usize,
     variant: &'a Variant<'a>,
     replay: &'a Replay,
+    /// Which window of the run.
+    number: usize,
     window: &'a Window,
 }
 
@@ -74,16 +76,18 @@ struct Answer {
 pub(in crate::diagnosis) fn traced(variants: &[Variant], halt: Halt) -> Vec<Result<Traced<f64>, PredictionError>> {
     let pieces = grouped(variants);
     let answers = map_in_order(&pieces, |pieces| side_by_side(pieces, halt));
-    let mut by_variant: Vec<Vec<Result<Answer, PredictionError>>> = variants.iter().map(|_| Vec::new()).collect();
-    // Windows of a variant come back in their order, whatever batches they were in.
+    let mut by_variant: Vec<Vec<(usize, Result<Answer, PredictionError>)>> = Vec::new();
+    by_variant.resize_with(variants.len(), Vec::new);
     for (piece, answer) in pieces.iter().flatten().zip(answers.into_iter().flatten()) {
-        by_variant[piece.of].push(answer);
+        by_variant[piece.of].push((piece.number, answer));
     }
+    // Windows of a variant follow each other, whatever batches they were in.
+    by_variant.iter_mut().for_each(|answers| answers.sort_by_key(|(number, _)| *number));
     let alone: Vec<usize> = (0..variants.len()).filter(|k| by_variant[*k].is_empty()).collect();
     let mut others = map_in_order(&alone, |k| variants[*k].alone(halt)).into_iter();
-    let whole = |(variant, answers): (&Variant, Vec<Result<Answer, PredictionError>>)| {
+    let whole = |(variant, answers): (&Variant, Vec<(usize, Result<Answer, PredictionError>)>)| {
         let alone = if answers.is_empty() { others.next() } else { None };
-        alone.unwrap_or_else(|| joined(variant.run, answers))
+        alone.unwrap_or_else(|| joined(variant.run, answers.into_iter().map(|(_, answer)| answer)))
     };
     variants.iter().zip(by_variant).map(whole).collect()
 }
@@ -99,13 +103,13 @@ fn grouped<'a>(variants: &'a [Variant<'a>]) -> Vec<Vec<Piece<'a>>> {
         if known.is_none() {
             kinds.push((kind, step, Vec::new()));
         }
-        let pieces = variant.run.windows.iter().map(|window| Piece { of, variant, replay, window });
-        kinds[at].2.extend(pieces);
+        let windows = variant.run.windows.iter().enumerate();
+        kinds[at].2.extend(windows.map(|(number, window)| Piece { of, variant, replay, number, window }));
     }
     let mut batches = Vec::new();
     for (_, _, mut pieces) in kinds {
-        // Those that begin at the same row have the same commands: a batch stops for new ones less often.
-        pieces.sort_by_key(|piece| piece.window.begin);
+        // A batch is done when the longest of its windows is, and stops for new commands less often where these come at the same times.
+        pieces.sort_by_key(|piece| (piece.window.rows.end - piece.window.begin, piece.window.begin));
         while !pieces.is_empty() {
             let rest = pieces.split_off(pieces.len().min(MOST_LANES));
             batches.push(std::mem::replace(&mut pieces, rest));
@@ -115,7 +119,10 @@ fn grouped<'a>(variants: &'a [Variant<'a>]) -> Vec<Vec<Piece<'a>>> {
 }
 
 /// The whole of a variant from its windows.
-fn joined(run: &Recorded, answers: Vec<Result<Answer, PredictionError>>) -> Result<Traced<f64>, PredictionError> {
+fn joined(
+    run: &Recorded,
+    answers: impl Iterator<Item = Result<Answer, PredictionError>>,
+) -> Result<Traced<f64>, PredictionError> {
     let mut trace = vec![f64::NAN; run.time.len() * run.traced];
     let mut ended = Vec::new();
     for (window, answer) in run.windows.iter().zip(answers) {
