@@ -72,11 +72,14 @@ struct Answer {
     ended: Option<(usize, Event)>,
 }
 
+/// An answer and which window of its run it is of.
+type Numbered = (usize, Result<Answer, PredictionError>);
+
 /// What each variant gives.
 pub(in crate::diagnosis) fn traced(variants: &[Variant], halt: Halt) -> Vec<Result<Traced<f64>, PredictionError>> {
     let pieces = grouped(variants);
     let answers = map_in_order(&pieces, |pieces| side_by_side(pieces, halt));
-    let mut by_variant: Vec<Vec<(usize, Result<Answer, PredictionError>)>> = Vec::new();
+    let mut by_variant: Vec<Vec<Numbered>> = Vec::new();
     by_variant.resize_with(variants.len(), Vec::new);
     for (piece, answer) in pieces.iter().flatten().zip(answers.into_iter().flatten()) {
         by_variant[piece.of].push((piece.number, answer));
@@ -85,7 +88,7 @@ pub(in crate::diagnosis) fn traced(variants: &[Variant], halt: Halt) -> Vec<Resu
     by_variant.iter_mut().for_each(|answers| answers.sort_by_key(|(number, _)| *number));
     let alone: Vec<usize> = (0..variants.len()).filter(|k| by_variant[*k].is_empty()).collect();
     let mut others = map_in_order(&alone, |k| variants[*k].alone(halt)).into_iter();
-    let whole = |(variant, answers): (&Variant, Vec<(usize, Result<Answer, PredictionError>)>)| {
+    let whole = |(variant, answers): (&Variant, Vec<Numbered>)| {
         let alone = if answers.is_empty() { others.next() } else { None };
         alone.unwrap_or_else(|| joined(variant.run, answers.into_iter().map(|(_, answer)| answer)))
     };
