@@ -34,7 +34,8 @@ impl Kind {
         (!simulation.lags() && !own).then(|| Self::of_rover(simulation.rover(), run.drive()))
     }
 
-    /// The kind of a rover that is driven so, where it need not go on by itself.
+    /// The kind of a rover under this drive. Effects of the user's own and records that lag, which keep a run out of every group, are not
+    /// looked at.
     pub fn of_rover(rover: &Rover, drive: Drive) -> Self {
         let mut neutral = Vec::new();
         rover.motor.values(&mut |x| neutral.push([x == 0.0, x == 1.0]));

@@ -3,7 +3,7 @@
 #[cfg(target_arch = "x86_64")]
 use crate::scalar::{Arch, Avx2, Avx512};
 
-/// Whether kernels besides the one of this target's feature `batch` are built in.
+/// Whether the kernels that only the feature `every-kernel` adds are built in.
 const EVERY: bool = cfg!(feature = "every-kernel");
 
 /// How many runs are stepped at once, and with which instructions. A choice of speed alone: the bits are the same.

@@ -270,7 +270,8 @@ impl<R: Plain> Displacement<R> {
         self.passes([0.0], mask)
     }
 
-    /// The same and the places where the shear has built up.
+    /// The ends of the zones and the places where j/K passes zero, [`BUILT_UP`] or its negative: the cuts of a shear that builds up
+    /// within a small part of the contact.
     fn quick_changes(&self, mask: R::Mask) -> [R; 12] {
         self.passes([0.0, BUILT_UP, -BUILT_UP], mask)
     }

@@ -124,7 +124,7 @@ impl PredictionError {
 pub enum Derivatives {
     /// By forward-mode differentiation through the model.
     Exact,
-    /// By differences: some run is driven by a feedback loop, or cut into windows.
+    /// By differences, in part or all: some run is driven by a feedback loop, or cut into windows.
     Differences,
 }
 

@@ -50,7 +50,7 @@ pub(super) type Slopes = ((Vec<f64>, Vec<Vec<f64>>), Vec<Unanswered>);
 type Changes = Vec<(usize, f64)>;
 
 impl TraversePrediction<'_> {
-    /// The changes of each run; `None` for a run that does not go side by side.
+    /// By how much each free parameter is changed for its difference, run by run; `None` for a run whose windows do not go side by side.
     fn changes(&self, free: &[f64]) -> Result<Vec<Option<Changes>>, PredictionError> {
         let of_run = |run: &Recorded| {
             if !Variant::new(run, self.model(run, free)?).is_separable() {
@@ -200,7 +200,7 @@ mod tests {
     /// a torque turns round, the curvature over a difference is 2e-4.
     const CURVED: f64 = 5e-4;
 
-    /// A drive of 20 s over waves, `steep` ones stop the rover.
+    /// A drive of 20 s over waves of 3 cm, or of 25 cm where they are `steep`.
     fn run(k: usize, drive: &str, steep: bool) -> Run {
         let commands = [1, 2].map(|wheel| format!("wheel[{wheel}].{drive}"));
         let measured = ["x", "velocity", "pitch", "wheel[1].torque", "wheel[2].sinkage"];
