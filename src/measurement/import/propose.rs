@@ -8,6 +8,7 @@ use super::entry::{Entry, To};
 use super::survey::{FoundColumn, Survey};
 use super::wheels::{USUAL_WHEELS, of_all};
 use super::{Plan, ranges};
+use std::collections::BTreeMap;
 
 /// A column that is left out and has no more different values than this may tell rows apart that do not belong together.
 const FEW: usize = 10;
@@ -17,7 +18,13 @@ const LABEL: usize = 24;
 
 /// What becomes of all columns.
 pub(super) fn plan(survey: &Survey, kind: Kind) -> Plan {
-    let mut plan = Plan { entries: Vec::new(), ignored: Vec::new(), unsure: Vec::new(), missing: Vec::new() };
+    let mut plan = Plan {
+        entries: Vec::new(),
+        ignored: Vec::new(),
+        unsure: Vec::new(),
+        missing: Vec::new(),
+        filled: BTreeMap::new(),
+    };
     let mut found: Vec<(&FoundColumn, Entry)> = Vec::new();
     for column in &survey.columns {
         match entry(survey, column, kind) {
