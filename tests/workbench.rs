@@ -111,10 +111,11 @@ fn property_what_cannot_be_set_is_refused() {
 fn property_an_effect_has_a_strength_at_which_it_shows() {
     let bench = Workbench::open(Given::default(), &sand()).unwrap();
     let all = bench.parameters();
-    let of_effects = || all.iter().filter(|parameter| parameter.effect.is_some());
-    assert!(of_effects().count() > 15);
-    for parameter in of_effects() {
-        let variable = &parameter.variable;
-        assert!(variable.allows(parameter.typical) && parameter.typical != parameter.start, "{}", variable.name);
+    let mut shown = BTreeMap::new();
+    for parameter in all.iter().filter(|parameter| parameter.effect.is_some()) {
+        assert!(parameter.variable.allows(parameter.typical), "{}", parameter.variable.name);
+        // A place or a rate of an effect may keep its value.
+        *shown.entry(&parameter.effect).or_insert(false) |= parameter.typical != parameter.start;
     }
+    assert!(shown.len() > 15 && shown.values().all(|shown| *shown), "{shown:?}");
 }

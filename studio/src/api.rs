@@ -205,9 +205,12 @@ async fn export(State(shared): State<Shared>, Path(id): Path<String>, body: Byte
                 let pack = fmu.ok_or_else(|| Refusal::missing("packer of FMUs in this program"))?;
                 ("application/octet-stream", "fmu", pack(&workbench.model(&asked.values)?).map_err(Refusal::bad)?)
             }
-            What::Report => ("text/html; charset=utf-8", "html", report(&bench, &workbench, &asked.values)?.into_bytes()),
+            What::Report => {
+                ("text/html; charset=utf-8", "html", report(&bench, &workbench, &asked.values)?.into_bytes())
+            }
             What::Diagnosis => {
-                let diagnosis = bench.diagnosis().ok_or_else(|| Refusal::missing("diagnosis yet: rank the effects first"))?;
+                let diagnosis =
+                    bench.diagnosis().ok_or_else(|| Refusal::missing("diagnosis yet: rank the effects first"))?;
                 ("text/html; charset=utf-8", "html", diagnosis_page(&diagnosis).into_bytes())
             }
         })

@@ -94,7 +94,8 @@ impl Bench {
         let Opened { experiment, given, example } = opened;
         let workbench = Workbench::open(&given, &experiment)?;
         let rmse = workbench.trial(&Values::new(), false)?.fit.rmse;
-        let first = Step { label: "as given".to_owned(), parent: None, effects: Vec::new(), values: Values::new(), rmse };
+        let first =
+            Step { label: "as given".to_owned(), parent: None, effects: Vec::new(), values: Values::new(), rmse };
         Ok(Self {
             id,
             example,

@@ -64,12 +64,16 @@ impl Guard {
     /// Whether a request comes from the page of this server: browsers say the origin with everything that changes something.
     fn knows_origin(&self, headers: &HeaderMap) -> bool {
         let site = headers.get("sec-fetch-site").and_then(|site| site.to_str().ok());
-        if matches!(site, Some("cross-site" | "same-site")) && headers.get("sec-fetch-mode").is_none_or(|mode| mode != "navigate") {
+        if matches!(site, Some("cross-site" | "same-site"))
+            && headers.get("sec-fetch-mode").is_none_or(|mode| mode != "navigate")
+        {
             return false;
         }
         let Some(origin) = headers.get(ORIGIN) else { return true };
         let host = origin.to_str().ok().and_then(|origin| origin.strip_prefix("http://"));
-        host.is_some_and(|host| self.knows_host(host) && headers.get(HOST).and_then(|own| own.to_str().ok()) == Some(host))
+        host.is_some_and(|host| {
+            self.knows_host(host) && headers.get(HOST).and_then(|own| own.to_str().ok()) == Some(host)
+        })
     }
 
     fn check(&self, headers: &HeaderMap) -> Result<(), Refusal> {
@@ -85,7 +89,9 @@ impl Guard {
 
     /// Whether the token is missing.
     fn locks_out(&self, headers: &HeaderMap) -> bool {
-        self.token.as_ref().is_some_and(|token| !cookies(headers).any(|(name, value)| name == TOKEN && same(value, token)))
+        self.token
+            .as_ref()
+            .is_some_and(|token| !cookies(headers).any(|(name, value)| name == TOKEN && same(value, token)))
     }
 
     /// The way on for a browser that shows the token in the address: the cookie, and the address without the token.
@@ -153,7 +159,9 @@ mod tests {
         for host in ["127.0.0.1:8137", "localhost:8137", "LOCALHOST:8137", "[::1]:8137"] {
             assert!(local.knows_host(host), "{host}");
         }
-        for host in ["evil.example:8137", "localhost:80", "localhost", "127.0.0.1.evil.example:8137", "10.0.0.1:8137", ""] {
+        for host in
+            ["evil.example:8137", "localhost:80", "localhost", "127.0.0.1.evil.example:8137", "10.0.0.1:8137", ""]
+        {
             assert!(!local.knows_host(host), "{host}");
         }
         let open = guard("0.0.0.0:8137");

@@ -1,9 +1,11 @@
 //! What the page is sent: measurements, models and findings as JSON. Numbers that are not finite are null.
 
 use crate::bench::Bench;
-use bekker::diagnosis::{Adjustable, Axis, CalibratedParameter, Curves, Diagnosis, Failure, Motion, Trial, Workbench, levels};
-use bekker::effects::EFFECTS;
-use bekker::measurement::{Experiment, Run, Table};
+use bekker::diagnosis::{
+    Adjustable, Axis, CalibratedParameter, Curves, Diagnosis, Failure, Motion, Trial, Workbench, levels,
+};
+use bekker::effects::{EFFECTS, Effects};
+use bekker::measurement::{Experiment, Kind, Run, Table};
 use bekker::report::{column_for_people, parameter_for_people};
 use serde::ser::SerializeSeq;
 use serde::{Serialize, Serializer};
@@ -44,9 +46,10 @@ pub fn experiment(bench: &Bench) -> Value {
     let signals = experiment.signals();
     let mut columns: BTreeSet<&str> = signals.iter().map(String::as_str).collect();
     columns.extend(experiment.runs.iter().flat_map(|run| run.data.names().iter().map(String::as_str)));
-    let floors = workbench.noise_floor().iter().map(|(signal, floor)| {
-        (signal.clone(), json!({ "value": floor.value(), "source": floor.source().name() }))
-    });
+    let floors = workbench
+        .noise_floor()
+        .iter()
+        .map(|(signal, floor)| (signal.clone(), json!({ "value": floor.value(), "source": floor.source().name() })));
     json!({
         "id": bench.id,
         "name": experiment.name,
@@ -97,9 +100,9 @@ fn run(run: &Run) -> Value {
 fn adjustable(workbench: &Workbench, parameter: &Adjustable) -> Value {
     let variable = &parameter.variable;
     let people = parameter_for_people(variable);
-    let fitted = workbench.baseline().and_then(|found| {
-        found.calibration.parameters.iter().find(|fitted| fitted.variable.name == variable.name)
-    });
+    let fitted = workbench
+        .baseline()
+        .and_then(|found| found.calibration.parameters.iter().find(|fitted| fitted.variable.name == variable.name));
     json!({
         "name": variable.name,
         "about": variable.doc,
@@ -136,17 +139,29 @@ fn effects(workbench: &Workbench) -> Vec<Value> {
         let listed = EFFECTS.iter().find(|(known, _)| known == id).map(|(_, about)| (*about).trim().to_owned());
         listed.or_else(|| own.iter().find(|own| own.id == *id).map(|own| own.about.clone())).unwrap_or_default()
     };
-    ids.iter().map(|id| json!({ "id": id, "about": about(id) })).collect()
+    let on_carriage = workbench.experiment().kind == Kind::SingleWheel;
+    let library = Effects::<f64>::default();
+    // An effect without facts, the user's own, may show anywhere.
+    let shows = |id: &str| !on_carriage || library.facts_of(id).is_none_or(|facts| !facts.seen_on_carriage.is_empty());
+    ids.iter().map(|id| json!({ "id": id, "about": about(id), "shows": shows(id) })).collect()
 }
 
 /// A model beside the measurements.
 pub fn trial(trial: &Trial, curves: Option<&Curves>, experiment: &Experiment) -> Value {
     let runs = trial.fit.runs.iter().map(|run| {
-        run.signals.iter().map(|fit| (fit.signal.clone(), json!({
-            "modelled": plotted(&fit.modelled),
-            // Rows that do not count have no residual.
-            "residual": plotted(&fit.residual),
-        }))).collect::<Map<_, _>>()
+        run.signals
+            .iter()
+            .map(|fit| {
+                (
+                    fit.signal.clone(),
+                    json!({
+                        "modelled": plotted(&fit.modelled),
+                        // Rows that do not count have no residual.
+                        "residual": plotted(&fit.residual),
+                    }),
+                )
+            })
+            .collect::<Map<_, _>>()
     });
     json!({
         "rmse": trial.fit.rmse,

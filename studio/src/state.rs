@@ -56,7 +56,8 @@ impl Studio {
 
     /// A short name for an address: letters and digits of the experiment's own.
     fn free_id(&self, name: &str) -> String {
-        let plain: String = name.to_lowercase().chars().map(|c| if c.is_ascii_alphanumeric() { c } else { ' ' }).collect();
+        let plain: String =
+            name.to_lowercase().chars().map(|c| if c.is_ascii_alphanumeric() { c } else { ' ' }).collect();
         let plain = plain.split_whitespace().take(6).collect::<Vec<_>>().join("-");
         let plain = if plain.is_empty() { "experiment".to_owned() } else { plain };
         let numbered = |k: usize| if k == 1 { plain.clone() } else { format!("{plain}-{k}") };

@@ -70,7 +70,9 @@ impl Uploads {
         let before = upload.texts.get(&name).map_or(0, String::len);
         if upload.size - before + bytes.len() > limit {
             let limit = limit >> 20;
-            return Err(Refusal::too_large(format!("`{name}`: an upload may hold {limit} MB; start `bekker studio` with the folder")));
+            return Err(Refusal::too_large(format!(
+                "`{name}`: an upload may hold {limit} MB; start `bekker studio` with the folder"
+            )));
         }
         if upload.texts.len() >= MOST_FILES && before == 0 {
             return Err(Refusal::too_large(format!("an upload may hold {MOST_FILES} files")));
@@ -108,8 +110,12 @@ impl Upload {
     /// What is proposed for the columns of the files.
     pub fn proposal(&mut self, kind: Option<Kind>) -> Result<&mut Proposal, Refusal> {
         if self.proposal.as_ref().is_none_or(|known| kind.is_some_and(|kind| kind != known.kind)) {
-            let tables: Vec<(PathBuf, String)> =
-                self.texts.iter().filter(|(name, _)| *name != SETTINGS).map(|(name, text)| (name.into(), text.clone())).collect();
+            let tables: Vec<(PathBuf, String)> = self
+                .texts
+                .iter()
+                .filter(|(name, _)| *name != SETTINGS)
+                .map(|(name, text)| (name.into(), text.clone()))
+                .collect();
             self.proposal = Some(Proposal::of_texts(&tables, kind).map_err(Refusal::bad)?);
         }
         self.proposal.as_mut().ok_or_else(|| Refusal::missing("proposal"))
@@ -137,7 +143,13 @@ impl Upload {
         let mut texts = self.texts.clone();
         if let Some(proposal) = &self.proposal {
             // The settings name the files as the proposal does.
-            texts = self.texts.values().cloned().zip(proposal.names()).map(|(text, name)| (name.to_owned(), text)).collect();
+            texts = self
+                .texts
+                .values()
+                .cloned()
+                .zip(proposal.names())
+                .map(|(text, name)| (name.to_owned(), text))
+                .collect();
         }
         if let Some(settings) = settings {
             texts.insert(SETTINGS.to_owned(), settings.to_owned());
@@ -149,7 +161,8 @@ impl Upload {
 
     /// The model that an experiment names: built in, or among the files.
     fn model(&self, experiment: &Experiment) -> Result<Given, Refusal> {
-        let Some(name) = experiment.model.as_deref().filter(|name| PRESETS.iter().all(|(preset, _)| preset != name)) else {
+        let Some(name) = experiment.model.as_deref().filter(|name| PRESETS.iter().all(|(preset, _)| preset != name))
+        else {
             return Ok(Given::default());
         };
         let text = self.texts.get(name).ok_or_else(|| {
@@ -159,7 +172,9 @@ impl Upload {
         let table: toml::Table = text.parse().map_err(|error| failed(&error))?;
         // A model's own ground is a file beside it, which could be any of this machine; the runs have theirs.
         if table.get("terrain").and_then(|terrain| terrain.get("file")).is_some() {
-            return Err(failed(&"`file` under [terrain] is not read from an upload; leave it out: the ground is that of the runs"));
+            return Err(failed(
+                &"`file` under [terrain] is not read from an upload; leave it out: the ground is that of the runs",
+            ));
         }
         let model = Model::from_toml(text, None).map_err(|error| Refusal::bad(format!("`{name}`: {error}")))?;
         Ok(Given::again(model, true, BTreeMap::new()))

@@ -44,8 +44,10 @@ fn property_a_whole_diagnosis_by_hand() {
     let order = json!({ "kind": "fit", "effects": ["slip_sinkage"], "values": step["values"] });
     assert_eq!(running.post(&format!("{EXAMPLE}/jobs"), &order).status, 200);
     let with_it = |found: &Value| found["effects"] == json!(["slip_sinkage"]);
-    let in_snapshot = |data: &Value| data["found"].as_array().and_then(|all| all.iter().find(|found| with_it(found)).cloned());
-    let found = running.event(|name, data| (name == "fit" && with_it(data)) || (name == "snapshot" && in_snapshot(data).is_some()));
+    let in_snapshot =
+        |data: &Value| data["found"].as_array().and_then(|all| all.iter().find(|found| with_it(found)).cloned());
+    let found = running
+        .event(|name, data| (name == "fit" && with_it(data)) || (name == "snapshot" && in_snapshot(data).is_some()));
     let found = in_snapshot(&found).unwrap_or(found);
     let accepted = running.post(
         &format!("{EXAMPLE}/steps"),
@@ -54,7 +56,8 @@ fn property_a_whole_diagnosis_by_hand() {
     assert_eq!(accepted.json()["at"], 2);
     // Another tab, or one that comes back, is told all of it.
     let snapshot = running.event(|name, _| name == "snapshot");
-    let (before, after) = (&snapshot["steps"][1]["rmse"]["drawbar_pull"], &snapshot["steps"][2]["rmse"]["drawbar_pull"]);
+    let (before, after) =
+        (&snapshot["steps"][1]["rmse"]["drawbar_pull"], &snapshot["steps"][2]["rmse"]["drawbar_pull"]);
     assert!(after.as_f64().unwrap() < 0.7 * before.as_f64().unwrap(), "{before} {after}");
     let saved = running.post(&format!("{EXAMPLE}/export"), &json!({ "what": "toml", "values": found["values"] }));
     assert!(saved.head.contains("filename=\"a-wheel-on-dry-sand.toml\""), "{}", saved.head);
@@ -112,7 +115,8 @@ fn property_columns_are_mapped_by_choosing() {
     assert_eq!(running.ask("PUT", &at("files?path=Lauf%201.csv"), "", csv.as_bytes()).status, 200);
     let proposal = running.post(&at("proposal"), &json!({ "kind": "single_wheel" })).json();
     assert_eq!(proposal["ready"], false);
-    let names: Vec<&str> = proposal["columns"].as_array().unwrap().iter().map(|c| c["name"].as_str().unwrap()).collect();
+    let names: Vec<&str> =
+        proposal["columns"].as_array().unwrap().iter().map(|c| c["name"].as_str().unwrap()).collect();
     assert_eq!(names, ["W [N]", "Schlupf", "omega", "DP [N]", "z mm", "remark"]);
     let choices = json!({ "columns": {
         "W [N]": { "target": "load", "unit": "N" }, "Schlupf": { "target": "slip" }, "omega": { "target": "wheel_speed" },
@@ -128,5 +132,6 @@ fn property_columns_are_mapped_by_choosing() {
     assert_eq!(opened.status, 200, "{:?}", String::from_utf8_lossy(&opened.body));
     let id = opened.json()["id"].as_str().unwrap().to_owned();
     let shown = running.get(&format!("/api/experiments/{id}")).json();
-    assert_eq!(shown["runs"][0]["data"]["sinkage"], json!([0.009, 0.01, 0.011]));
+    let sinkages = shown["runs"][0]["data"]["sinkage"].as_array().unwrap().iter().map(|z| 1e3 * z.as_f64().unwrap());
+    assert_eq!(sinkages.map(|z| format!("{z:.6}")).collect::<Vec<_>>(), ["9.000000", "10.000000", "11.000000"], "in mm");
 }

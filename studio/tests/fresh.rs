@@ -34,12 +34,19 @@ fn fingerprint() -> String {
 #[test]
 fn property_the_built_page_is_that_of_its_sources() {
     let built = fs::read_to_string(page().join("built/sources")).unwrap();
-    assert_eq!(built, fingerprint(), "the page has changed since it was built: in studio/page run `npm ci && npm run build`");
+    assert_eq!(
+        built,
+        fingerprint(),
+        "the page has changed since it was built: in studio/page run `npm ci && npm run build`"
+    );
 }
 
 #[test]
 fn property_the_page_is_small() {
-    let size: u64 = ["index.html", "page.js", "page.css"].iter().map(|name| fs::metadata(page().join("built").join(name)).unwrap().len()).sum();
+    let size: u64 = ["index.html", "page.js", "page.css"]
+        .iter()
+        .map(|name| fs::metadata(page().join("built").join(name)).unwrap().len())
+        .sum();
     // It is embedded in the program and, later, in saved reports.
     assert!(size < 300_000, "{size} bytes");
 }

@@ -23,7 +23,10 @@ fn property_other_hosts_and_other_pages_are_refused() {
         let answer = running.ask("POST", "/api/uploads", &format!("Origin: {origin}\r\n"), b"");
         assert_eq!(answer.status, 403, "{origin}");
     }
-    assert_eq!(running.ask("GET", EXAMPLE, "Sec-Fetch-Site: cross-site\r\nSec-Fetch-Mode: no-cors\r\n", b"").status, 403);
+    assert_eq!(
+        running.ask("GET", EXAMPLE, "Sec-Fetch-Site: cross-site\r\nSec-Fetch-Mode: no-cors\r\n", b"").status,
+        403
+    );
     let own = format!("Origin: http://127.0.0.1:{port}\r\n");
     assert_eq!(running.ask("POST", "/api/uploads", &own, b"").status, 200);
     let named = format!("Host: localhost:{port}\r\nOrigin: http://localhost:{port}\r\n");
@@ -53,11 +56,16 @@ fn property_the_page_may_load_nothing_from_elsewhere() {
     for path in ["/", "/page.js", "/page.css"] {
         let answer = running.get(path);
         assert_eq!(answer.status, 200, "{path}");
-        assert!(answer.head.contains("content-security-policy: default-src 'none'; script-src 'self'"), "{}", answer.head);
+        assert!(
+            answer.head.contains("content-security-policy: default-src 'none'; script-src 'self'"),
+            "{}",
+            answer.head
+        );
         let text = String::from_utf8(answer.body).unwrap();
         let elsewhere = text.split("http").skip(1).map(|rest| rest.chars().take(40).collect::<String>());
         // Names of namespaces are no addresses that are loaded.
-        let strange: Vec<String> = elsewhere.filter(|rest| rest.contains("://") && !rest.contains("www.w3.org")).collect();
+        let strange: Vec<String> =
+            elsewhere.filter(|rest| rest.contains("://") && !rest.contains("www.w3.org")).collect();
         assert!(strange.is_empty(), "{path}: {strange:?}");
     }
 }

@@ -164,13 +164,7 @@ enum Ends {
 }
 
 /// Curves over one input; `None` where it was not varied.
-fn over(
-    problem: &Problem,
-    rows: &[Row],
-    axis: Axis,
-    models: &[(Option<usize>, Values)],
-    ends: Ends,
-) -> Option<Curves> {
+fn over(problem: &Problem, rows: &[Row], axis: Axis, models: &[(Option<usize>, Values)], ends: Ends) -> Option<Curves> {
     let held = held(rows);
     let groups = groups(problem, rows, axis, held);
     let axis_varies = groups.iter().any(|group| varies(&group.rows, axis));

@@ -5,6 +5,7 @@ use super::super::mapping::Factor;
 use super::super::suggestion;
 use super::super::vocabulary::{alike, parameter};
 use super::entry::{Entry, To};
+use super::propose::missing;
 use super::{ImportError, Proposal};
 use serde::{Deserialize, Serialize};
 
@@ -137,6 +138,9 @@ impl Proposal {
                 self.plan.ignored.push((column.to_owned(), "left out by hand".to_owned()));
             }
         }
+        let of = |name: &String| self.survey.columns.iter().find(|column| column.name == *name);
+        let found = self.plan.entries.iter().filter_map(|(name, entry)| Some((of(name)?, entry.clone())));
+        self.plan.missing = missing(self.kind, &found.collect::<Vec<_>>());
         self.tell();
         Ok(())
     }

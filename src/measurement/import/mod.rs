@@ -107,7 +107,8 @@ impl Proposal {
 
     /// Writes down what the plan says.
     fn tell(&mut self) {
-        self.settings = text::settings(&self.survey, self.kind, &self.plan, self.files.iter().map(|(_, copy)| copy.as_str()));
+        self.settings =
+            text::settings(&self.survey, self.kind, &self.plan, self.files.iter().map(|(_, copy)| copy.as_str()));
         self.unsure.clone_from(&self.plan.unsure);
         let open = |missing: &&String| !self.plan.filled.keys().any(|name| missing.contains(name.as_str()));
         self.missing = self.plan.missing.iter().filter(open).cloned().collect();

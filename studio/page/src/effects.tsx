@@ -109,7 +109,9 @@ export function Effects() {
   const most = Math.max(1, ...[...gains.values()].map((gain) => gain ?? 0));
   const rank = (id: string) => (view.on.includes(id) ? Number.POSITIVE_INFINITY : (gains.get(id) ?? -1));
   // While a person moves a strength its row stays where it is: the order follows the gains only.
-  const sorted = [...experiment.effects].sort((p, q) => rank(q.id) - rank(p.id));
+  const sorted = experiment.effects.filter(({ id, shows }) => shows || view.on.includes(id)).sort((p, q) => rank(q.id) - rank(p.id));
+  const hidden = experiment.effects.filter(({ shows }) => !shows);
+  const unseen = (diagnosis?.invisible ?? []).filter((id) => !hidden.some((one) => one.id === id));
   const searching = jobs.has("rank");
   const shown = [...gains.values()].some((gain) => gain !== null);
   const best = [...gains.entries()].sort((p, q) => (q[1] ?? 0) - (p[1] ?? 0))[0]?.[0];
@@ -127,9 +129,13 @@ export function Effects() {
           <Effect key={id} id={id} about={about} gain={gains.get(id) ?? null} most={most} best={id === best} />
         ))}
       </ul>
-      {diagnosis && diagnosis.invisible.length > 0 && (
-        <p class="hint">This experiment cannot see: {diagnosis.invisible.map(spoken).join(", ")}.</p>
+      {hidden.length > 0 && (
+        <details>
+          <summary class="hint">{hidden.length} effects that cannot show in such an experiment</summary>
+          <p class="hint">{hidden.map(({ id }) => spoken(id)).join(", ")}</p>
+        </details>
       )}
+      {unseen.length > 0 && <p class="hint">The search has found no trace of: {unseen.map(spoken).join(", ")}.</p>}
     </section>
   );
 }

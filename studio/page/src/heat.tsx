@@ -78,9 +78,9 @@ function Map({ experiment, trial, signal, x, y }: { experiment: Experiment; tria
   const known = experiment.noise[signal]?.value != null;
   return (
     <>
-      <div class="scroll" tabIndex={0}>
-        <table class="heat">
-          <caption>Mean of measured less modelled {shown.name}, in multiples of {known ? "the noise of one measurement" : "its usual error (noise unknown)"}</caption>
+      <p class="hint" id="heat">Mean of measured less modelled {shown.name}, in multiples of {known ? "the noise of one measurement" : "its usual error (noise unknown)"}</p>
+      <div class="scroll" tabIndex={0} role="region" aria-labelledby="heat">
+        <table class="heat" aria-labelledby="heat">
           <thead>
             <tr>
               <th scope="col">{y.people.name}{y.people.unit && `, ${y.people.unit}`} ↓ {x.people.name}{x.people.unit && `, ${x.people.unit}`} →</th>

@@ -76,7 +76,7 @@ function best(): string | null {
 
 /** What to do now, always one thing. */
 export function Guide() {
-  const { experiment, trial, jobs, diagnosis, view, listed: server } = useStore();
+  const { experiment, trial, jobs, diagnosis, view } = useStore();
   if (!experiment || !trial) return <section class="card guide" aria-live="polite"><p>Reading the experiment…</p></section>;
   const now = store.overall(trial.rmse);
   const step = store.step;
@@ -158,7 +158,6 @@ export function Guide() {
         <p class="hint">Example: a wheel on sand, measured at three loads and two speeds. Its model lacks one physical effect. Which?</p>
       )}
       {content}
-      {!server?.fmu && null}
     </section>
   );
 }
@@ -231,7 +230,7 @@ export function Next() {
       {separation && (
         <>
           <p>What this experiment can tell apart, as it is:</p>
-          <div class="scroll" tabIndex={0}>
+          <div class="scroll" tabIndex={0} role="region" aria-label="What can be told apart">
             <table>
               <thead><tr><th scope="col">effect</th><th scope="col">not absorbed by calibration</th><th scope="col">smallest strength that would be found</th></tr></thead>
               <tbody>

@@ -79,12 +79,12 @@ function Carriage({ experiment, trial }: { experiment: Experiment; trial: Trial 
   const modelled = (name: string) => trial.runs[index]?.[name]?.modelled[row] ?? null;
   const radius = experiment.wheel.radius ?? 0.1;
   const scale = 68 / radius;
-  const ground = 128;
+  const ground = 152;
   const centre = (sinkage: number): Point => [WIDTH / 2, ground - (radius - sinkage) * scale];
   const [own, ghost] = [modelled("sinkage"), measured("sinkage")];
   const sunk = own ?? ghost ?? 0;
   const rut = Math.max(0, sunk) * scale;
-  const force = (measured("load") ?? 1) / 90;
+  const force = (measured("load") ?? 1) / 180;
   const arrow = (value: number | null, y: number, kind: string) =>
     value === null ? null : <line class={`arrow ${kind}`} x1={WIDTH / 2} y1={y} x2={WIDTH / 2 + value / force} y2={y} marker-end={`url(#tip-${kind})`} />;
   const facts = ["load", "slip", "wheel_speed"].map((name) => `${column(experiment, name).name} ${quantity(measured(name), column(experiment, name))}`);

@@ -52,7 +52,8 @@ export interface Experiment {
   runs: Run[];
   noise: Record<string, { value: number | null; source: string }>;
   parameters: Parameter[];
-  effects: { id: string; about: string }[];
+  /** `shows` is whether the effect can change anything in this kind of experiment. */
+  effects: { id: string; about: string; shows: boolean }[];
   calibration: { chi_square: number; degrees_of_freedom: number; searches: number; agreeing: number; cautions: string[] } | null;
   doubts: string[];
   sources: string[];

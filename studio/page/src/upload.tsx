@@ -165,7 +165,7 @@ function Mapping({ proposal, settings, onSettings, onChange, onOpen }: MappingPr
       </div>
       {open.filter(({ number }) => !number).map(({ missing }) => <p key={missing} class="hint">Missing: {missing}</p>)}
       <datalist id="targets">{proposal.targets.map(([name]) => <option key={name} value={name.replace("[k]", "[1]")} />)}</datalist>
-      <div class="scroll" tabIndex={0}>
+      <div class="scroll" tabIndex={0} role="region" aria-label="Columns of the files">
         <table>
           <thead><tr><th scope="col">column</th><th scope="col">values</th><th scope="col">signal</th><th scope="col">unit</th><th scope="col">turn sign</th><th scope="col">note</th></tr></thead>
           <tbody>

@@ -10,7 +10,7 @@ import os
 import re
 import shutil
 import subprocess
-import tomllib
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -61,13 +61,21 @@ def opened(browser: Any, address: str, **options: Any) -> Any:
     page.on("pageerror", lambda error: page.strange.append(str(error)))
     page.on("request", lambda request: request.url.startswith((address.split("?")[0], "data:", "blob:")) or page.strange.append(request.url))
     page.goto(address)
-    page.wait_for_function("window.bekker?.experiment?.calibration && window.bekker.trial && window.bekker.view.at === 1", timeout=PATIENCE)
+    until(page, "window.bekker?.experiment?.calibration && window.bekker.trial && window.bekker.view.at === 1")
     return page
 
 
 def violations(page: Any) -> list[str]:
     results = axe.Axe().run(page, options=RULES).response
     return [f"{one['id']}: {one['help']}: {[node['target'] for node in one['nodes']][:3]}" for one in results["violations"]]
+
+
+def until(page: Any, condition: str) -> None:
+    """Waits for a condition. Playwright's own way evaluates text in the page, which the page's policy forbids."""
+    end = time.monotonic() + PATIENCE / 1000
+    while not page.evaluate(f"Boolean({condition})"):
+        assert time.monotonic() < end, condition
+        time.sleep(0.05)
 
 
 def overall(page: Any) -> float:
@@ -83,8 +91,8 @@ def test_a_newcomer_finds_the_missing_effect_by_the_buttons_alone(browser: Any, 
     page.get_by_role("button", name="Find what is missing").click()
     # Open circles fill in; the best effect can be tried before the search has ended.
     page.get_by_role("button", name="Try slip sinkage").click(timeout=PATIENCE)
-    page.wait_for_function("!window.bekker.jobs.has('fit')", timeout=PATIENCE)
-    page.wait_for_function(f"window.bekker.overall(window.bekker.trial.rmse) < {before}", timeout=PATIENCE)
+    until(page, "!window.bekker.jobs.has('fit')")
+    until(page, f"window.bekker.overall(window.bekker.trial.rmse) < {before}")
     page.get_by_role("button", name="Accept slip sinkage").click()
     page.get_by_text("Only noise is left: the model has slip sinkage").wait_for(timeout=PATIENCE)
     assert overall(page) < 1.25
@@ -103,7 +111,8 @@ def test_a_newcomer_finds_the_missing_effect_by_the_buttons_alone(browser: Any, 
         page.get_by_role("button", name="Save model (TOML)").first.click()
     saved = tmp_path / "model.toml"
     download.value.save_as(saved)
-    assert tomllib.loads(saved.read_text())["parameters"]["slip_sinkage"]["rate"] > 0.1
+    strength = re.search(r"slip_sinkage\.n1\W+([\d.]+)", saved.read_text())
+    assert strength and float(strength.group(1)) > 0.2
     with page.expect_download() as download:
         page.get_by_role("button", name="Save report").first.click()
     assert download.value.suggested_filename.endswith(".html")
@@ -115,17 +124,17 @@ def test_toggle_slider_and_undo(browser: Any, address: str) -> None:
     before = overall(page)
     toggle = page.get_by_role("switch", name="coulomb friction")
     toggle.click()
-    page.wait_for_function("window.bekker.times.length > 0", timeout=PATIENCE)
+    until(page, "window.bekker.times.length > 0")
     assert "on=coulomb_friction" in page.url
-    page.wait_for_function("!window.bekker.jobs.has('fit')", timeout=PATIENCE)
+    until(page, "!window.bekker.jobs.has('fit')")
     slider = page.get_by_role("slider", name="torque")
     slider.focus()
     for _ in range(5):
         page.keyboard.press("ArrowRight")
-    page.wait_for_function("window.bekker.times.some((time) => time.what === 'slider')", timeout=PATIENCE)
+    until(page, "window.bekker.times.some((time) => time.what === 'slider')")
     page.get_by_role("button", name="Undo").click()
-    page.wait_for_function("window.bekker.view.on.length === 0", timeout=PATIENCE)
-    page.wait_for_function(f"Math.abs(window.bekker.overall(window.bekker.trial.rmse) - {before}) < 1e-9", timeout=PATIENCE)
+    until(page, "window.bekker.view.on.length === 0")
+    until(page, f"Math.abs(window.bekker.overall(window.bekker.trial.rmse) - {before}) < 1e-9")
     assert not toggle.is_checked()
     assert page.strange == []
     print("times in ms:", page.evaluate("window.bekker.times"))
@@ -138,7 +147,7 @@ def test_no_violation_of_the_rules_of_accessibility(browser: Any, address: str, 
     assert violations(page) == []
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), "nothing sticks out"
     page.get_by_role("switch", name="slip sinkage").click()
-    page.wait_for_function("!window.bekker.jobs.has('fit')", timeout=PATIENCE)
+    until(page, "!window.bekker.jobs.has('fit')")
     page.get_by_text("Soil and other calibrated parameters").click()
     assert violations(page) == []
     page.get_by_role("button", name="Open files").click()
@@ -154,7 +163,7 @@ def test_files_are_mapped_and_opened(browser: Any, address: str, tmp_path: Path)
     page.get_by_label("CSV files").set_input_files(table)
     page.get_by_label("signal of column mystery").fill("sinkage")
     page.get_by_label("signal of column mystery").press("Tab")
-    page.wait_for_function("document.querySelector('[aria-label=\"unit of column mystery\"]').disabled === false", timeout=PATIENCE)
+    until(page, "document.querySelector('[aria-label=\"unit of column mystery\"]').disabled === false")
     page.get_by_label("unit of column mystery").fill("mm")
     page.get_by_label("unit of column mystery").press("Tab")
     page.get_by_label("signal of column omega").fill("wheel_speed")
@@ -162,9 +171,9 @@ def test_files_are_mapped_and_opened(browser: Any, address: str, tmp_path: Path)
     for name in ("wheel.radius", "wheel.width"):
         page.get_by_label(name).fill("0.1")
         page.get_by_label(name).press("Tab")
-    page.wait_for_function("document.querySelector('textarea').value.includes('\"wheel.width\" = 0.1')", timeout=PATIENCE)
+    until(page, "document.querySelector('textarea').value.includes('\"wheel.width\" = 0.1')")
     page.get_by_role("button", name="Open", exact=True).click()
-    page.wait_for_function("window.bekker.experiment?.name === 'trial 7'", timeout=PATIENCE)
+    until(page, "window.bekker.experiment?.name === 'trial 7'")
     # A file that cannot be right gets the words of the command line.
     table.write_text("load,slip,wheel_speed,drawbar_pull\n20,0.1,0.2,one\n")
     settings = tmp_path / "experiment.toml"

@@ -1,5 +1,7 @@
 //! A workbench on a free port, and a browser that speaks just enough HTTP.
 
+#![allow(dead_code, clippy::unwrap_used, reason = "a test may fail by panicking; not every test uses all of this")]
+
 use bekker::diagnosis::Given;
 use bekker::measurement::Experiment;
 use bekker_studio::{Opened, Options, Studio};
