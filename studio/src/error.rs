@@ -22,7 +22,7 @@ pub enum StudioError {
         /// Its name.
         name: String,
         /// Why.
-        source: bekker::diagnosis::CompareError,
+        source: Box<bekker::diagnosis::CompareError>,
     },
     /// The server failed.
     #[error("the server failed: {0}")]

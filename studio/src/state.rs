@@ -38,7 +38,7 @@ impl Studio {
     /// Opens an experiment under an id of its own.
     pub fn open(&self, opened: Opened) -> Result<Arc<Bench>, StudioError> {
         let name = opened.experiment.name.clone();
-        let failed = |source| StudioError::Experiment { name, source };
+        let failed = |source| StudioError::Experiment { name, source: Box::new(source) };
         let bench = Bench::open(self.free_id(&opened.experiment.name), opened).map_err(failed)?;
         let bench = Arc::new(bench);
         let mut benches = self.benches.write().unwrap_or_else(PoisonError::into_inner);

@@ -133,5 +133,9 @@ fn property_columns_are_mapped_by_choosing() {
     let id = opened.json()["id"].as_str().unwrap().to_owned();
     let shown = running.get(&format!("/api/experiments/{id}")).json();
     let sinkages = shown["runs"][0]["data"]["sinkage"].as_array().unwrap().iter().map(|z| 1e3 * z.as_f64().unwrap());
-    assert_eq!(sinkages.map(|z| format!("{z:.6}")).collect::<Vec<_>>(), ["9.000000", "10.000000", "11.000000"], "in mm");
+    assert_eq!(
+        sinkages.map(|z| format!("{z:.6}")).collect::<Vec<_>>(),
+        ["9.000000", "10.000000", "11.000000"],
+        "in mm"
+    );
 }

@@ -42,7 +42,9 @@ function classes(values: number[], people: ForPeople): { of: (value: number) => 
     else levels.push([value]);
   }
   const name = (value: number) => short(value * people.factor);
-  if (levels.length <= LEVELS) {
+  // A cloud in which every value has a neighbour is no row of set-points.
+  const widest = Math.max(...levels.map((level) => (level[level.length - 1] ?? 0) - (level[0] ?? 0)));
+  if (levels.length <= LEVELS && widest <= 3 * gap) {
     const middles = levels.map((level) => ((level[0] ?? 0) + (level[level.length - 1] ?? 0)) / 2);
     const of = (value: number) => levels.findIndex((level) => value >= (level[0] ?? 0) && value <= (level[level.length - 1] ?? 0));
     return { of, names: middles.map(name) };

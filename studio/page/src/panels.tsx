@@ -97,7 +97,7 @@ export function Guide() {
     content = (
       <>
         <p class="answer">
-          With {listed(added)} the error {now !== null && then !== null && now < then ? "falls" : "goes"} from {then?.toFixed(1)} to {ratio(now)}.
+          {change(listed(added), then, now)}
         </p>
         {jobs.has("fit") ? <Bar kind="fit" /> : null}
         <div class="actions">
@@ -122,6 +122,10 @@ export function Guide() {
       <>
         <p class="answer good">Only noise is left{step && step.effects.length > 0 ? `: the model has ${listed(step.effects)}` : ""}. The error is {ratio(now)}.</p>
         <Exports />
+        <Bar kind="rank" />
+        {!diagnosis && !jobs.has("rank") && (
+          <button type="button" onClick={() => void store.begin("rank")}>Search for further effects</button>
+        )}
       </>
     );
   } else if (jobs.has("rank")) {
@@ -160,6 +164,15 @@ export function Guide() {
       {content}
     </section>
   );
+}
+
+/** What effects do to the error, in as many digits as tell the difference. */
+function change(what: string, then: number | null, now: number | null): string {
+  if (then === null || now === null) return `With ${what}; the noise of this experiment is unknown, so look at the curves.`;
+  const digits = Math.abs(then - now) < 0.1 ? 2 : 1;
+  const [before, after] = [then.toFixed(digits), now.toFixed(digits)];
+  if (before === after) return `With ${what} the error stays at ${after} times the noise.`;
+  return `With ${what} the error ${now < then ? "falls" : "rises"} from ${before} to ${after} times the noise.`;
 }
 
 function verdict(): string {

@@ -83,6 +83,7 @@ function options(own: { current: Properties }, width: number): uPlot.Options {
     height,
     padding: [8, 10, 0, 0],
     legend: { show: false },
+    pxAlign: 0,
     cursor: {
       sync: { key: LINK, scales: ["x", null] },
       drag: { x: true, y: false },
@@ -100,6 +101,7 @@ function options(own: { current: Properties }, width: number): uPlot.Options {
         stroke: series.stroke,
         width: series.points ? 0 : (series.width ?? 2),
         dash: series.dash,
+        pxAlign: 0,
         paths: series.points ? () => null : undefined,
         points: series.points ? { show: true, size: 6, width: 1.5, stroke: series.stroke, fill: css("--card") } : { show: false },
       })),

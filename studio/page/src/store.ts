@@ -211,9 +211,12 @@ export class Store {
       }
     }
     this.go({ on, set }, true);
-    void this.ask("toggle");
-    this.following = !known && this.experiment?.calibration !== null;
-    if (this.following) void this.begin("fit");
+    // A fit that came in during a search has no standard errors yet.
+    this.following = !known?.fitted && this.experiment?.calibration !== null && keyOf(on) !== keyOf(this.step?.effects ?? []);
+    // The answer comes first: a fit takes all cores.
+    void this.ask("toggle").then(() => {
+      if (this.following && keyOf(on) === keyOf(this.view.on)) void this.begin("fit");
+    });
   }
 
   /** Moves a parameter by hand. */
@@ -241,6 +244,8 @@ export class Store {
 
   async accept(): Promise<void> {
     if (!this.experiment || !this.isChanged()) return;
+    // What is accepted stays as it was shown, though a fit may still be on its way.
+    this.following = false;
     const before = this.step?.effects ?? [];
     const added = this.view.on.filter((id) => !before.includes(id)).map((id) => `+ ${id.replaceAll("_", " ")}`);
     const gone = before.filter((id) => !this.view.on.includes(id)).map((id) => `− ${id.replaceAll("_", " ")}`);
