@@ -38,9 +38,9 @@
 //! imports to that, so no circle runs through modules.
 //!
 //! Below this crate are `bekker-scalar` (what [`scalar`] gives on) and `bekker-modeldescription` (here [`modeldescription`]: the
-//! vocabulary of parameters and signals). Three crates use this one as any other would: `bekker-planning` (where a rover should go,
-//! and in which pose), `bekker-reproduction` (the thesis's results beside ours) and `bekker-script` (drives written down with what
-//! they must give, for every door).
+//! vocabulary of parameters and signals). Four crates use this one as any other would: `bekker-planning` (where a rover should go,
+//! and in which pose), `bekker-reproduction` (the thesis's results beside ours), `bekker-script` (drives written down with what
+//! they must give, for every door) and `bekker-studio` (the workbench, a page in the browser).
 //!
 //! ```
 //! use bekker::model::Model;

@@ -59,7 +59,7 @@ impl Diagnose {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
             pool.build_global().context("cannot start the threads")?;
         }
-        interrupt::listen()?;
+        interrupt::listen(interrupt::KEEP)?;
         let options = DiagnoseOptions {
             candidates: self.candidates,
             added: self.with,

@@ -7,15 +7,18 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Exit code of a program that a signal ended.
 const INTERRUPTED: i32 = 130;
 
+/// What the first Ctrl-C does to long work.
+pub const KEEP: &str = "ending with what is known";
+
 static STOP: AtomicBool = AtomicBool::new(false);
 
-/// Listens to Ctrl-C from now on.
-pub fn listen() -> Result<()> {
-    ctrlc::set_handler(|| {
+/// Listens to Ctrl-C from now on; `then` says what the first one does.
+pub fn listen(then: &'static str) -> Result<()> {
+    ctrlc::set_handler(move || {
         if STOP.swap(true, Ordering::SeqCst) {
             std::process::exit(INTERRUPTED);
         }
-        eprintln!("bekker: interrupted; ending with what is known (Ctrl-C again to quit at once)");
+        eprintln!("bekker: interrupted; {then} (Ctrl-C again to quit at once)");
     })
     .context("cannot listen to Ctrl-C")
 }

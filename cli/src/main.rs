@@ -7,6 +7,7 @@ mod compare;
 mod demo;
 mod diagnose;
 mod diagnosis_text;
+mod example;
 mod experiment;
 mod fmu;
 mod ground;
@@ -22,6 +23,7 @@ mod reproduce;
 mod saving;
 mod separate;
 mod simulate;
+mod studio;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -32,6 +34,7 @@ use std::process::ExitCode;
     name = "bekker",
     version,
     about,
+    before_help = "New here? `bekker studio` opens a page in the browser with a measured wheel whose model lacks one effect.",
     after_help = "Exit codes: 0 done, 1 the work failed or a value was refused, 2 the call could not be read, 130 interrupted twice, or before there was anything to tell."
 )]
 struct Cli {
@@ -51,6 +54,8 @@ enum Command {
     Calibrate(calibrate::Calibrate),
     /// See what an experiment, made or planned, can tell apart.
     Separate(separate::Separate),
+    /// Open the workbench: a page in the browser on which a diagnosis is done by looking.
+    Studio(studio::Studio),
     /// Plan an experiment: a run list to be recorded, and what it will be able to tell apart.
     Experiment(experiment::Experiment),
     /// Propose an experiment folder for CSV files: which column is which signal, in which unit.
@@ -78,6 +83,7 @@ fn main() -> ExitCode {
         Command::Diagnose(command) => command.run(),
         Command::Calibrate(command) => command.run(),
         Command::Separate(command) => command.run(),
+        Command::Studio(command) => command.run(),
         Command::Experiment(command) => command.run(),
         Command::Import(command) => command.run(),
         // Its exit codes are its own.

@@ -26,6 +26,11 @@ pub struct ModelArguments {
 }
 
 impl ModelArguments {
+    /// The same of a command on which the model is an option.
+    pub fn of(model: Option<String>, effects_from: Vec<PathBuf>, changes: Vec<String>) -> Self {
+        Self { model, effects_from, changes }
+    }
+
     /// The model, with its changes, for commands that have no experiment.
     pub fn load(&self) -> Result<Model> {
         let (mut model, _) = Model::find(self.model.as_deref().unwrap_or(USUAL), None)?;

@@ -43,6 +43,7 @@ mod unanswered;
 mod uncounted;
 mod weighted;
 mod windows;
+mod workbench;
 
 pub use crate::carriage::{Rig, SteadyError, SteadyPoint, steady_point};
 pub use calibrate::{CalibratedParameter, Calibration, STANDARD_ERROR};
@@ -76,3 +77,4 @@ pub use separate::{
 pub use unanswered::UnansweredRows;
 pub use uncounted::{Uncounted, UncountedGroup, UncountedRows};
 pub use windows::{Moving, Window};
+pub use workbench::{Adjustable, Calibrated, Trial, Workbench};

@@ -67,7 +67,15 @@ fn no_such_file(path: &Path) -> ExperimentError {
 /// The text of a file in UTF-8.
 pub(super) fn read_text(path: &Path) -> Result<String, ExperimentError> {
     let refused = |message: String| ExperimentError::in_file(path, Problem::Unreadable(message));
-    let bytes = std::fs::read(path).map_err(|error| refused(error.to_string()))?;
+    decoded(path, std::fs::read(path).map_err(|error| refused(error.to_string()))?)
+}
+
+/// The bytes of a file as text, which has to be UTF-8; `path` is for errors.
+///
+/// # Errors
+/// [`ExperimentError`] with the line of the first byte that is no UTF-8.
+pub fn decoded(path: &Path, bytes: Vec<u8>) -> Result<String, ExperimentError> {
+    let refused = |message: String| ExperimentError::in_file(path, Problem::Unreadable(message));
     String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         let before = &error.as_bytes()[..at];

@@ -8,6 +8,7 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 /// Header and rows of a table; every row is as wide as the header.
+#[derive(Clone, Debug)]
 pub(super) struct Sheet {
     pub file: PathBuf,
     pub header: Vec<String>,
@@ -22,6 +23,7 @@ pub(super) struct Sheet {
 }
 
 /// One row and the line on which it stands.
+#[derive(Clone, Debug)]
 pub(super) struct SheetRow {
     pub line: u64,
     pub cells: Vec<Cell>,

@@ -13,4 +13,4 @@ pub use comparison::comparison_page;
 pub use diagnosis::diagnosis_page;
 pub use page::{Page, escape, table};
 pub use plots::{LinePlot, Series};
-pub use units::short;
+pub use units::{ForPeople, column_for_people, parameter_for_people, short};

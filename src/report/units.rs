@@ -1,7 +1,32 @@
 //! Numbers in the units in which people read them.
 
 use crate::signals::{BodySignals, LinkSignals, WheelSignals};
-use bekker_modeldescription::{Lookup, Unit};
+use bekker_modeldescription::{Lookup, Unit, Variable};
+
+/// How a quantity is written for people: its name in words, and the factor from SI to the unit in which it is read.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct ForPeople {
+    /// `drawbar pull`, `torque of wheel 1`; the name itself for a parameter.
+    pub name: String,
+    /// Symbol of the unit; empty for a number without one.
+    pub unit: &'static str,
+    /// Factor from SI to that unit.
+    pub factor: f64,
+}
+
+/// A column of an experiment for people.
+#[must_use]
+pub fn column_for_people(name: &str) -> ForPeople {
+    let shown = of_column(name);
+    ForPeople { name: spoken(name), unit: shown.symbol, factor: shown.factor }
+}
+
+/// A parameter for people.
+#[must_use]
+pub fn parameter_for_people(variable: &Variable) -> ForPeople {
+    let shown = of_unit(variable.unit);
+    ForPeople { name: variable.name.clone(), unit: shown.symbol, factor: shown.factor }
+}
 
 /// A display unit: symbol and factor from SI.
 #[derive(Clone, Copy, Debug, PartialEq)]

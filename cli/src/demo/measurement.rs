@@ -1,15 +1,13 @@
 //! The model against a measured experiment that travels with the program.
 
 use crate::diagnosis_text::print;
+use crate::example::FILES;
 use crate::output::say;
 use anyhow::{Context, Result};
 use bekker::diagnosis::{Control, DiagnoseOptions, Given, diagnose};
 use bekker::measurement::Experiment;
 use bekker::report::diagnosis_page;
 use std::path::{Path, PathBuf};
-
-/// Files of `examples/sand_wheel`, embedded so that the demo works wherever the program was installed.
-const FILES: &[(&str, &str)] = &include!(concat!(env!("OUT_DIR"), "/sand_wheel.rs"));
 
 /// Unpacks the experiment, diagnoses it, and writes the page and the improved model.
 pub fn run(out: &Path) -> Result<Vec<(PathBuf, &'static str)>> {

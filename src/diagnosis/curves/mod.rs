@@ -24,6 +24,7 @@ use super::diagnose::Step;
 use super::problem::Problem;
 use crate::carriage::{Rig, steady_point};
 use crate::measurement::Sample;
+use crate::parallel::map_in_order;
 use inputs::{Held, Inputs, LEAST_SHARE, LEAST_SLIP, Row, rows};
 use serde::Serialize;
 use set_points::class_of;
@@ -129,6 +130,16 @@ pub(crate) fn curves_of_calibration(problem: &Problem, calibration: Option<&Cali
     curves(problem, &[(None, Vec::new())].into_iter().chain(calibrated).collect::<Vec<_>>())
 }
 
+/// The model with these parameters over one input, at the typical inputs of each group only, so that it takes milliseconds: low and
+/// high are those values. `None` where the input was not varied.
+pub(super) fn sketch(problem: &Problem, axis: Axis, values: Values) -> Option<Curves> {
+    if !problem.strategy().axes().contains(&axis) {
+        return None;
+    }
+    let rows = rows(&problem.experiment);
+    over(problem, &rows, axis, &[(None, values)], Ends::Typical)
+}
+
 fn pair(fitted: &CalibratedParameter) -> (String, f64) {
     (fitted.variable.name.clone(), fitted.value)
 }
@@ -136,23 +147,30 @@ fn pair(fitted: &CalibratedParameter) -> (String, f64) {
 /// Curves over every input that was varied, the most usual one first; none for a traverse. `models` are the steps, each
 /// with its parameters; parameters that are not listed keep what is known of the rig.
 fn curves(problem: &Problem, models: &[(Option<usize>, Values)]) -> Vec<Curves> {
-    let experiment = &problem.experiment;
     let axes = problem.strategy().axes();
     if axes.is_empty() {
         return Vec::new();
     }
-    let rows = rows(experiment);
-    let held = held(&rows);
-    let over = |axis: Axis| {
-        let mut groups = groups(problem, &rows, axis, held);
-        let axis_varies = groups.iter().any(|group| varies(&group.rows, axis));
-        let signals = experiment.signals();
-        axis_varies.then(|| Curves {
-            axis,
-            groups: groups.drain(..).map(|group| group.with_models(problem, axis, held, models, &signals)).collect(),
-        })
-    };
-    axes.iter().copied().filter_map(over).collect()
+    let rows = rows(&problem.experiment);
+    axes.iter().filter_map(|axis| over(problem, &rows, *axis, models, Ends::All)).collect()
+}
+
+/// Which inputs of a group a model is asked about.
+#[derive(Clone, Copy, PartialEq)]
+enum Ends {
+    Typical,
+    /// And the lowest and highest in the group.
+    All,
+}
+
+/// Curves over one input; `None` where it was not varied.
+fn over(problem: &Problem, rows: &[Row], axis: Axis, models: &[(Option<usize>, Values)], ends: Ends) -> Option<Curves> {
+    let held = held(rows);
+    let groups = groups(problem, rows, axis, held);
+    let axis_varies = groups.iter().any(|group| varies(&group.rows, axis));
+    let signals = problem.experiment.signals();
+    let drawn = |group: &Group| group.with_models(problem, axis, held, models, &signals, ends);
+    axis_varies.then(|| Curves { axis, groups: map_in_order(&groups, drawn) })
 }
 
 /// Whether rows lie along an axis, not at one place of it.
@@ -248,32 +266,36 @@ fn short(value: f64) -> String {
 
 impl Group {
     fn with_models(
-        self,
+        &self,
         problem: &Problem,
         axis: Axis,
         held: Held,
         models: &[(Option<usize>, Values)],
         signals: &[String],
+        ends: Ends,
     ) -> CurveGroup {
         let Self { name, rows } = self;
-        let inputs = Inputs::new(&rows, axis, held);
-        let (low, high) = range(&rows, |row| row.value(axis));
-        let at: Vec<f64> = if varies(&rows, axis) {
+        let inputs = Inputs::new(rows, axis, held);
+        let (low, high) = range(rows, |row| row.value(axis));
+        let at: Vec<f64> = if varies(rows, axis) {
             (0..=INTERVALS).map(|k| low + (high - low) * k as f64 / INTERVALS as f64).collect()
         } else {
             Vec::new()
         };
-        let grid: Vec<Vec<[f64; 3]>> = at.iter().map(|x| inputs.at(*x)).collect();
+        let mut grid: Vec<Vec<[f64; 3]>> = at.iter().map(|x| inputs.at(*x)).collect();
+        if ends == Ends::Typical {
+            grid.iter_mut().for_each(|place| place.truncate(1));
+        }
         let rig_of = |values: &Values| problem.rig(rows[0].at.run, values);
         let models = models
             .iter()
             .map(|(step, values)| ModelCurves { step: *step, signals: evaluated(&rig_of(values), &grid, signals) });
         CurveGroup {
             models: models.collect(),
-            name,
-            loads: range(&rows, |row| row.load),
-            slips: range(&rows, |row| row.slip),
-            wheel_speeds: range(&rows, |row| row.wheel_speed),
+            name: name.clone(),
+            loads: range(rows, |row| row.load),
+            slips: range(rows, |row| row.slip),
+            wheel_speeds: range(rows, |row| row.wheel_speed),
             inputs: grid.iter().map(|ends| ends[0]).collect(),
             rows: rows.iter().map(|Row { at: Sample { run, row }, .. }| (*run, *row)).collect(),
             at,

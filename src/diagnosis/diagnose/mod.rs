@@ -56,6 +56,7 @@ pub use control::{Control, Progress, Spread, Threads};
 pub(crate) use discrepancy::{Condition, Shape, hats, powers, product, recorded, run_order};
 pub use drive::WholeDrive;
 pub use engine::{DiagnoseOptions, diagnose};
+pub(crate) use fits::run as run_fit;
 pub use fits::{Noise, Outcome, Task, fit_task};
 pub(crate) use gains::Projected;
 pub(crate) use prepare::{calibrated_baseline, prepare};

@@ -111,6 +111,27 @@ impl<'a> Problem<'a> {
         })
     }
 
+    /// The same with an experiment of its own, which nothing asks to end.
+    pub fn owned(self) -> Problem<'static> {
+        Problem {
+            experiment: Cow::Owned(self.experiment.into_owned()),
+            layout: self.layout,
+            known: self.known,
+            models: self.models,
+            steps: self.steps,
+            own_steps: self.own_steps,
+            windows: self.windows,
+            guided: self.guided,
+            halt: Halt::default(),
+            base: self.base,
+            library: self.library,
+            sensitivities: self.sensitivities,
+            sources: self.sources,
+            carriage: self.carriage,
+            set: self.set,
+        }
+    }
+
     /// Sensitivities of the baseline at `values`, where they are known.
     pub fn known_sensitivities(&self, effects: &[String], values: &[f64]) -> Option<&Sensitivities> {
         let (at, known) = self.sensitivities.as_deref().filter(|_| effects.is_empty())?;

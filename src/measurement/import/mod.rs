@@ -3,6 +3,7 @@
 //! Names of columns, the units in them and the ranges of their values say what a column may be. What is proposed is written
 //! with its reason, and read back at once: the folder is an experiment, or it is said what is missing.
 
+mod choice;
 mod entry;
 mod propose;
 mod ranges;
@@ -12,10 +13,12 @@ mod wheels;
 
 use super::error::ExperimentError;
 use super::experiment::{Experiment, Kind};
-use super::files::SETTINGS;
+use super::files::{SETTINGS, read_text};
 use super::write::WriteError;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+pub use choice::{Meaning, ProposedColumn};
 pub(super) use entry::{Entry, To};
 pub(super) use ranges::falls;
 pub(super) use survey::{FoundColumn, Survey};
@@ -34,6 +37,8 @@ pub struct Proposal {
     pub missing: Vec<String>,
     /// Files to be copied, and their names in the folder.
     files: Vec<(PathBuf, String)>,
+    survey: Survey,
+    plan: Plan,
 }
 
 /// What became of a folder.
@@ -62,6 +67,9 @@ pub enum ImportError {
         /// The columns.
         found: String,
     },
+    /// A choice that a column or a number cannot have.
+    #[error("{0}")]
+    Choice(String),
 }
 
 impl Proposal {
@@ -70,12 +78,40 @@ impl Proposal {
     /// # Errors
     /// [`ImportError`] where a file cannot be read, or its columns do not tell the kind.
     pub fn of(files: &[PathBuf], kind: Option<Kind>) -> Result<Self, ImportError> {
+        let mut texts = Vec::new();
+        for file in files {
+            texts.push((file.clone(), read_text(file)?));
+        }
+        Self::of_texts(&texts, kind)
+    }
+
+    /// The same for files whose texts are in memory, which [`settings`](Self::settings) names as [`names`](Self::names) does.
+    ///
+    /// # Errors
+    /// As [`of`](Self::of).
+    pub fn of_texts(files: &[(PathBuf, String)], kind: Option<Kind>) -> Result<Self, ImportError> {
         let survey = Survey::of(files)?;
         let kind = kind.or_else(|| survey.kind()).ok_or_else(|| ImportError::Kind { found: survey.names() })?;
         let plan = propose::plan(&survey, kind);
-        let files: Vec<(PathBuf, String)> = files.iter().cloned().zip(survey.copies()).collect();
-        let settings = text::settings(&survey, kind, &plan, files.iter().map(|(_, copy)| copy.as_str()));
-        Ok(Self { kind, settings, unsure: plan.unsure, missing: plan.missing, files })
+        let files: Vec<(PathBuf, String)> = files.iter().map(|(file, _)| file.clone()).zip(survey.copies()).collect();
+        let mut proposal =
+            Self { kind, settings: String::new(), unsure: Vec::new(), missing: Vec::new(), files, survey, plan };
+        proposal.tell();
+        Ok(proposal)
+    }
+
+    /// Names of the files in the folder, in the order in which they were given.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.files.iter().map(|(_, copy)| copy.as_str())
+    }
+
+    /// Writes down what the plan says.
+    fn tell(&mut self) {
+        self.settings =
+            text::settings(&self.survey, self.kind, &self.plan, self.files.iter().map(|(_, copy)| copy.as_str()));
+        self.unsure.clone_from(&self.plan.unsure);
+        let open = |missing: &&String| !self.plan.filled.keys().any(|name| missing.contains(name.as_str()));
+        self.missing = self.plan.missing.iter().filter(open).cloned().collect();
     }
 
     /// Makes the folder, copies the files and reads what was written.
@@ -104,9 +140,12 @@ impl Proposal {
 }
 
 /// What becomes of all columns.
+#[derive(Clone, Debug)]
 pub(super) struct Plan {
     pub entries: Vec<(String, Entry)>,
     pub ignored: Vec<(String, String)>,
     pub unsure: Vec<String>,
     pub missing: Vec<String>,
+    /// Numbers of `[parameters]` and `[inputs]` that a person has filled in.
+    pub filled: BTreeMap<String, f64>,
 }

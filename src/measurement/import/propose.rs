@@ -8,6 +8,7 @@ use super::entry::{Entry, To};
 use super::survey::{FoundColumn, Survey};
 use super::wheels::{USUAL_WHEELS, of_all};
 use super::{Plan, ranges};
+use std::collections::BTreeMap;
 
 /// A column that is left out and has no more different values than this may tell rows apart that do not belong together.
 const FEW: usize = 10;
@@ -17,7 +18,13 @@ const LABEL: usize = 24;
 
 /// What becomes of all columns.
 pub(super) fn plan(survey: &Survey, kind: Kind) -> Plan {
-    let mut plan = Plan { entries: Vec::new(), ignored: Vec::new(), unsure: Vec::new(), missing: Vec::new() };
+    let mut plan = Plan {
+        entries: Vec::new(),
+        ignored: Vec::new(),
+        unsure: Vec::new(),
+        missing: Vec::new(),
+        filled: BTreeMap::new(),
+    };
     let mut found: Vec<(&FoundColumn, Entry)> = Vec::new();
     for column in &survey.columns {
         match entry(survey, column, kind) {
@@ -33,7 +40,7 @@ pub(super) fn plan(survey: &Survey, kind: Kind) -> Plan {
             plan.unsure.push(format!("`{}` as {}: {guesses}", column.name, entry.signal().unwrap_or("a parameter")));
         }
     }
-    missing(kind, &found, &mut plan);
+    plan.missing.extend(missing(kind, &found));
     plan.entries = found.into_iter().map(|(column, entry)| (column.name.clone(), entry)).collect();
     few_values(survey, kind, &mut plan);
     plan
@@ -126,12 +133,10 @@ fn one_each(found: &mut Vec<(&FoundColumn, Entry)>, plan: &mut Plan) {
 }
 
 /// What no column gives.
-fn missing(kind: Kind, found: &[(&FoundColumn, Entry)], plan: &mut Plan) {
+pub(super) fn missing(kind: Kind, found: &[(&FoundColumn, Entry)]) -> Vec<String> {
     let parameter = |name: &str| found.iter().any(|(_, entry)| entry.target == To::Parameter(name.to_owned()));
-    for name in ["wheel.radius", "wheel.width"].into_iter().filter(|name| !parameter(name)) {
-        plan.missing.push(format!("\"{name}\" under [parameters], m"));
-    }
-    plan.missing.extend(kind.format().missing(found));
+    let unknown = ["wheel.radius", "wheel.width"].into_iter().filter(|name| !parameter(name));
+    unknown.map(|name| format!("\"{name}\" under [parameters], m")).chain(kind.format().missing(found)).collect()
 }
 
 /// Columns that may tell rows apart which do not belong together.

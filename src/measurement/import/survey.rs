@@ -2,7 +2,6 @@
 
 use super::super::dialect::Dialect;
 use super::super::experiment::Kind;
-use super::super::files::read_text;
 use super::super::sheet::Sheet;
 use super::super::stamps::Stamp;
 use super::super::suggestion::{self, Suggested};
@@ -10,6 +9,7 @@ use super::ImportError;
 use std::path::PathBuf;
 
 /// All files.
+#[derive(Clone, Debug)]
 pub(in crate::measurement) struct Survey {
     pub sheets: Vec<Sheet>,
     /// Each name once, in the order of its first appearance.
@@ -17,6 +17,7 @@ pub(in crate::measurement) struct Survey {
 }
 
 /// A column of one name in all files that have it.
+#[derive(Clone, Debug)]
 pub(in crate::measurement) struct FoundColumn {
     pub name: String,
     /// Cells that hold something.
@@ -54,13 +55,13 @@ impl FoundColumn {
 }
 
 impl Survey {
-    pub fn of(files: &[PathBuf]) -> Result<Self, ImportError> {
+    pub fn of(files: &[(PathBuf, String)]) -> Result<Self, ImportError> {
         if files.is_empty() {
             return Err(ImportError::NoFiles);
         }
         let mut survey = Self { sheets: Vec::new(), columns: Vec::new() };
-        for file in files {
-            let sheet = Sheet::parse(file, &read_text(file)?, &Dialect::default())?;
+        for (file, text) in files {
+            let sheet = Sheet::parse(file, text, &Dialect::default())?;
             sheet.need_rows(1)?;
             survey.take(&sheet);
             survey.sheets.push(sheet);

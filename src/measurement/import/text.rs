@@ -36,7 +36,9 @@ pub(super) fn settings<'a>(survey: &Survey, kind: Kind, plan: &Plan, copies: imp
     lines.extend(inputs(plan));
     lines.push("[parameters]".to_owned());
     for (name, value) in [("wheel.radius", "0.1"), ("wheel.width", "0.1")] {
-        if plan.missing.iter().any(|missing| missing.contains(name)) {
+        if let Some(value) = plan.filled.get(name) {
+            lines.push(format!("{} = {value}", quoted(name)));
+        } else if plan.missing.iter().any(|missing| missing.contains(name)) {
             lines.push(format!("# {} = {value}   # fill in, m", quoted(name)));
         }
     }
@@ -86,7 +88,10 @@ fn inputs(plan: &Plan) -> Vec<String> {
     let lines: Vec<String> = places
         .into_iter()
         .filter(|(name, ..)| wanted(name))
-        .map(|(name, value, unit)| format!("# {name} = {value}   # fill in: the same in all rows, {unit}"))
+        .map(|(name, value, unit)| match plan.filled.get(name) {
+            Some(value) => format!("{name} = {value}   # the same in all rows, {unit}"),
+            None => format!("# {name} = {value}   # fill in: the same in all rows, {unit}"),
+        })
         .collect();
     if lines.is_empty() {
         return lines;

@@ -1,0 +1,288 @@
+//! An experiment held ready, so that models can be tried on it at once: for interfaces in which people move parameters by hand.
+//!
+//! Reading, placing and cutting an experiment is done once. Each [`trial`](Workbench::trial) then costs one simulation of it.
+//! Runs of a traverse are cut into windows as in a diagnosis, so that trials, calibrations and diagnoses judge alike.
+
+use super::calibrate::Calibration;
+use super::compare::CompareError;
+use super::curves::{Axis, Curves, sketch};
+use super::diagnose::{Noise, calibrated_baseline, run_fit};
+use super::failure::{Failure, failures};
+use super::fit::Fit;
+use super::free::Free;
+use super::given::Given;
+use super::halt::Halt;
+use super::noise::{NoiseFloor, noise_floors};
+use super::problem::Problem;
+use super::unanswered::{UnansweredRows, listed};
+use super::uncounted::{UncountedRows, uncounted};
+use crate::measurement::{Experiment, Prior};
+use crate::model::Model;
+use bekker_modeldescription::{Lookup, ParameterError, Variable};
+use std::collections::BTreeMap;
+
+/// Share of the way from neutral to the farther bound at which an effect shows, where the effect itself names no such value.
+const USUAL_STRENGTH: f64 = 0.25;
+
+/// A parameter that a trial may set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Adjustable {
+    /// Name, unit and meaning; the bounds are those of a calibration.
+    pub variable: Variable,
+    /// Its value in the model as given.
+    pub start: f64,
+    /// What a separate test says of it.
+    pub prior: Option<Prior>,
+    /// The effect that it belongs to; `None` where a calibration of the baseline moves it.
+    pub effect: Option<String>,
+    /// A value at which the effect shows; `start` for others.
+    pub typical: f64,
+}
+
+/// The model with some values of its parameters beside the measurements.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// Measured, modelled and residual values, and their errors.
+    pub fit: Fit,
+    /// Rows that this model leaves without an answer; they do not count in the errors.
+    pub unanswered: Vec<UnansweredRows>,
+    /// Where the model fails most, by signal and condition, the worst first.
+    pub failures: Vec<Failure>,
+}
+
+/// A calibrated baseline: the one that `compare` and `diagnose` find, to the bit.
+#[derive(Clone, Debug)]
+pub struct Calibrated {
+    /// Values, standard errors, bounds.
+    pub calibration: Calibration,
+    /// What a reader should beware of, in words.
+    pub cautions: Vec<String>,
+    noise: Noise,
+    unanswered: Vec<UnansweredRows>,
+}
+
+/// An experiment with the model placed on its runs.
+#[derive(Clone, Debug)]
+pub struct Workbench {
+    problem: Problem<'static>,
+    floors: BTreeMap<String, NoiseFloor>,
+    baseline: Option<Calibrated>,
+}
+
+impl Workbench {
+    /// Places the model on the runs of an experiment.
+    ///
+    /// # Errors
+    /// [`CompareError`] where the experiment does not fit the model, or nothing is measured.
+    pub fn open(given: impl Into<Given>, experiment: &Experiment) -> Result<Self, CompareError> {
+        let mut problem = Problem::new(given, experiment, &[])?.owned();
+        if problem.layout.present() == 0 {
+            return Err(CompareError::NothingMeasured);
+        }
+        problem.coarsen();
+        problem.cut();
+        let mut opened = Self { problem, floors: BTreeMap::new(), baseline: None };
+        let modelled = opened.modelled(&BTreeMap::new())?.1;
+        opened.floors = noise_floors(experiment, &opened.problem.layout, &modelled);
+        Ok(opened)
+    }
+
+    /// The experiment.
+    #[must_use]
+    pub fn experiment(&self) -> &Experiment {
+        &self.problem.experiment
+    }
+
+    /// Noise by signal: as repeats and statements tell it beside the given model, after a calibration beside the calibrated one.
+    #[must_use]
+    pub fn noise_floor(&self) -> &BTreeMap<String, NoiseFloor> {
+        &self.floors
+    }
+
+    /// What was taken from where, in words, where two places disagree; see [`Given`].
+    #[must_use]
+    pub fn sources(&self) -> &[String] {
+        &self.problem.sources
+    }
+
+    /// The calibrated baseline, where there is one.
+    #[must_use]
+    pub fn baseline(&self) -> Option<&Calibrated> {
+        self.baseline.as_ref()
+    }
+
+    /// Rows that no error counts whatever the parameters are, and why.
+    #[must_use]
+    pub fn uncounted(&self) -> Vec<UncountedRows> {
+        let (odd, unanswered) =
+            self.baseline.as_ref().map_or((&[][..], &[][..]), |found| (&found.noise.odd, &found.unanswered));
+        uncounted(&self.problem, odd, unanswered)
+    }
+
+    /// All that a trial may set: what a calibration moves, then the parameters of the effects that may be added.
+    #[must_use]
+    pub fn parameters(&self) -> Vec<Adjustable> {
+        let base = self.problem.base.iter().map(|free| adjustable(free, None, free.start));
+        let effects = self.problem.library.iter().flat_map(|candidate| {
+            let of_effect = |free: &Free| {
+                let typical = self.typical(&candidate.id, free);
+                adjustable(free, Some(candidate.id.clone()), typical)
+            };
+            candidate.free.iter().map(of_effect).collect::<Vec<_>>()
+        });
+        base.chain(effects).collect()
+    }
+
+    /// A value at which an effect shows.
+    fn typical(&self, id: &str, free: &Free) -> f64 {
+        let facts = self.problem.known.rover.effects.facts_of(id);
+        let own = facts.and_then(|facts| {
+            let named = |(name, _): &&(&str, f64)| free.variable.name == format!("{id}.{name}");
+            facts.typical.iter().find(named).map(|(_, value)| *value)
+        });
+        let usual = own.unwrap_or_else(|| free.start + USUAL_STRENGTH * free.span());
+        usual.clamp(free.variable.min, free.variable.max)
+    }
+
+    /// Runs the model with these values of [parameters](Self::parameters), by name in SI units; all others are as given. With
+    /// `in_motion` the fit also says how the model's rover moves.
+    ///
+    /// # Errors
+    /// [`CompareError`] where a name or a value is not allowed, or the model has no answer anywhere.
+    pub fn trial(&self, values: &BTreeMap<String, f64>, in_motion: bool) -> Result<Trial, CompareError> {
+        let (answers, modelled) = self.modelled(values)?;
+        let mut fit = Fit::new(&self.problem.experiment, &self.problem.layout, &modelled);
+        if in_motion {
+            let (effects, all) = self.all_values(values);
+            fit = fit.in_motion(&self.problem, &effects, &all)?;
+        }
+        let failures = failures(&self.problem.experiment, &fit, &self.floors);
+        Ok(Trial { fit, unanswered: answers, failures })
+    }
+
+    /// The model over one input at the typical other inputs of each group of rows, in a few milliseconds; `None` for a traverse, and
+    /// where the input was not varied.
+    ///
+    /// # Errors
+    /// [`CompareError`] where a name or a value is not allowed.
+    pub fn sketch(&self, axis: Axis, values: &BTreeMap<String, f64>) -> Result<Option<Curves>, CompareError> {
+        self.check(values)?;
+        let values = values.iter().map(|(name, value)| (name.clone(), *value)).collect();
+        Ok(sketch(&self.problem, axis, values))
+    }
+
+    /// Rows without an answer, and the modelled values in the layout's order.
+    fn modelled(&self, values: &BTreeMap<String, f64>) -> Result<(Vec<UnansweredRows>, Vec<f64>), CompareError> {
+        self.check(values)?;
+        let (effects, all) = self.all_values(values);
+        let answers = self.problem.predict(&self.problem.free(&effects), |predict| predict.answers(&all))??;
+        let missing = answers.missing(&self.problem.layout);
+        match missing.first() {
+            Some(rows) if !answers.any(&self.problem.layout) => Err(rows.error.clone().into()),
+            _ => Ok((listed(missing), answers.values)),
+        }
+    }
+
+    /// Effects that are not neutral, and the values of all parameters that are free with them.
+    fn all_values(&self, values: &BTreeMap<String, f64>) -> (Vec<String>, Vec<f64>) {
+        let value = |free: &Free| values.get(&free.variable.name).copied().unwrap_or(free.start);
+        let on = |free: &Free| value(free).to_bits() != free.start.to_bits();
+        let acting = self.problem.library.iter().filter(|candidate| candidate.free.iter().any(on));
+        let effects: Vec<String> = acting.map(|candidate| candidate.id.clone()).collect();
+        let all = self.problem.free(&effects).iter().map(value).collect();
+        (effects, all)
+    }
+
+    /// Refuses names and values that a trial may not have.
+    fn check(&self, values: &BTreeMap<String, f64>) -> Result<(), CompareError> {
+        if values.is_empty() {
+            return Ok(());
+        }
+        let place = || "trial".to_owned();
+        let known = self.parameters();
+        for (name, value) in values {
+            let Some(parameter) = known.iter().find(|parameter| parameter.variable.name == *name) else {
+                let source = self.problem.known.clone().unknown(name);
+                return Err(CompareError::Parameter { place: place(), source });
+            };
+            if !parameter.variable.allows(*value) {
+                let range = parameter.variable.range();
+                let source = ParameterError::OutOfRange { name: name.clone(), value: *value, range };
+                return Err(CompareError::Parameter { place: place(), source });
+            }
+        }
+        Ok(())
+    }
+
+    /// The same with the baseline calibrated and its noise known, as `compare` finds them with `calibrate`. `stop` is asked at every
+    /// row of a simulation.
+    ///
+    /// # Errors
+    /// [`CompareError`] as from [`compare`](super::compare()); [`CompareError::Interrupted`] after a stop.
+    pub fn calibrated(&self, stop: &(dyn Fn() -> bool + Sync)) -> Result<Self, CompareError> {
+        let mut problem: Problem = self.problem.clone();
+        problem.halt = Halt::when(stop);
+        let prepared = calibrated_baseline(&mut problem)
+            .map_err(|error| if stop() { CompareError::Interrupted } else { error })?;
+        Ok(Self {
+            problem: problem.owned(),
+            floors: prepared.floors,
+            baseline: Some(Calibrated {
+                calibration: prepared.baseline,
+                cautions: prepared.cautions,
+                noise: prepared.noise,
+                unanswered: prepared.unanswered,
+            }),
+        })
+    }
+
+    /// Fits the baseline's parameters and those of `effects` together, from `values` and, where an effect is neutral there, from its
+    /// typical strength: one fit of a diagnosis. `None` where no fit was found, or after a stop.
+    ///
+    /// # Errors
+    /// [`CompareError`] where a name or a value is not allowed, or the baseline is not calibrated yet.
+    pub fn fitted(
+        &self,
+        effects: &[String],
+        values: &BTreeMap<String, f64>,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Option<Calibration>, CompareError> {
+        self.check(values)?;
+        let Some(baseline) = &self.baseline else { return Err(CompareError::NoFit) };
+        if let Some(id) = effects.iter().find(|id| self.problem.candidate(id).is_none()) {
+            let known = self.problem.library.iter().map(|candidate| candidate.id.as_str()).collect::<Vec<_>>();
+            return Err(CompareError::UnknownEffect { id: id.clone(), known: known.join(", ") });
+        }
+        let mut problem: Problem = self.problem.clone();
+        problem.halt = Halt::when(stop);
+        let start = |free: &Free| {
+            let value = values.get(&free.variable.name).copied().unwrap_or(free.start);
+            let id = free.variable.name.split('.').next().unwrap_or_default();
+            let neutral = effects.iter().any(|effect| effect == id) && value.to_bits() == free.start.to_bits();
+            if neutral { self.typical(id, free) } else { value }
+        };
+        let from: Vec<f64> = problem.free(effects).iter().map(start).collect();
+        let weak = |free: &Free| match self.problem.base.iter().any(|base| base.variable.name == free.variable.name) {
+            true => values.get(&free.variable.name).copied().unwrap_or(free.start),
+            false => free.nearly_neutral(),
+        };
+        let nearly: Vec<f64> = problem.free(effects).iter().map(weak).collect();
+        let starts = if effects.is_empty() { vec![from] } else { vec![from, nearly] };
+        let fit = run_fit(&problem, &baseline.noise, &problem.task(effects, starts));
+        Ok(fit.filter(|_| !stop()))
+    }
+
+    /// The model with these values, which it states: as `compare` and `diagnose` save it.
+    ///
+    /// # Errors
+    /// [`CompareError`] where a name or a value is not allowed.
+    pub fn model(&self, values: &BTreeMap<String, f64>) -> Result<Model, CompareError> {
+        self.check(values)?;
+        let (effects, all) = self.all_values(values);
+        Ok(self.problem.saved(&self.problem.free(&effects), &all))
+    }
+}
+
+fn adjustable(free: &Free, effect: Option<String>, typical: f64) -> Adjustable {
+    Adjustable { variable: free.variable.clone(), start: free.start, prior: free.prior, effect, typical }
+}

@@ -1,0 +1,164 @@
+/** Effects with toggles and strengths, and what the ranking found of each. */
+
+import { short, spoken } from "./format";
+import { useStore } from "./hooks";
+import { keyOf, store } from "./store";
+import type { Candidate, Parameter } from "./types";
+
+/** Values between which a slider moves evenly: in decades where a positive range spans them. */
+const STEPS = 1000;
+
+function isLogarithmic(parameter: Parameter): boolean {
+  return parameter.min > 0 && parameter.max / parameter.min >= 100;
+}
+
+function toPlace(parameter: Parameter, value: number): number {
+  const share = isLogarithmic(parameter)
+    ? Math.log(value / parameter.min) / Math.log(parameter.max / parameter.min)
+    : (value - parameter.min) / (parameter.max - parameter.min);
+  return Math.round(STEPS * share);
+}
+
+function toValue(parameter: Parameter, place: number): number {
+  const share = place / STEPS;
+  const value = isLogarithmic(parameter)
+    ? parameter.min * (parameter.max / parameter.min) ** share
+    : parameter.min + share * (parameter.max - parameter.min);
+  return Math.min(parameter.max, Math.max(parameter.min, Number(value.toPrecision(6))));
+}
+
+export function Slider({ parameter, label }: { parameter: Parameter; label: string }) {
+  const { experiment } = useStore();
+  const value = store.value(parameter);
+  const text = `${short(value * parameter.factor)}${parameter.unit ? ` ${parameter.unit}` : ""}`;
+  const found = store.found.get(keyOf(store.view.on))?.fitted?.[parameter.name];
+  const fitted = found && found.value === value ? found : parameter.fitted?.value === value ? parameter.fitted : null;
+  return (
+    <div class="slider" title={parameter.about}>
+      <label for={`p-${parameter.name}`}>{label}</label>
+      <output for={`p-${parameter.name}`}>
+        {text}
+        {fitted?.std != null && <span class="soft"> ± {short(fitted.std * parameter.factor)}</span>}
+      </output>
+      <input
+        id={`p-${parameter.name}`}
+        type="range"
+        min={0}
+        max={STEPS}
+        value={toPlace(parameter, value)}
+        aria-valuetext={text}
+        disabled={!experiment}
+        onInput={(event) => store.move(parameter.name, toValue(parameter, Number(event.currentTarget.value)))}
+      />
+      {fitted?.at_bound && <span class="flag">on its bound</span>}
+      {fitted && fitted.std === null && !fitted.at_bound && <span class="flag">not determined by this experiment</span>}
+      {fitted?.prior_shift != null && Math.abs(fitted.prior_shift) > 2 && (
+        <span class="flag">{short(fitted.prior_shift)} standard deviations from its prior</span>
+      )}
+    </div>
+  );
+}
+
+/** Where an effect stands among all: an open circle while the search runs, a full one once it is judged. */
+function Gain({ gain, most, candidate }: { gain: number | null; most: number; candidate: Candidate | undefined }) {
+  if (gain === null) return <svg class="gain" viewBox="0 0 100 14" aria-hidden="true"><line x1="4" x2="96" y1="7" y2="7" /></svg>;
+  const x = 5 + (90 * Math.sqrt(Math.max(gain, 0))) / Math.sqrt(Math.max(most, 1));
+  return (
+    <svg class="gain" viewBox="0 0 100 14" aria-hidden="true">
+      <line x1="4" x2="96" y1="7" y2="7" />
+      <circle cx={x} cy="7" r="4.5" class={candidate ? "judged" : "open"} />
+    </svg>
+  );
+}
+
+function words(candidate: Candidate | undefined, gain: number | null, best: boolean): string {
+  if (!candidate) return gain === null ? "" : "tried, not judged yet";
+  if (candidate.tied) return "cannot be told from others";
+  const probability = candidate.probability;
+  if (probability !== null && probability >= 0.005) return `probability ${(100 * probability).toFixed(0)} %`;
+  return best ? "best single effect" : candidate.p_value > 0.05 ? "no more than noise" : "explained by others";
+}
+
+function Effect({ id, about, gain, most, best }: { id: string; about: string; gain: number | null; most: number; best: boolean }) {
+  const { view, diagnosis } = useStore();
+  const on = view.on.includes(id);
+  const candidate = diagnosis?.candidates.find((one) => one.effect === id);
+  return (
+    <li class={on ? "effect on" : "effect"}>
+      <label class="toggle">
+        <input type="checkbox" role="switch" checked={on} onChange={() => store.toggle(id)} aria-describedby={`about-${id}`} />
+        <span class="name">{spoken(id)}</span>
+        <Gain gain={gain} most={most} candidate={candidate} />
+      </label>
+      <p id={`about-${id}`} class="about">
+        {about}
+        {(candidate || gain !== null) && <em> {words(candidate, gain, best)}</em>}
+      </p>
+      {on && store.parametersOf(id).map((parameter) => (
+        <Slider key={parameter.name} parameter={parameter} label={spoken(parameter.name.slice(id.length + 1))} />
+      ))}
+    </li>
+  );
+}
+
+export function Effects() {
+  const { experiment, view, jobs, diagnosis } = useStore();
+  if (!experiment) return null;
+  const accepted = store.step?.effects ?? [];
+  const gains = new Map(experiment.effects.map(({ id }) => [id, accepted.includes(id) ? null : store.gain(id)]));
+  const most = Math.max(1, ...[...gains.values()].map((gain) => gain ?? 0));
+  const rank = (id: string) => (view.on.includes(id) ? Number.POSITIVE_INFINITY : (gains.get(id) ?? -1));
+  // While a person moves a strength its row stays where it is: the order follows the gains only.
+  const sorted = experiment.effects.filter(({ id, shows }) => shows || view.on.includes(id)).sort((p, q) => rank(q.id) - rank(p.id));
+  const hidden = experiment.effects.filter(({ shows }) => !shows);
+  const unseen = (diagnosis?.invisible ?? []).filter((id) => !hidden.some((one) => one.id === id));
+  const searching = jobs.has("rank");
+  const shown = [...gains.values()].some((gain) => gain !== null);
+  const best = [...gains.entries()].sort((p, q) => (q[1] ?? 0) - (p[1] ?? 0))[0]?.[0];
+  return (
+    <section class="card" aria-labelledby="effects">
+      <h2 id="effects">Effects that the model may lack</h2>
+      {shown && (
+        <p class="hint">
+          The circle shows how much of the misfit an effect removes when it is fitted together with the soil; farther right is more.
+          {searching ? " Open circles are not judged yet." : ""}
+        </p>
+      )}
+      <ul class="effects">
+        {sorted.map(({ id, about }) => (
+          <Effect key={id} id={id} about={about} gain={gains.get(id) ?? null} most={most} best={id === best} />
+        ))}
+      </ul>
+      {hidden.length > 0 && (
+        <details>
+          <summary class="hint">{hidden.length} effects that cannot show in such an experiment</summary>
+          <p class="hint">{hidden.map(({ id }) => spoken(id)).join(", ")}</p>
+        </details>
+      )}
+      {unseen.length > 0 && <p class="hint">The search has found no trace of: {unseen.map(spoken).join(", ")}.</p>}
+    </section>
+  );
+}
+
+export function Parameters() {
+  const { experiment, jobs } = useStore();
+  if (!experiment) return null;
+  const fitting = jobs.has("fit");
+  return (
+    <details class="card" open={false}>
+      <summary><h2>Soil and other calibrated parameters</h2></summary>
+      {store.parametersOf(null).map((parameter) => (
+        <Slider key={parameter.name} parameter={parameter} label={spoken(parameter.name)} />
+      ))}
+      {experiment.calibration && (
+        <p class="hint">
+          ± is the standard error. {experiment.calibration.agreeing} of {experiment.calibration.searches} searches from different starts ended at the
+          same error.
+        </p>
+      )}
+      <button type="button" disabled={!experiment.calibration || fitting} onClick={() => store.refit()}>
+        {fitting ? "Fitting…" : "Fit all parameters again"}
+      </button>
+    </details>
+  );
+}

@@ -1,0 +1,181 @@
+/** One plot: uPlot with a linked range, a linked pointer and two cursors. */
+
+import { useEffect, useRef } from "preact/hooks";
+import uPlot from "uplot";
+import type { PlotData } from "./data";
+import { css, useDark } from "./hooks";
+import { store } from "./store";
+
+interface Properties {
+  data: PlotData;
+  title: string;
+  xLabel: string;
+  yLabel: string;
+  height: number;
+  a: number | null;
+  b: number | null;
+  range: [number, number] | null;
+  onRange: (range: [number, number] | null) => void;
+  onCursor: (which: "a" | "b", at: number) => void;
+  /** Bands in which rows do not count. */
+  shaded?: [number, number][];
+}
+
+const LINK = "plots";
+
+function aligned(data: PlotData): uPlot.AlignedData {
+  return [data.x, ...data.series.map((series) => series.values)] as uPlot.AlignedData;
+}
+
+/** The two cursors, drawn over the data, and what does not count, under it. */
+function marks(own: { current: Properties }): uPlot.Plugin {
+  const line = (plot: uPlot, at: number, name: string) => {
+    const x = Math.round(plot.valToPos(at, "x", true));
+    const { left, top, width, height } = plot.bbox;
+    if (x < left || x > left + width) return;
+    const { ctx } = plot;
+    ctx.save();
+    ctx.strokeStyle = ctx.fillStyle = css("--text");
+    ctx.lineWidth = devicePixelRatio;
+    ctx.setLineDash(name === "A" ? [] : [4 * devicePixelRatio, 3 * devicePixelRatio]);
+    ctx.beginPath();
+    ctx.moveTo(x, top);
+    ctx.lineTo(x, top + height);
+    ctx.stroke();
+    ctx.font = `${11 * devicePixelRatio}px system-ui`;
+    ctx.textAlign = "left";
+    ctx.textBaseline = "top";
+    ctx.fillText(name, x + 3 * devicePixelRatio, top + 2 * devicePixelRatio);
+    ctx.restore();
+  };
+  return {
+    hooks: {
+      drawAxes: [
+        (plot) => {
+          const { ctx } = plot;
+          const { top, height } = plot.bbox;
+          ctx.save();
+          ctx.fillStyle = css("--shade");
+          for (const [from, to] of own.current.shaded ?? []) {
+            const [left, right] = [plot.valToPos(from, "x", true), plot.valToPos(to, "x", true)];
+            ctx.fillRect(left, top, right - left, height);
+          }
+          ctx.restore();
+        },
+      ],
+      draw: [
+        (plot) => {
+          const { a, b } = own.current;
+          if (a !== null) line(plot, a, "A");
+          if (b !== null) line(plot, b, "B");
+          store.drawn();
+        },
+      ],
+    },
+  };
+}
+
+function options(own: { current: Properties }, width: number): uPlot.Options {
+  const { data, xLabel, yLabel, height } = own.current;
+  const axis = { stroke: css("--soft"), grid: { stroke: css("--grid"), width: 1 }, ticks: { stroke: css("--grid"), width: 1 }, font: "12px system-ui", labelFont: "12px system-ui", labelSize: 18 };
+  return {
+    width,
+    height,
+    padding: [8, 10, 0, 0],
+    legend: { show: false },
+    pxAlign: 0,
+    cursor: {
+      sync: { key: LINK, scales: ["x", null] },
+      drag: { x: true, y: false },
+      points: { size: 6 },
+    },
+    scales: { x: { time: false, range: (_plot, low, high) => own.current.range ?? [low, high] } },
+    axes: [
+      { ...axis, label: xLabel, size: 34 },
+      { ...axis, label: yLabel, size: 52 },
+    ],
+    series: [
+      {},
+      ...data.series.map((series) => ({
+        label: series.label,
+        stroke: series.stroke,
+        width: series.points ? 0 : (series.width ?? 2),
+        dash: series.dash,
+        pxAlign: 0,
+        paths: series.points ? () => null : undefined,
+        points: series.points ? { show: true, size: 6, width: 1.5, stroke: series.stroke, fill: css("--card") } : { show: false },
+      })),
+    ],
+    hooks: {
+      setSelect: [
+        (plot) => {
+          const { left, width: wide } = plot.select;
+          if (wide < 4) return;
+          own.current.onRange([plot.posToVal(left, "x"), plot.posToVal(left + wide, "x")]);
+          plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+        },
+      ],
+    },
+    plugins: [marks(own)],
+  };
+}
+
+export function Plot(properties: Properties) {
+  const host = useRef<HTMLDivElement>(null);
+  const plot = useRef<uPlot | null>(null);
+  const own = useRef(properties);
+  const dark = useDark();
+  own.current = properties;
+  const { data, height, xLabel, yLabel, title } = properties;
+  // Another number of series, another theme or another axis is another plot; other values are not.
+  const shape = `${data.series.map((one) => one.stroke + one.points).join()} ${dark} ${xLabel} ${yLabel}`;
+
+  useEffect(() => {
+    const place = host.current;
+    if (!place) return;
+    const made = new uPlot(options(own, place.clientWidth || 320), aligned(own.current.data), place);
+    plot.current = made;
+    const seen = new ResizeObserver(() => made.setSize({ width: place.clientWidth, height }));
+    seen.observe(place);
+    let pressed: number | null = null;
+    const down = (event: MouseEvent) => (pressed = event.clientX);
+    const up = (event: MouseEvent) => {
+      const still = pressed !== null && Math.abs(event.clientX - pressed) < 4;
+      pressed = null;
+      if (!still) return;
+      const at = made.posToVal(event.clientX - made.over.getBoundingClientRect().left, "x");
+      own.current.onCursor(event.shiftKey ? "b" : "a", at);
+    };
+    const all = () => own.current.onRange(null);
+    made.over.addEventListener("mousedown", down);
+    made.over.addEventListener("mouseup", up);
+    made.over.addEventListener("dblclick", all);
+    return () => {
+      seen.disconnect();
+      made.destroy();
+      plot.current = null;
+    };
+  }, [shape, height]);
+
+  useEffect(() => {
+    plot.current?.setData(aligned(data), true);
+  }, [data]);
+
+  useEffect(() => {
+    const made = plot.current;
+    if (!made) return;
+    const [low, high] = properties.range ?? [data.x[0] ?? 0, data.x[data.x.length - 1] ?? 1];
+    made.setScale("x", { min: low, max: high });
+  }, [properties.range?.[0], properties.range?.[1], shape]);
+
+  useEffect(() => {
+    plot.current?.redraw(false, false);
+  }, [properties.a, properties.b, properties.shaded]);
+
+  return (
+    <figure class="plot">
+      <figcaption>{title}</figcaption>
+      <div ref={host} class="canvas" role="img" aria-label={`${title}: measured and modelled over ${xLabel}`} style={{ height: `${height}px` }} />
+    </figure>
+  );
+}

@@ -1,0 +1,221 @@
+/** Measured and modelled: a plot of each signal over one linked axis, with two cursors that give differences. */
+
+import { useMemo } from "preact/hooks";
+import { overTime, steady, valueAt, type PlotData } from "./data";
+import { axisLabel, column, quantity, short } from "./format";
+import { colour, useDark, useStore } from "./hooks";
+import { Plot } from "./plot";
+import { store } from "./store";
+import type { Experiment } from "./types";
+
+const AXES = ["slip", "load", "wheel_speed"];
+
+function matches(experiment: Experiment, signal: string, search: string): boolean {
+  const words = `${signal} ${column(experiment, signal).name}`.toLowerCase();
+  return search.toLowerCase().split(/\s+/).every((word) => words.includes(word));
+}
+
+/** Values of measurement and model at the cursors, of a traverse. */
+function Readout({ data, experiment, signal }: { data: PlotData; experiment: Experiment; signal: string }) {
+  const { a, b } = store.view;
+  if (a === null && b === null) return null;
+  const unit = column(experiment, signal).unit;
+  const at = (series: number, place: number | null) =>
+    place === null ? null : valueAt(data.x, data.series[series]?.values ?? [], place);
+  const minus = (p: number | null, q: number | null) => (p === null || q === null ? null : p - q);
+  const [ma, mb, fa, fb] = [at(0, a), at(0, b), at(1, a), at(1, b)];
+  return (
+    <table class="readout">
+      <thead>
+        <tr>
+          <th scope="col">{unit || "value"}</th>
+          <th scope="col">at A</th>
+          <th scope="col">at B</th>
+          <th scope="col">B − A</th>
+        </tr>
+      </thead>
+      <tbody>
+        <tr>
+          <th scope="row">measured</th>
+          <td>{short(ma)}</td>
+          <td>{short(mb)}</td>
+          <td>{short(minus(mb, ma))}</td>
+        </tr>
+        <tr>
+          <th scope="row">model</th>
+          <td>{short(fa)}</td>
+          <td>{short(fb)}</td>
+          <td>{short(minus(fb, fa))}</td>
+        </tr>
+        <tr>
+          <th scope="row">difference</th>
+          <td>{short(minus(ma, fa))}</td>
+          <td>{short(minus(mb, fb))}</td>
+          <td>{short(minus(minus(mb, fb), minus(ma, fa)))}</td>
+        </tr>
+      </tbody>
+    </table>
+  );
+}
+
+/** The same for a wheel: the model's curve of each group. */
+function SteadyReadout({ data, experiment, signal }: { data: PlotData; experiment: Experiment; signal: string }) {
+  const { a, b } = store.view;
+  if (a === null && b === null) return null;
+  const unit = column(experiment, signal).unit;
+  const curves = data.series.filter((series) => !series.points);
+  const minus = (p: number | null, q: number | null) => (p === null || q === null ? null : p - q);
+  return (
+    <table class="readout">
+      <thead>
+        <tr>
+          <th scope="col">model{unit && `, ${unit}`}</th>
+          <th scope="col">at A</th>
+          <th scope="col">at B</th>
+          <th scope="col">B − A</th>
+        </tr>
+      </thead>
+      <tbody>
+        {curves.map((curve) => {
+          const values = curve.values.map((value) => value ?? null);
+          const [va, vb] = [a, b].map((place) => (place === null ? null : valueAt(data.x, values, place)));
+          return (
+            <tr key={curve.label}>
+              <th scope="row">
+                <i class="swatch" style={{ background: curve.stroke }} />
+                {curve.label || "all rows"}
+              </th>
+              <td>{short(va)}</td>
+              <td>{short(vb)}</td>
+              <td>{short(minus(vb ?? null, va ?? null))}</td>
+            </tr>
+          );
+        })}
+      </tbody>
+    </table>
+  );
+}
+
+function Signal({ signal, xName }: { signal: string; xName: string }) {
+  const { experiment, trial, view } = useStore();
+  const dark = useDark();
+  const drive = experiment?.kind === "traverse";
+  const data = useMemo(() => {
+    if (!experiment || !trial) return { x: [], series: [] };
+    return drive ? overTime(experiment, trial, view.run, signal, dark) : steady(experiment, trial, signal, dark);
+  }, [experiment, trial?.runs, trial?.curves, signal, view.run, dark]);
+  const shaded = useMemo(() => {
+    const run = experiment?.runs[view.run];
+    const time = run?.data.time;
+    if (!experiment || !drive || !time) return [];
+    const own = experiment.uncounted.filter((rows) => rows.run === run.name);
+    return own.map((rows) => [time[rows.first - 1] ?? 0, time[rows.last - 1] ?? 0] as [number, number]);
+  }, [experiment, view.run]);
+  if (!experiment || !trial) return null;
+  const shown = column(experiment, signal);
+  const ratio = store.ratio(signal, trial.rmse);
+  const error = quantity(trial.rmse[signal], shown);
+  const title = `${shown.name}: error ${error}${ratio === null ? "" : `, ${short(ratio)} times the noise`}`;
+  return (
+    <div class="signal">
+      <Plot
+        data={data}
+        title={title}
+        xLabel={axisLabel(column(experiment, xName))}
+        yLabel={axisLabel(shown)}
+        height={240}
+        a={view.a}
+        b={view.b}
+        range={view.range}
+        shaded={shaded}
+        onRange={(range) => store.go({ range })}
+        onCursor={(which, at) => store.go(which === "a" ? { a: at } : { b: at })}
+      />
+      {drive ? (
+        <Readout data={data} experiment={experiment} signal={signal} />
+      ) : (
+        <SteadyReadout data={data} experiment={experiment} signal={signal} />
+      )}
+    </div>
+  );
+}
+
+function Legend({ experiment }: { experiment: Experiment }) {
+  const { trial } = useStore();
+  const dark = useDark();
+  if (experiment.kind === "traverse") {
+    return (
+      <p class="legend">
+        <span><i class="line" style={{ background: colour(6, dark) }} /> measured</span>
+        <span><i class="line" style={{ background: colour(1, dark) }} /> model</span>
+        {experiment.uncounted.length > 0 && <span><i class="swatch shade" /> not counted</span>}
+      </p>
+    );
+  }
+  return (
+    <p class="legend">
+      <span>circles: measured; lines: model</span>
+      {trial?.curves?.groups.map((group, k) => (
+        <span key={group.name}><i class="line" style={{ background: colour(k, dark) }} /> {group.name || "all rows"}</span>
+      ))}
+    </p>
+  );
+}
+
+export function Signals() {
+  const { experiment, trial, view } = useStore();
+  if (!experiment) return null;
+  const drive = experiment.kind === "traverse";
+  const xName = drive ? "time" : (trial?.curves?.axis ?? view.axis);
+  const shown = experiment.signals.filter((signal) => matches(experiment, signal, view.search));
+  const nudge = (which: "a" | "b", value: string) =>
+    store.go({ [which]: value === "" || !Number.isFinite(Number(value)) ? null : Number(value) });
+  return (
+    <section class="card" aria-labelledby="signals">
+      <h2 id="signals">Measured and modelled</h2>
+      <div class="controls">
+        {experiment.signals.length > 3 && (
+          <label>
+            Find a signal{" "}
+            <input type="search" value={view.search} placeholder="torque 2" onInput={(event) => store.go({ search: event.currentTarget.value })} />
+          </label>
+        )}
+        {drive && experiment.runs.length > 1 && (
+          <label>
+            Run{" "}
+            <select value={view.run} onChange={(event) => store.go({ run: Number(event.currentTarget.value), row: 0, range: null, a: null, b: null }, true)}>
+              {experiment.runs.map((run, k) => <option key={run.name} value={k}>{run.name}</option>)}
+            </select>
+          </label>
+        )}
+        {!drive && (
+          <label>
+            Over{" "}
+            <select
+              value={view.axis}
+              onChange={(event) => {
+                store.go({ axis: event.currentTarget.value, range: null, a: null, b: null }, true);
+                void store.ask("axis");
+              }}
+            >
+              {AXES.map((axis) => <option key={axis} value={axis}>{column(experiment, axis).name}</option>)}
+            </select>
+          </label>
+        )}
+        <label>
+          A <input type="number" step="any" class="cursor" value={view.a ?? ""} onChange={(event) => nudge("a", event.currentTarget.value)} />
+        </label>
+        <label>
+          B <input type="number" step="any" class="cursor" value={view.b ?? ""} onChange={(event) => nudge("b", event.currentTarget.value)} />
+        </label>
+        {(view.a !== null || view.b !== null) && <button type="button" onClick={() => store.go({ a: null, b: null })}>Clear cursors</button>}
+        {view.range && <button type="button" onClick={() => store.go({ range: null })}>Show all</button>}
+      </div>
+      <Legend experiment={experiment} />
+      {trial && !drive && !trial.curves && <p>This input was not varied in the experiment: choose another one.</p>}
+      {trial && shown.length === 0 && <p>No signal is called so.</p>}
+      <div class="plots">{trial && (drive || trial.curves) && shown.map((signal) => <Signal key={signal} signal={signal} xName={xName} />)}</div>
+      <p class="hint">Click sets cursor A, Shift-click cursor B. Drag across a plot to enlarge a stretch in all of them; double-click shows all again.</p>
+    </section>
+  );
+}

@@ -1,0 +1,296 @@
+//! What the page asks, and the page itself.
+
+use crate::bench::{Bench, Step};
+use crate::error::Refusal;
+use crate::guard::guarded;
+use crate::options::Opened;
+use crate::shown::{self, Values};
+use crate::state::Shared;
+use crate::work::{self, Event, Kind, Order};
+use crate::{page, upload};
+use axum::body::Bytes;
+use axum::extract::{DefaultBodyLimit, Path, Query, State};
+use axum::http::StatusCode;
+use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE};
+use axum::response::sse::{self, KeepAlive, Sse};
+use axum::response::{IntoResponse, Response};
+use axum::routing::{delete, get, post, put};
+use axum::{Json, Router, middleware};
+use bekker::diagnosis::{CompareOptions, Workbench, compare};
+use bekker::measurement::{self, Meaning};
+use bekker::report::{comparison_page, diagnosis_page};
+use futures_util::stream::{self, Stream};
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::convert::Infallible;
+use std::sync::{Arc, MutexGuard, PoisonError};
+use std::time::Instant;
+use tokio::sync::broadcast::error::RecvError;
+
+type Answer = Result<Json<Value>, Refusal>;
+
+/// Largest body of a request that is no file, bytes.
+const LARGEST_REQUEST: usize = 1 << 20;
+
+/// Everything that is answered.
+pub fn router(shared: Shared) -> Router {
+    let file_limit = lock(&shared).limit();
+    let files = put(put_file).layer(DefaultBodyLimit::max(file_limit));
+    Router::new()
+        .route("/", get(page::index))
+        .route("/page.js", get(page::script))
+        .route("/page.css", get(page::style))
+        .route("/api/experiments", get(list))
+        .route("/api/experiments/{id}", get(experiment))
+        .route("/api/experiments/{id}/trial", post(trial))
+        .route("/api/experiments/{id}/jobs", post(begin))
+        .route("/api/experiments/{id}/jobs/{kind}", delete(stop))
+        .route("/api/experiments/{id}/events", get(events))
+        .route("/api/experiments/{id}/steps", post(accept))
+        .route("/api/experiments/{id}/export", post(export))
+        .route("/api/uploads", post(new_upload))
+        .route("/api/uploads/{number}/files", files)
+        .route("/api/uploads/{number}/proposal", post(propose))
+        .route("/api/uploads/{number}/open", post(open_upload))
+        .fallback(async || Refusal::missing("such page"))
+        .layer(DefaultBodyLimit::max(LARGEST_REQUEST))
+        .layer(middleware::from_fn_with_state(Arc::clone(&shared), guarded))
+        .with_state(shared)
+}
+
+fn lock(shared: &Shared) -> MutexGuard<'_, upload::Uploads> {
+    shared.uploads.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A request as JSON, with an error that says what was expected.
+fn read<T: DeserializeOwned>(body: &Bytes) -> Result<T, Refusal> {
+    let body = if body.is_empty() { b"{}" } else { &body[..] };
+    serde_json::from_slice(body).map_err(|error| Refusal::bad(format!("the request: {error}")))
+}
+
+/// Work on threads that a person waits for.
+async fn quickly<T: Send + 'static>(
+    shared: &Shared,
+    work: impl FnOnce() -> Result<T, Refusal> + Send + 'static,
+) -> Result<T, Refusal> {
+    let shared = Arc::clone(shared);
+    let done = tokio::task::spawn_blocking(move || shared.quick.install(work)).await;
+    done.unwrap_or_else(|_| {
+        Err(Refusal::of(StatusCode::INTERNAL_SERVER_ERROR, "the computation failed: this is a fault of the program"))
+    })
+}
+
+async fn list(State(shared): State<Shared>) -> Json<Value> {
+    let all: Vec<Value> = shared.benches().iter().map(|bench| shown::listed(bench)).collect();
+    Json(json!({ "experiments": all, "version": env!("CARGO_PKG_VERSION"), "fmu": shared.fmu.is_some() }))
+}
+
+async fn experiment(State(shared): State<Shared>, Path(id): Path<String>) -> Answer {
+    let bench = shared.bench(&id)?;
+    quickly(&shared, move || Ok(Json(shown::experiment(&bench)))).await
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Trial {
+    #[serde(default)]
+    values: Values,
+    /// The input over which the model is drawn, of a single wheel.
+    #[serde(default)]
+    axis: Option<String>,
+    /// Whether it is asked how the rover moves.
+    #[serde(default)]
+    motion: bool,
+}
+
+async fn trial(State(shared): State<Shared>, Path(id): Path<String>, body: Bytes) -> Answer {
+    let bench = shared.bench(&id)?;
+    let asked: Trial = read(&body)?;
+    quickly(&shared, move || {
+        let (workbench, start) = (bench.workbench(), Instant::now());
+        let trial = workbench.trial(&asked.values, asked.motion)?;
+        let axis = asked.axis.as_deref().and_then(shown::axis);
+        let curves = axis.map(|axis| workbench.sketch(axis, &asked.values)).transpose()?.flatten();
+        let mut shown = shown::trial(&trial, curves.as_ref(), workbench.experiment());
+        shown["milliseconds"] = json!(1e3 * start.elapsed().as_secs_f64());
+        Ok(Json(shown))
+    })
+    .await
+}
+
+async fn begin(State(shared): State<Shared>, Path(id): Path<String>, body: Bytes) -> Answer {
+    let bench = shared.bench(&id)?;
+    let order: Order = read(&body)?;
+    if order.kind == Kind::Fit && bench.workbench().baseline().is_none() {
+        return Err(Refusal::bad("the soil is not calibrated yet: calibrate before effects are fitted"));
+    }
+    work::begin(&bench, order);
+    Ok(Json(json!({})))
+}
+
+async fn stop(State(shared): State<Shared>, Path((id, kind)): Path<(String, String)>) -> Answer {
+    let bench = shared.bench(&id)?;
+    let kind: Kind = serde_json::from_value(json!(kind)).map_err(|_| Refusal::missing("such work"))?;
+    Ok(Json(json!({ "stopped": bench.jobs.stop(kind) })))
+}
+
+/// What happens to an experiment: first all that has happened, then each event. A browser that has lost the connection comes back by
+/// itself and is told all again.
+async fn events(
+    State(shared): State<Shared>,
+    Path(id): Path<String>,
+) -> Result<Sse<impl Stream<Item = Result<sse::Event, Infallible>>>, Refusal> {
+    let bench = shared.bench(&id)?;
+    let receiver = bench.events.subscribe();
+    let first = Some(bench.snapshot());
+    let following = stream::unfold((bench, receiver, first), async |(bench, mut receiver, first)| {
+        let event = match first {
+            Some(event) => event,
+            None => match receiver.recv().await {
+                Ok(event) => event,
+                Err(RecvError::Lagged(_)) => bench.snapshot(),
+                Err(RecvError::Closed) => return None,
+            },
+        };
+        Some((Ok(sent(&event)), (bench, receiver, None)))
+    });
+    Ok(Sse::new(following).keep_alive(KeepAlive::default()))
+}
+
+fn sent(event: &Event) -> sse::Event {
+    sse::Event::default().event(event.name).data(&*event.data)
+}
+
+async fn accept(State(shared): State<Shared>, Path(id): Path<String>, body: Bytes) -> Answer {
+    let bench = shared.bench(&id)?;
+    let step: Step = read(&body)?;
+    quickly(&shared, move || Ok(Json(json!({ "at": bench.accept(step)? })))).await
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Export {
+    what: What,
+    #[serde(default)]
+    values: Values,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum What {
+    /// The model as TOML.
+    Toml,
+    /// The model as an FMU.
+    Fmu,
+    /// The page of a comparison with this model.
+    Report,
+    /// The page of the last diagnosis.
+    Diagnosis,
+}
+
+async fn export(State(shared): State<Shared>, Path(id): Path<String>, body: Bytes) -> Result<Response, Refusal> {
+    let bench = shared.bench(&id)?;
+    let asked: Export = read(&body)?;
+    let fmu = shared.fmu;
+    let (kind, ending, bytes) = quickly(&shared, move || {
+        let workbench = bench.workbench();
+        Ok(match asked.what {
+            What::Toml => {
+                let text = workbench.model(&asked.values)?.to_toml().map_err(Refusal::bad)?;
+                ("application/toml", "toml", text.into_bytes())
+            }
+            What::Fmu => {
+                let pack = fmu.ok_or_else(|| Refusal::missing("packer of FMUs in this program"))?;
+                ("application/octet-stream", "fmu", pack(&workbench.model(&asked.values)?).map_err(Refusal::bad)?)
+            }
+            What::Report => {
+                ("text/html; charset=utf-8", "html", report(&bench, &workbench, &asked.values)?.into_bytes())
+            }
+            What::Diagnosis => {
+                let diagnosis =
+                    bench.diagnosis().ok_or_else(|| Refusal::missing("diagnosis yet: rank the effects first"))?;
+                ("text/html; charset=utf-8", "html", diagnosis_page(&diagnosis).into_bytes())
+            }
+        })
+    })
+    .await?;
+    let disposition = format!("attachment; filename=\"{id}.{ending}\"");
+    Ok(([(CONTENT_TYPE, kind.to_owned()), (CONTENT_DISPOSITION, disposition)], bytes).into_response())
+}
+
+/// The page that `bekker compare` writes for a model with these values.
+fn report(bench: &Bench, workbench: &Workbench, values: &Values) -> Result<String, Refusal> {
+    let model = workbench.model(values)?;
+    let given = bench.given.clone().with_model(model, "the model of the workbench");
+    let comparison = compare(given, workbench.experiment(), &CompareOptions::default())?;
+    Ok(comparison_page(&comparison))
+}
+
+async fn new_upload(State(shared): State<Shared>) -> Json<Value> {
+    Json(json!({ "upload": lock(&shared).begin() }))
+}
+
+#[derive(Deserialize)]
+struct Named {
+    path: String,
+}
+
+async fn put_file(
+    State(shared): State<Shared>,
+    Path(number): Path<u64>,
+    Query(named): Query<Named>,
+    body: Bytes,
+) -> Answer {
+    lock(&shared).take(number, &named.path, body.to_vec())?;
+    Ok(Json(json!({})))
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Choices {
+    #[serde(default)]
+    kind: Option<measurement::Kind>,
+    #[serde(default)]
+    columns: BTreeMap<String, Option<Meaning>>,
+    #[serde(default)]
+    filled: BTreeMap<String, f64>,
+}
+
+async fn propose(State(shared): State<Shared>, Path(number): Path<u64>, body: Bytes) -> Answer {
+    let choices: Choices = read(&body)?;
+    let mut uploads = lock(&shared);
+    let upload = uploads.get(number)?;
+    if upload.has_settings() {
+        return Ok(Json(json!({ "ready": true, "files": upload.names().collect::<Vec<_>>() })));
+    }
+    let proposal = upload.choose(choices.kind, &choices.columns, &choices.filled)?;
+    Ok(Json(json!({
+        "ready": false,
+        "kind": proposal.kind.name(),
+        "columns": proposal.columns(),
+        "targets": proposal.targets(),
+        "settings": proposal.settings,
+        "unsure": proposal.unsure,
+        "missing": proposal.missing,
+    })))
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Opening {
+    /// The text of `experiment.toml` in the place of the upload's own.
+    #[serde(default)]
+    settings: Option<String>,
+}
+
+async fn open_upload(State(shared): State<Shared>, Path(number): Path<u64>, body: Bytes) -> Answer {
+    let opening: Opening = read(&body)?;
+    let (experiment, given) = lock(&shared).get(number)?.experiment(opening.settings.as_deref())?;
+    let opener = Arc::clone(&shared);
+    let opened = Opened { experiment, given, example: false };
+    let bench = quickly(&shared, move || opener.open(opened).map_err(Refusal::bad)).await?;
+    lock(&shared).end(number);
+    Ok(Json(shown::listed(&bench)))
+}
