@@ -1,6 +1,7 @@
 //! What candidates gain by their sensitivities, one by one and in pairs: from columns outside the base, and from products of columns alone.
 
-use super::signature::{Column, Signature};
+use super::signature::Signature;
+use super::views::Column;
 use crate::diagnosis::linear_algebra::{Basis, Factor, Reach, best_fall, dot, products};
 use crate::diagnosis::noise::Whitening;
 use nalgebra::{DMatrix, DVector};

@@ -5,7 +5,7 @@
 //! 1. **noise** from repeats, one noise model for all that follows ([`super::noise`]), and the **baseline**, calibrated under
 //!    it with priors (`prepare`, [`super::calibrate`]);
 //! 2. **is it more than noise**: lack of fit in all and along every condition (`discrepancy`); sensitivities to every effect,
-//!    and what the calibrated parameters cannot absorb of them (`signature`); what noise alone would give, by a parametric
+//!    and what the calibrated parameters cannot absorb of them (`signature`, `views`); what noise alone would give, by a parametric
 //!    bootstrap (`stage`, `bootstrap`);
 //! 3. **candidates**: every single effect and pair refitted jointly with the calibration, a long list first screened by its
 //!    sensitivities where a refit is dear (`candidates`, `search`, `starts`, `scout`, `valleys`);
@@ -50,6 +50,7 @@ mod starts;
 mod untried;
 mod valleys;
 mod verdict;
+mod views;
 mod watch;
 
 pub use control::{Control, Progress, Spread, Threads};
@@ -63,7 +64,8 @@ pub(crate) use prepare::{calibrated_baseline, prepare};
 pub use result::{
     CandidateResult, Diagnosis, FinalParameter, LackOfFit, PairResult, ParameterResult, Share, Step, Verdict,
 };
-pub(crate) use signature::{Sensitivities, View, prune, sensitivities};
+pub(crate) use signature::{Sensitivities, prune, sensitivities};
 pub(crate) use stage::largest_cosine;
 pub(crate) use untried::Untried;
+pub(crate) use views::View;
 pub(crate) use watch::{Phase, Watch};

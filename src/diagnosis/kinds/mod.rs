@@ -7,6 +7,9 @@
 mod single_wheel;
 mod traverse;
 
+#[cfg(test)]
+pub(crate) use traverse::synthetic;
+
 use super::calibrate::Calibration;
 use super::compare::CompareError;
 use super::curves::Axis;

@@ -6,6 +6,8 @@ mod prediction;
 mod shapes;
 mod slopes;
 mod starts;
+#[cfg(test)]
+pub(crate) mod synthetic;
 mod variations;
 
 use super::{Budget, LeftOut, Strategy};
