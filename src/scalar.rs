@@ -5,7 +5,7 @@
 
 pub use bekker_scalar::{Both, Dual, Mask, Part, PartDual, Plain, Scalar, functions, smooth_step, smooth_step_slope};
 
-#[cfg(all(feature = "batch", any(feature = "every-kernel", not(target_arch = "x86_64"))))]
+#[cfg(all(feature = "batch", any(all(feature = "every-kernel", not(test)), not(target_arch = "x86_64"))))]
 pub(crate) use bekker_scalar::Arrays;
 #[cfg(feature = "batch")]
 pub(crate) use bekker_scalar::{Arch, Lanes, WIDTH};

@@ -16,8 +16,8 @@ trap skipped EXIT
 cargo test --workspace | tee -a "$log"
 python3 fmu/scripts/third_party.py --check
 python3 -m venv .venv
-# In the profile of the Rust tests, so that what they have compiled serves here too.
-MATURIN_PEP517_ARGS="--profile dev" .venv/bin/python -m pip install --quiet --disable-pip-version-check --upgrade "./env[test]"
+# In the profile of the Rust tests and with their features, so that what they have compiled serves here too.
+MATURIN_PEP517_ARGS="--profile dev --features as-tested" .venv/bin/python -m pip install --quiet --disable-pip-version-check --upgrade "./env[test]"
 .venv/bin/python -m mypy --strict env/python/bekker
 .venv/bin/python -m mypy.stubtest bekker._bekker
 # FMUs in the Rust crate `fmi`, whose bindings need libclang at build time; the wheel has it, the headers are the C compiler's.

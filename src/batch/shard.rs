@@ -3,11 +3,11 @@
 use super::Kernel;
 use super::group::{Group, Kind, group};
 use crate::model::{Run, RunError};
-#[cfg(any(feature = "every-kernel", not(target_arch = "x86_64")))]
+#[cfg(any(all(feature = "every-kernel", not(test)), not(target_arch = "x86_64")))]
 use crate::scalar::Arrays;
 #[cfg(target_arch = "x86_64")]
 use crate::scalar::Avx2;
-#[cfg(all(feature = "every-kernel", target_arch = "x86_64"))]
+#[cfg(all(feature = "every-kernel", not(test), target_arch = "x86_64"))]
 use crate::scalar::Avx512;
 use crate::simulation::Status;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -85,11 +85,11 @@ impl Shard {
         let place = self.groups.iter_mut().position(|group| *group.kind() == kind && group.join(index));
         slot.group = place.or_else(|| {
             let mut group = match self.kernel {
-                #[cfg(any(feature = "every-kernel", not(target_arch = "x86_64")))]
+                #[cfg(any(all(feature = "every-kernel", not(test)), not(target_arch = "x86_64")))]
                 Kernel::Portable => group::<Arrays>(kind, &slot.run),
                 #[cfg(target_arch = "x86_64")]
                 Kernel::Avx2 => group::<Avx2>(kind, &slot.run),
-                #[cfg(all(feature = "every-kernel", target_arch = "x86_64"))]
+                #[cfg(all(feature = "every-kernel", not(test), target_arch = "x86_64"))]
                 Kernel::Avx512 => group::<Avx512>(kind, &slot.run),
                 _ => None,
             }?;
