@@ -63,39 +63,40 @@ impl PyBatch {
     /// Makes `steps` inner steps with the inputs held, in the runs that `active` marks (in all where it is None), and
     /// writes signals and codes.
     #[pyo3(signature = (steps = 1, active = None))]
-    fn step(&mut self, py: Python<'_>, steps: u64, active: Option<&Bound<'_, PyArray1<bool>>>) -> PyResult<()> {
-        if self.broken {
+    fn step(own: &Bound<'_, Self>, steps: u64, active: Option<&Bound<'_, PyArray1<bool>>>) -> PyResult<()> {
+        let (py, mut own) = (own.py(), own.try_borrow_mut().map_err(|_| occupied())?);
+        if own.broken {
             return Err(SimulationError::new_err("this batch broke in an earlier step, make a new one"));
         }
-        self.hold(py, active)?;
-        let core = &mut self.core;
+        own.hold(py, active)?;
+        let core = &mut own.core;
         let work = steps.saturating_mul(core.len() as u64);
         let mut all = || error::fenced(|| core.advance(steps));
         let outcome = if work < FREE_FROM { all() } else { py.detach(all) };
-        self.broken = outcome.is_err();
+        own.broken = outcome.is_err();
         outcome?.map_err(|refused| failed(&refused))?;
-        self.write(py)
+        own.write(py)
     }
 
     /// Puts a copy of another run into a place, and its signals and code into the arrays.
-    fn replace(&mut self, py: Python<'_>, index: usize, run: &PyRun) -> PyResult<()> {
-        self.inside(index)?;
+    fn replace(own: &Bound<'_, Self>, index: usize, run: &PyRun) -> PyResult<()> {
+        let (py, mut own) = (own.py(), own.try_borrow_mut().map_err(|_| occupied())?);
+        own.inside(index)?;
         let run = run.taken()?;
         let (status, values) = (run.status().place(), row(run.signals()));
-        self.core.replace(index, run).map_err(|refused| failed(&refused))?;
+        own.core.replace(index, run).map_err(|refused| failed(&refused))?;
         let width = values.len();
         let mine = index * width..(index + 1) * width;
-        written(py, "signals", &self.signals, |all| copy(all, mine.clone(), &values))?;
-        written(py, "codes", &self.codes, |codes| {
-            codes.iter_mut().skip(index).take(1).for_each(|c| *c = status as u8)
-        })?;
+        written(py, "signals", &own.signals, |all| copy(all, mine.clone(), &values))?;
+        written(py, "codes", &own.codes, |codes| codes.iter_mut().skip(index).take(1).for_each(|c| *c = status as u8))?;
         Ok(())
     }
 
     /// Writes a row of an observation for each run: of its signals, and over them of what its sensors have read, where
     /// `observed` has readings. Entries that are no signals stay as they are.
-    fn observe(&self, observed: &PyObservedSignals, out: &Bound<'_, PyArray2<f32>>) -> PyResult<()> {
-        let expected = [self.core.len(), observed.width];
+    fn observe(own: &Bound<'_, Self>, observed: &PyObservedSignals, out: &Bound<'_, PyArray2<f32>>) -> PyResult<()> {
+        let own = seen(own)?;
+        let expected = [own.core.len(), observed.width];
         // Every step of an environment comes here: `check`, which asks Python for each flag, is for arrays that are refused.
         if out.shape() != expected || !out.is_c_contiguous() {
             check("out", out.as_any(), &expected)?;
@@ -103,8 +104,8 @@ impl PyBatch {
         let mut out = out.try_readwrite().map_err(|e| refuse("out", &e))?;
         let rows = out.as_slice_mut().map_err(|e| refuse("out", &e))?.chunks_exact_mut(observed.width.max(1));
         for (index, row) in rows.enumerate() {
-            observed.show(self.core.signals_of(index), row);
-            let readings = self.core.measurement(index);
+            observed.show(own.core.signals_of(index), row);
+            let readings = own.core.measurement(index);
             if !readings.wheels.is_empty() {
                 observed.show_readings(readings, row);
             }
@@ -113,26 +114,30 @@ impl PyBatch {
     }
 
     /// A copy of the run at a place; it goes on to the same bits.
-    fn run(&self, index: usize) -> PyResult<PyRun> {
-        self.inside(index)?;
-        Ok(PyRun::new(self.core.run(index)))
+    fn run(own: &Bound<'_, Self>, index: usize) -> PyResult<PyRun> {
+        let own = seen(own)?;
+        own.inside(index)?;
+        Ok(PyRun::new(own.core.run(index)))
     }
 
     /// Why the run at a place failed, in words; None where it did not.
-    fn error(&self, index: usize) -> PyResult<Option<String>> {
-        self.inside(index)?;
-        Ok(self.core.error(index).map(ToString::to_string))
+    fn error(own: &Bound<'_, Self>, index: usize) -> PyResult<Option<String>> {
+        let own = seen(own)?;
+        own.inside(index)?;
+        Ok(own.core.error(index).map(ToString::to_string))
     }
 
     /// Time since the start of the run at a place, s.
-    fn time(&self, index: usize) -> PyResult<f64> {
-        self.inside(index)?;
-        Ok(self.core.time(index))
+    fn time(own: &Bound<'_, Self>, index: usize) -> PyResult<f64> {
+        let own = seen(own)?;
+        own.inside(index)?;
+        Ok(own.core.time(index))
     }
 
     /// Times of all runs since their starts, s.
-    fn times<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_iter(py, (0..self.core.len()).map(|index| self.core.time(index)))
+    fn times<'py>(own: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (py, own) = (own.py(), seen(own)?);
+        Ok(PyArray1::from_iter(py, (0..own.core.len()).map(|index| own.core.time(index))))
     }
 
     /// Words for the codes, by place.
@@ -141,13 +146,23 @@ impl PyBatch {
         PyTuple::new(py, STATUSES)
     }
 
-    fn __len__(&self) -> usize {
-        self.core.len()
+    fn __len__(own: &Bound<'_, Self>) -> PyResult<usize> {
+        Ok(seen(own)?.core.len())
     }
 
-    fn __repr__(&self) -> String {
-        format!("<bekker.Batch of {} runs>", self.core.len())
+    fn __repr__(own: &Bound<'_, Self>) -> PyResult<String> {
+        Ok(format!("<bekker.Batch of {} runs>", seen(own)?.core.len()))
     }
+}
+
+/// The batch, to look at.
+fn seen<'py>(own: &Bound<'py, PyBatch>) -> PyResult<PyRef<'py, PyBatch>> {
+    own.try_borrow().map_err(|_| occupied())
+}
+
+/// During a step other Python threads go on; they may not use what is being stepped.
+fn occupied() -> PyErr {
+    SimulationError::new_err("another thread steps these rovers just now: give each thread environments of its own")
 }
 
 impl PyBatch {

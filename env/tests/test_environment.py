@@ -191,6 +191,12 @@ def test_property_action_scale_is_what_one_commands() -> None:
         ({"action_scale": float("inf")}, "action_scale = inf"),
         ({"reward_weights": {"progres": 1.0}}, "unknown reward term `progres`; expected progress, energy, end"),
         ({"reward_weights": {"energy": float("nan")}}, "weight of the reward term `energy` = nan"),
+        ({"goal": 3.0}, r"goal = 3.0: expected a goal of bekker.goals, such as Reach\(3.0\)"),
+        ({"level": "hard"}, "level = 'hard': expected a number, found str"),
+        ({"slip_limit": "0.3"}, "slip_limit = '0.3': expected a number, found str"),
+        ({"parameters": {"soil.cohesion": "1 kPa"}}, "soil.cohesion = '1 kPa': expected a number, found str"),
+        ({"parameters": {"soil.cohesion": [1.0]}}, r"soil.cohesion = \[1.0\]: expected a number, found list"),
+        ({"terrain": "slope"}, r"terrain = 'slope': expected the keys of the section \[terrain\]"),
     ],
 )
 def test_property_bad_arguments_are_named(arguments: dict[str, Any], message: str) -> None:
@@ -206,6 +212,10 @@ def test_property_bad_arguments_are_named(arguments: dict[str, Any], message: st
         ([1.1, 0.0], r"action\[0\] = 1.1"),
         ([0.1], r"the action has shape \(1,\), expected \(2,\)"),
         (0.5, r"the action has shape \(\), expected \(2,\)"),
+        ([[0.1, 0.1, 0.1], [0.1, 0.1, 0.1]], r"the action has shape \(2, 3\), expected \(2,\)"),
+        ([0.1 + 0.1j, 0.0], "the action is of type complex128: expected real numbers"),
+        (["a", "b"], "expected real numbers"),
+        ([[0.1], [0.1, 0.2]], "rows of different lengths"),
     ],
 )
 def test_property_a_bad_action_is_named_and_moves_nothing(action: Any, message: str) -> None:

@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+import threading
 from typing import Any
 
 import gymnasium
@@ -200,6 +201,27 @@ def test_property_without_copies_observations_are_overwritten() -> None:
     assert np.array_equal(kept, before)
 
 
+def test_property_a_thread_that_comes_during_a_step_is_told_so() -> None:
+    env = vector(num_envs=64, period=0.2)
+    env.reset(seed=0)
+    still, told = np.zeros((64, 2)), []
+
+    def drive() -> None:
+        try:
+            for _ in range(10):
+                env.step(still)
+        except bekker.SimulationError as refused:
+            told.append(str(refused))
+
+    threads = [threading.Thread(target=drive) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    # A step of 64 rovers over 0.2 s takes milliseconds, in which the other thread comes.
+    assert told and all("another thread steps these rovers" in message for message in told)
+
+
 def test_property_a_bad_action_is_named_and_moves_nothing() -> None:
     env = vector(num_envs=2)
     with pytest.raises(gymnasium.error.ResetNeeded, match="environment 0"):
@@ -207,8 +229,10 @@ def test_property_a_bad_action_is_named_and_moves_nothing() -> None:
     env.reset(seed=0)
     with pytest.raises(bekker.InputError, match=r"action\[1, 0\] = nan"):
         env.step(np.array([[0.1, 0.1], [np.nan, 0.0]]))
-    with pytest.raises(bekker.InputError, match="shape"):
+    with pytest.raises(bekker.InputError, match=r"have shape \(2,\), expected \(2, 2\): a row for each rover"):
         env.step(np.zeros(2))
+    with pytest.raises(bekker.InputError, match=r"have shape \(3,\), expected \(2, 2\)"):
+        env.step(np.zeros(3))
     assert not env.unwrapped.mechanics.inputs.any()
     assert env.step(np.zeros((2, 2)))[4]["time"].tolist() == [0.02, 0.02]
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.random import Generator
 
 from ._bekker import Model
+from .checked import finite, real
 from .errors import InputError
 from .goals import Goal
 from .models import ModelLike, as_model
@@ -88,13 +89,15 @@ class Setup:
         self.model = self._model(model, given)
         self.period = given.get("period", PERIOD)
         self.steps = whole("period", self.period, "inner steps", self.model.step_size)
-        self.target_velocity = _number("target_velocity", given.get("target_velocity", self.task.target_velocity))
-        self.slip_limit = _number("slip_limit", given.get("slip_limit", self.task.slip_limit), above=0.0)
+        self.target_velocity = finite("target_velocity", given.get("target_velocity", self.task.target_velocity))
+        self.slip_limit = finite("slip_limit", given.get("slip_limit", self.task.slip_limit), above=0.0)
         self.goal = given.get("goal", self.task.goal)
+        if not isinstance(self.goal, Goal):
+            raise InputError(f"goal = {self.goal!r}: expected a goal of bekker.goals, such as Reach(3.0)")
         self.measured = bool(given.get("measured", False))
         self.terms: tuple[Term, ...] = terms(given.get("rewards", self.task.rewards), given.get("reward_weights", {}))
         own_scale = self._own_scale(model, given)
-        self.action_scale = _number("action_scale", given.get("action_scale", own_scale), above=0.0)
+        self.action_scale = finite("action_scale", given.get("action_scale", own_scale), above=0.0)
         observed = given.get("observe", self.task.observe)
         scales = given.get("observation_scales", {})
         self.observer = Observer(self.model, observed, scales, raw=given.get("raw", False))
@@ -108,6 +111,9 @@ class Setup:
             own.set_control(control)
         terrain = given.get("terrain", self.task.terrain)
         if terrain is not None:
+            if not isinstance(terrain, Mapping):
+                raise InputError(f"terrain = {terrain!r}: expected the keys of the section [terrain] of a model file, such as "
+                                 '{"preset": "slope", "slope": 0.1}')
             own.set_terrain(json.dumps(_plain(terrain)))
         # The task's values belong to its own vehicle.
         for name, value in {**(self.task.parameters if model is None else {}), **given.get("parameters", {})}.items():
@@ -169,7 +175,9 @@ class Setup:
             if name != TERRAIN_SEED:
                 own = nominal.get(name)
                 scatter = scatter.at(level, _value(model, name) if own is None else own)
-            drawn[name] = scatter.draw(random)
+            value = scatter.draw(random)
+            # The seed of a ground is a whole number.
+            drawn[name] = float(int(value)) if name == TERRAIN_SEED else value
         model.seed = int(random.integers(_SEEDS)) if seed is None else seed % _SEEDS
         values = drawn | options.parameters
         target = values.pop(TARGET, self.target_velocity)
@@ -217,13 +225,15 @@ class Levelled:
 
 def checked_level(level: float) -> float:
     """A level of the curriculum."""
-    if not 0.0 <= level <= 1.0:
+    value = real("level", level)
+    if not 0.0 <= value <= 1.0:
         raise InputError(f"level = {level}: expected a number within 0 .. 1")
-    return float(level)
+    return value
 
 
 def assign(model: Model, name: str, value: float) -> None:
     """Sets a parameter, a number of a sensor, whether or not a controller reads it, or the seed of random ground."""
+    value = real(name, value)
     if name == TERRAIN_SEED:
         model.reseed_terrain(int(value))
     elif name.startswith("sensor."):
@@ -236,13 +246,6 @@ def _value(model: Model, name: str) -> float:
     if name.startswith("sensor."):
         return next(sensor["value"] for sensor in model.sensors() if sensor["name"] == name)
     return model.get(name)
-
-
-def _number(name: str, value: float, above: float = -np.inf) -> float:
-    if not (np.isfinite(value) and value > above):
-        more = "" if above == -np.inf else f" above {above:g}"
-        raise InputError(f"{name} = {value}: expected a finite number{more}")
-    return float(value)
 
 
 def _plain(data: Any) -> Any:

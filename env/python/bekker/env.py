@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Unpack
 
 from .arguments import Arguments, Levelled, Options, Setup
-from .mechanics import Mechanics, MechanicsState
+from .errors import InputError
+from .mechanics import Mechanics, MechanicsState, as_array
 from .models import ModelLike
 from .render import RENDER_MODES, Gallery
 from .tasks import Task
@@ -101,7 +102,10 @@ class RoverEnv(Levelled, gymnasium.Env[Observation, Action]):
             raise gymnasium.error.ResetNeeded("there is no episode yet: call reset()")
         if (status := mechanics.status(0)) != "running":
             raise gymnasium.error.ResetNeeded(f"the episode has ended, {status}: call reset()")
-        mechanics.step(np.asarray(action)[np.newaxis])
+        values, expected = as_array(action), mechanics.inputs.shape[1:]
+        if values.shape != expected:
+            raise InputError(f"the action has shape {values.shape}, expected {expected}")
+        mechanics.step(values[np.newaxis])
         info = mechanics.info(0)
         self._gallery.show(mechanics)
         return mechanics.observations()[0], float(mechanics.rewards()[0]), info["status"] != "running", False, info

@@ -15,7 +15,7 @@ from .errors import InputError, SimulationError
 from .goals import Way
 from .rewards import Step
 
-__all__ = ["Mechanics", "MechanicsState"]
+__all__ = ["Mechanics", "MechanicsState", "as_array"]
 
 Floats: TypeAlias = NDArray[np.float64]
 Bools: TypeAlias = NDArray[np.bool_]
@@ -26,6 +26,19 @@ TRIES = 10
 GOAL = len(Batch.statuses)
 STATUSES = np.array([*Batch.statuses, "goal"], dtype=object)
 """Words for the codes of an episode's state."""
+
+
+def as_array(actions: ArrayLike) -> NDArray[Any]:
+    """Actions as an array, of whatever type they are.
+
+    Raises:
+        InputError: rows of different lengths.
+    """
+    try:
+        values: NDArray[Any] = np.asarray(actions)
+    except ValueError:
+        raise InputError("the actions have rows of different lengths: expected one length") from None
+    return values
 
 
 @dataclass
@@ -167,6 +180,7 @@ class Mechanics:
 
         Raises:
             InputError: the actions have the wrong shape or one is NaN or beyond -1..1; nothing has moved then.
+            SimulationError: another thread steps these rovers.
         """
         batch, numbers, setup = self.batch, self._numbers, self.setup
         values, moving = self._checked(actions, active), True if active is None else active[:, np.newaxis]
@@ -208,11 +222,13 @@ class Mechanics:
 
     def _checked(self, actions: ArrayLike, active: Bools | None) -> NDArray[np.floating[Any]]:
         """The actions as an array of floating-point numbers: the caller's own where it is one."""
-        values: NDArray[np.floating[Any]] = np.asarray(actions)
+        values: NDArray[np.floating[Any]] = as_array(actions)
+        if values.dtype.kind not in "biuf":
+            raise InputError(f"the action is of type {values.dtype}: expected real numbers")
         if values.dtype.kind != "f":
             values = values.astype(np.float64)
         if values.shape != self.inputs.shape:
-            raise InputError(f"the action has shape {values.shape[1:]}, expected {self.inputs.shape[1:]}")
+            raise InputError(f"the actions have shape {values.shape}, expected {self.inputs.shape}: a row for each rover")
         sizes, moving = np.abs(values), True if active is None else active[:, np.newaxis]
         # Written so that NaN fails too.
         if not sizes.max(initial=0.0, where=moving) <= 1.0:

@@ -10,12 +10,12 @@ A term of one's own is one too::
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from math import isfinite
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .checked import finite
 from .errors import InputError
 from .vocabulary import unknown
 
@@ -137,9 +137,7 @@ def terms(given: Terms, weights: Mapping[str, float]) -> tuple[Term, ...]:
     for name, weight in weights.items():
         if name not in found:
             raise unknown("reward term", name, found)
-        if not isfinite(weight):
-            raise InputError(f"weight of the reward term `{name}` = {weight}: expected a finite number")
-        found[name] = replace(found[name], weight=float(weight))
+        found[name] = replace(found[name], weight=finite(f"weight of the reward term `{name}`", weight))
     if not found:
         raise InputError("rewards: expected one term at least")
     return tuple(found.values())

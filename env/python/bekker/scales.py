@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._bekker import Model, ObservedSignals
+from .checked import finite
 from .errors import InputError
 from .vocabulary import unknown
 
@@ -101,9 +102,7 @@ class Observer:
         for name, scale in changed.items():
             if name not in scales:
                 raise unknown("observable signal", name, scales)
-            if not (np.isfinite(scale) and scale > 0.0):
-                raise InputError(f"scale of `{name}` = {scale}: expected a finite number above 0")
-        scales |= changed
+        scales |= {name: finite(f"scale of `{name}`", scale, above=0.0) for name, scale in changed.items()}
         if not observed:
             raise InputError("observe: expected at least one signal")
         self.names: list[str] = []
