@@ -2,7 +2,7 @@
 
 use crate::force::{Assumptions, Load, Programme, Shear, ShearError};
 use crate::map::{
-    CsvGrid, Difficulty, ElevationMap, Interpolation, MapError, MapReadError, RangeError, Surface, blurred, generated,
+    CsvGrid, Difficulty, ElevationMap, Interpolation, MapError, MapReadError, RangeError, Surface, blurred, rocky,
 };
 use crate::plan::{
     CostField, Evaluator, Failure, Limits, Localisation, PerformanceIndex, Plan, PlanError, Planner, Request,
@@ -274,7 +274,7 @@ fn ground(source: &Source) -> Result<ElevationMap, SiteError> {
         _ => return Ok(ElevationMap::read(Path::new(&source.map), &source.grid)?),
     };
     let seed = seed.map_or(Ok(0), |seed| seed.parse().map_err(|_| SiteError::Seed(source.map.clone())))?;
-    Ok(generated(&ground_shape(difficulty), seed)?)
+    Ok(rocky(&ground_shape(difficulty), seed)?)
 }
 
 /// A robot by name or file.
