@@ -1,4 +1,4 @@
-//! Table 3.1 again: `cargo run --release -p bekker-planning --example table_3_1 -- FILE [TRIALS]` writes JSON lines, a trial each, every
+//! Table 3.1 again: `cargo run --release -p bekker-planning --example table_3_1 -- FILE [TRIALS [FIRST]]` writes JSON lines, a trial each, every
 //! path driven by the core's planar rover. What the file has already is not done again.
 
 use bekker_planning::map::Difficulty;
@@ -15,9 +15,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let file = arguments.next().ok_or("expected the file to write to")?;
     let trials = arguments.next().map_or(Ok(TRIALS), |text| text.parse())?;
+    let first = arguments.next().map_or(Ok(0), |text| text.parse())?;
     let done = done(&file)?;
     let mut out = OpenOptions::new().create(true).append(true).open(&file)?;
-    for seed in 0..trials {
+    for seed in first..first + trials {
         for ground in Difficulty::ALL {
             if done.contains(&(serde_json::to_string(&ground)?, seed)) {
                 continue;

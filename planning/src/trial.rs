@@ -4,7 +4,7 @@ use crate::drive::{Drive, DriveError, Half, Track, driven, on_firm_ground};
 use crate::force::{Load, Shear, ShearError};
 use crate::map::{Difficulty, Interpolation, MapError, RockyGround, Surface, rocky};
 use crate::plan::{
-    BinaryPath, CostField, Evaluator, Localisation, PerformanceIndex, Planner, Request, Stand, binary_path,
+    BinaryPath, CostField, Evaluator, Localisation, PathPoint, PerformanceIndex, Planner, Request, Stand, binary_path,
 };
 use crate::robot::{RobotError, fsrl};
 use bekker::model::ControlKind;
@@ -69,8 +69,22 @@ pub struct Trial {
     pub drive: Option<Driven>,
     /// The same under rough-terrain control with wheel-speed loops.
     pub rtc: Option<Driven>,
-    /// The same under velocity control with each side alone, left and right: harder than the rover has it.
-    pub alone: Vec<Driven>,
+    /// The planner's path, and what the evaluation says of its points; empty where there is none.
+    #[serde(skip)]
+    pub points: Vec<TrialPoint>,
+}
+
+/// A point of the planner's path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrialPoint {
+    /// Place, m.
+    pub place: [f64; 2],
+    /// Way from the start, m.
+    pub travelled: f64,
+    /// Stability angle, rad.
+    pub stability: f64,
+    /// Largest thrust, N.
+    pub thrust: f64,
 }
 
 /// A path given to the core to drive.
@@ -92,6 +106,9 @@ pub struct BinaryTrial {
     pub unsafe_stands: usize,
     /// Its path driven in the core, where that was asked for.
     pub drive: Option<Driven>,
+    /// Its path, m; empty where there is none.
+    #[serde(skip)]
+    pub points: Vec<[f64; 2]>,
 }
 
 /// Why a trial cannot be made.
@@ -132,27 +149,39 @@ pub fn trial(difficulty: Difficulty, seed: u64, friction: f64, drive: bool) -> R
     let seconds = clock.elapsed().as_secs_f64();
     let judge = evaluator()?;
     let node = |place: [f64; 2]| map.nearest(place).unwrap_or_default();
-    let check = |points: &[[f64; 2]], track, kind| {
-        drive.then(|| match driven(points, &surface, &half, track, kind, SPEED) {
+    let check = |points: &[[f64; 2]], kind| {
+        (drive && !points.is_empty()).then(|| match driven(points, &surface, &half, Track::Mean, kind, SPEED) {
             Ok(drive) => Driven::Driven(drive),
             Err(error) => Driven::Refused(error.to_string()),
         })
     };
+    let mut before: Option<BinaryTrial> = None;
     let binary = BINARY.map(|share| {
         let height = share * 2.0 * robot.wheel_radius;
         let path = binary_path(&map, &robot, height, node(start), node(goal));
         let fails = |stand: &&Stand| judge.assess(stand.place(&map), stand.angle(), None).is_err();
-        let places = |path: &BinaryPath| path.stands.iter().map(|stand| stand.place(&map)).collect::<Vec<_>>();
-        BinaryTrial {
+        let places = |path: &BinaryPath| path.stands.iter().map(|stand| stand.place(&map)).collect();
+        let points: Vec<[f64; 2]> = path.as_ref().map_or(Vec::new(), places);
+        // Where both heights leave the same path free, it is judged and driven once.
+        let same = before.take().filter(|before| before.points == points);
+        let trial = same.unwrap_or_else(|| BinaryTrial {
             unsafe_stands: path.as_ref().map_or(0, |path| path.stands.iter().filter(fails).count()),
             length: path.as_ref().map(|path| path.length),
-            drive: path.as_ref().and_then(|path| check(&places(path), Track::Mean, ControlKind::VelocityTuned)),
-        }
+            drive: check(&points, ControlKind::VelocityTuned),
+            points,
+        });
+        before = Some(trial.clone());
+        trial
     });
     let plan = planned.as_ref().ok();
-    let places = plan.map(|plan| plan.points.iter().map(|point| [point.x, point.y]).collect::<Vec<_>>());
-    let planned_check = |track, kind| places.as_ref().and_then(|places| check(places, track, kind));
-    let alone = [Track::Left, Track::Right].map(|track| planned_check(track, ControlKind::VelocityTuned));
+    let point = |point: &PathPoint| TrialPoint {
+        place: [point.x, point.y],
+        travelled: point.travelled,
+        stability: point.assessment.stability,
+        thrust: point.assessment.thrust,
+    };
+    let points: Vec<TrialPoint> = plan.map_or(Vec::new(), |plan| plan.points.iter().map(point).collect());
+    let places: Vec<[f64; 2]> = points.iter().map(|point| point.place).collect();
     Ok(Trial {
         seed,
         start,
@@ -162,9 +191,9 @@ pub fn trial(difficulty: Difficulty, seed: u64, friction: f64, drive: bool) -> R
         seconds,
         evaluations: plan.map_or(0, |plan| plan.evaluations),
         binary: binary.to_vec(),
-        drive: planned_check(Track::Mean, ControlKind::VelocityTuned),
-        rtc: planned_check(Track::Mean, ControlKind::RtcSpeed),
-        alone: alone.into_iter().flatten().collect(),
+        drive: check(&places, ControlKind::VelocityTuned),
+        rtc: check(&places, ControlKind::RtcSpeed),
+        points,
     })
 }
 

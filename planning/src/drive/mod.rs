@@ -37,7 +37,7 @@ pub enum Track {
 const BEYOND: f64 = 3.0;
 
 /// A drive may take this many times as long as the commanded speed would: wheels slip.
-const PATIENCE: f64 = 5.0;
+const PATIENCE: f64 = 3.0;
 
 /// Time to set off, s: a stretch may be as short as a node's spacing.
 const SETTING_OFF: f64 = 5.0;
