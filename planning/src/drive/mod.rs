@@ -10,7 +10,7 @@ pub use side::{Side, planar_side};
 
 use crate::map::Surface;
 use crate::robot::Robot;
-use bekker::model::{ControlKind, Model, ModelError, RunError, SummaryBuilder};
+use bekker::model::{ControlKind, Model, ModelError, Run, RunError, SummaryBuilder};
 use bekker::modeldescription::{Lookup, ParameterError};
 use bekker::rover::Rover;
 use bekker::simulation::{Status, StepError};
@@ -41,6 +41,10 @@ const PATIENCE: f64 = 3.0;
 
 /// Time to set off, s: a stretch may be as short as a node's spacing.
 const SETTING_OFF: f64 = 5.0;
+
+/// Where a stretch may begin, m from its start: a search for the equilibrium can fail at one place and not beside it. No farther than the
+/// profile's samples lie apart.
+const START_SHIFTS: [f64; 5] = [0.0, -0.005, 0.005, -0.01, 0.01];
 
 /// How a stretch ends at whose start the rover finds no equilibrium: it slides.
 const NO_STAND: &str = "cannot_stand";
@@ -268,6 +272,18 @@ impl Half {
     }
 }
 
+/// A run of the model from the start of a stretch, or from as near as the rover finds an equilibrium; none where it finds none.
+fn settled(model: &mut Model) -> Result<Option<Run>, DriveError> {
+    for shift in START_SHIFTS {
+        model.start.x0 = shift;
+        match model.start() {
+            Err(RunError::Step(StepError::Settle(_))) => {}
+            run => return Ok(Some(run?)),
+        }
+    }
+    Ok(None)
+}
+
 /// What came of one stretch.
 struct Stretched {
     /// How it ended where not at the end of the stretch.
@@ -299,11 +315,8 @@ fn drive_stretch(
     model.rover.terrain = Terrain::new(Profile::Samples(std::sync::Arc::new(Samples::new(&x, &z)?)));
     model.control.kind = kind;
     model.control.velocity_tuned.speed = speed;
-    let mut run = match model.start() {
-        Err(RunError::Step(StepError::Settle(_))) => {
-            return Ok(Stretched { end: Some(NO_STAND.to_owned()), covered: 0.0, time: 0.0, energy: 0.0, slip: 0.0 });
-        }
-        run => run?,
+    let Some(mut run) = settled(&mut model)? else {
+        return Ok(Stretched { end: Some(NO_STAND.to_owned()), covered: 0.0, time: 0.0, energy: 0.0, slip: 0.0 });
     };
     run.inputs_mut().set("velocity_command", speed)?;
     let stride = (0.02 / run.step_size()).round().max(1.0) as u64;
