@@ -15,6 +15,7 @@ mod export;
 mod finding;
 mod model;
 mod observation;
+mod planning;
 mod record;
 mod render;
 mod run;
@@ -51,6 +52,8 @@ mod _bekker {
     use super::model::PyModel;
     #[pymodule_export]
     use super::observation::PyObservedSignals;
+    #[pymodule_export]
+    use super::planning::{plan, planning_settings, pose, robots};
     #[pymodule_export]
     use super::record::record;
     #[pymodule_export]

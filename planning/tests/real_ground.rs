@@ -3,7 +3,10 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
-use bekker_planning::map::{CsvGrid, Doubt, ElevationMap};
+use bekker::soil::Soil;
+use bekker::wheel::Wheel;
+use bekker_planning::anisotropic::{GroundEnergy, SlopeEnergy, arrival, path_cost, path_from};
+use bekker_planning::map::{CsvGrid, Doubt, ElevationMap, Interpolation, Surface};
 use libtest_mimic::{Arguments, Completion, Trial};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -12,7 +15,10 @@ use std::process::ExitCode;
 const HILLS: &str = "uma_hills/uma_rescue_area_1m_dem.csv";
 
 fn main() -> ExitCode {
-    let trials = vec![trial("property_the_hills_are_read_and_their_spikes_named", spikes)];
+    let trials = vec![
+        trial("property_the_hills_are_read_and_their_spikes_named", spikes),
+        trial("agreement_paths_over_the_hills_are_those_of_a_grid_twice_as_fine", paths),
+    ];
     libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
 }
 
@@ -35,4 +41,29 @@ fn spikes(file: &Path) {
     assert!(spiky, "{:?}", map.doubts());
     let (smooth, count) = map.without_spikes(2.0).unwrap();
     assert!(count > 0 && !smooth.doubts().iter().any(|doubt| matches!(doubt, Doubt::Spikes { .. })));
+}
+
+/// What the cost of a path may differ from that of a finer grid, which the issue of this work sets.
+const PATH: f64 = 0.01;
+
+/// A vehicle of 400 kg on firm ground, between places on both sides of the steep ground in the middle of the map.
+fn paths(file: &Path) {
+    let map = ElevationMap::read(file, &CsvGrid::default()).unwrap().without_spikes(2.0).unwrap().0;
+    let surface = Surface::new(map, Interpolation::Smooth);
+    let soil = Soil { cohesion: 0.0, friction_angle: 0.7, k_c: 0.0, k_phi: 2e7, exponent: 1.0, ..Soil::default() };
+    let wheel = Wheel { radius: 0.2, width: 0.15, ..Wheel::default() };
+    let energy = SlopeEnergy::new(&soil, &wheel, 400.0 * 9.81, 4, 0.6).unwrap();
+    let cost = GroundEnergy::new(&surface, &energy, 200.0);
+    // No straight way joins either pair: ground of over 20 degrees lies between.
+    for (start, goal) in [([58.0, 114.0], [100.0, 60.0]), ([30.0, 120.0], [90.0, 115.0])] {
+        let solve = |fine: usize| {
+            let nodes = 199 * fine + 1;
+            let field = arrival(&cost, [nodes, nodes], 1.0 / fine as f64, [0.0, 0.0], start).unwrap();
+            path_from(&field, &cost, goal).unwrap()
+        };
+        let (coarse, fine) = (solve(1), solve(2));
+        let ratio = coarse.cost / fine.cost;
+        assert!((ratio - 1.0).abs() < PATH, "{start:?} to {goal:?}: {} {}", coarse.cost, fine.cost);
+        assert!(path_cost(&cost, &[start, goal], 0.5).is_infinite());
+    }
 }

@@ -46,6 +46,12 @@ many together (:class:`RoverEnv`, :class:`RoverVectorEnv`)::
 Data that are not on disk come as :class:`Experiment`, from data frames or arrays; :func:`import_experiment` proposes a
 folder for CSV files in columns and units of their own.
 
+*Ask where it can go*: the pose on a map at a place, and a path on which it is safe at every point::
+
+    >>> plan = bekker.plan("benign:3", start=(2.0, 2.0), goal=(3.0, 3.0), robot="fsrl")
+    >>> plan.path.shape[1], bool(plan.stability.min() > 0.17)         # rad
+    (2, True)
+
 *Take it elsewhere*: ``bekker.export_fmu(model, "rover.fmu")`` writes it for any tool that knows FMI 3.0.
 
 *Step it yourself*: ``model.start()`` gives a :class:`Run`, whose copies go on to the same bits. What is refused is a
@@ -59,10 +65,19 @@ from .checks import check
 from .comparison import Comparison, calibrate, compare
 from .diagnosis import Diagnosis, Progress, diagnose
 from .env import RoverEnv
-from .errors import BekkerError, DiagnosisInterrupted, InputError, ModelError, SimulationError, UnknownNameError
+from .errors import (
+    BekkerError,
+    DiagnosisInterrupted,
+    InputError,
+    ModelError,
+    PlanningError,
+    SimulationError,
+    UnknownNameError,
+)
 from .experiment import Experiment, MeasuredRun
 from .importing import Imported, import_experiment
 from .models import effects, export_fmu, presets
+from .planning import Plan, Pose, plan, planning_settings, pose, robots
 from .registration import register
 from .simulation import Result, simulate, steady_points
 from .tasks import TASKS, Task
@@ -82,6 +97,9 @@ __all__ = [
     "MeasuredRun",
     "Model",
     "ModelError",
+    "Plan",
+    "PlanningError",
+    "Pose",
     "Progress",
     "Result",
     "RoverEnv",
@@ -102,9 +120,13 @@ __all__ = [
     "export_fmu",
     "goals",
     "import_experiment",
+    "plan",
+    "planning_settings",
+    "pose",
     "presets",
     "randomise",
     "rewards",
+    "robots",
     "simulate",
     "steady_points",
 ]
