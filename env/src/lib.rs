@@ -18,6 +18,7 @@ mod observation;
 mod record;
 mod render;
 mod run;
+mod studio;
 mod vocabulary;
 
 use pyo3::pymodule;
@@ -57,6 +58,10 @@ mod _bekker {
     use super::render::Renderer;
     #[pymodule_export]
     use super::run::PyRun;
+    #[pymodule_export]
+    use super::studio::NativeStudio;
+    #[pymodule_export]
+    use super::studio::open_studio;
     use pyo3::prelude::*;
 
     /// Names and meanings of the built-in models.
