@@ -19,6 +19,7 @@ mod planning;
 mod record;
 mod render;
 mod run;
+mod studio;
 mod vocabulary;
 
 use pyo3::pymodule;
@@ -60,6 +61,10 @@ mod _bekker {
     use super::render::Renderer;
     #[pymodule_export]
     use super::run::PyRun;
+    #[pymodule_export]
+    use super::studio::NativeStudio;
+    #[pymodule_export]
+    use super::studio::open_studio;
     use pyo3::prelude::*;
 
     /// Names and meanings of the built-in models.

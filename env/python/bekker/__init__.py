@@ -43,6 +43,9 @@ many together (:class:`RoverEnv`, :class:`RoverVectorEnv`)::
     diagnosis.plot_overlay()                   # and plot_residuals, plot_steps, plot_candidates ... (matplotlib)
     diagnosis.save_model("improved.toml")      # bekker.steady_points(diagnosis.improved, 20.0, 0.2, 0.5) takes it as it is
 
+*Look at it all by hand*: ``bekker.studio("examples/sand_wheel")`` shows the workbench in a notebook's cell, and its ``open()``
+in a browser.
+
 Data that are not on disk come as :class:`Experiment`, from data frames or arrays; :func:`import_experiment` proposes a
 folder for CSV files in columns and units of their own.
 
@@ -80,6 +83,7 @@ from .models import effects, export_fmu, presets
 from .planning import Plan, Pose, plan, planning_settings, pose, robots
 from .registration import register
 from .simulation import Result, simulate, steady_points
+from .studio import Studio, studio
 from .tasks import TASKS, Task
 from .vector_env import RoverVectorEnv
 
@@ -107,6 +111,7 @@ __all__ = [
     "Run",
     "Script",
     "SimulationError",
+    "Studio",
     "TASKS",
     "Task",
     "UnknownNameError",
@@ -129,6 +134,7 @@ __all__ = [
     "robots",
     "simulate",
     "steady_points",
+    "studio",
 ]
 
 register()

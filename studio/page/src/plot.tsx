@@ -3,6 +3,7 @@
 import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import type { PlotData } from "./data";
+import { axisLook, bandsOf, columns, errorBars, seriesLook } from "./draw";
 import { css, useDark } from "./hooks";
 import { store } from "./store";
 
@@ -24,7 +25,7 @@ interface Properties {
 const LINK = "plots";
 
 function aligned(data: PlotData): uPlot.AlignedData {
-  return [data.x, ...data.series.map((series) => series.values)] as uPlot.AlignedData;
+  return columns(data) as uPlot.AlignedData;
 }
 
 /** The two cursors, drawn over the data, and what does not count, under it. */
@@ -77,7 +78,7 @@ function marks(own: { current: Properties }): uPlot.Plugin {
 
 function options(own: { current: Properties }, width: number): uPlot.Options {
   const { data, xLabel, yLabel, height } = own.current;
-  const axis = { stroke: css("--soft"), grid: { stroke: css("--grid"), width: 1 }, ticks: { stroke: css("--grid"), width: 1 }, font: "12px system-ui", labelFont: "12px system-ui", labelSize: 18 };
+  const axis = axisLook();
   return {
     width,
     height,
@@ -94,18 +95,8 @@ function options(own: { current: Properties }, width: number): uPlot.Options {
       { ...axis, label: xLabel, size: 34 },
       { ...axis, label: yLabel, size: 52 },
     ],
-    series: [
-      {},
-      ...data.series.map((series) => ({
-        label: series.label,
-        stroke: series.stroke,
-        width: series.points ? 0 : (series.width ?? 2),
-        dash: series.dash,
-        pxAlign: 0,
-        paths: series.points ? () => null : undefined,
-        points: series.points ? { show: true, size: 6, width: 1.5, stroke: series.stroke, fill: css("--card") } : { show: false },
-      })),
-    ],
+    series: [{}, ...data.series.flatMap(seriesLook)],
+    bands: bandsOf(data),
     hooks: {
       setSelect: [
         (plot) => {
@@ -116,7 +107,7 @@ function options(own: { current: Properties }, width: number): uPlot.Options {
         },
       ],
     },
-    plugins: [marks(own)],
+    plugins: [errorBars(() => own.current.data), marks(own)],
   };
 }
 
@@ -128,7 +119,7 @@ export function Plot(properties: Properties) {
   own.current = properties;
   const { data, height, xLabel, yLabel, title } = properties;
   // Another number of series, another theme or another axis is another plot; other values are not.
-  const shape = `${data.series.map((one) => one.stroke + one.points).join()} ${dark} ${xLabel} ${yLabel}`;
+  const shape = `${data.series.map((one) => `${one.stroke}${one.points}${one.dash ?? ""}${Boolean(one.band)}`).join()} ${dark} ${xLabel} ${yLabel}`;
 
   useEffect(() => {
     const place = host.current;
