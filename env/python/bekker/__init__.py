@@ -68,9 +68,9 @@ from .importing import Imported, import_experiment
 from .models import effects, export_fmu, presets
 from .registration import register
 from .simulation import Result, simulate, steady_points
-from .studio import Studio, studio
 from .tasks import TASKS, Task
 from .vector_env import RoverVectorEnv
+from .workbench import Studio, studio
 
 __all__ = [
     "Arguments",
