@@ -38,7 +38,7 @@ pytestmark = [
 ]
 
 #: A diagnosis in a debug build on a busy machine, ms.
-PATIENCE = 20_000
+PATIENCE = 240_000
 #: What the rules of accessibility are taken from.
 RULES = {"runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "best-practice"]}
 
