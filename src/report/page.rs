@@ -90,7 +90,9 @@ pub fn escape(text: &str) -> String {
 #[must_use]
 pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
     let cells = |tag: &str, cells: &mut dyn Iterator<Item = &str>| {
-        cells.map(|cell| format!("<{tag}>{}</{tag}>", escape(cell))).collect::<String>()
+        // An empty cell heads nothing.
+        let tag = |cell: &str| if cell.is_empty() { "td".to_owned() } else { tag.to_owned() };
+        cells.map(|cell| format!("<{0}>{1}</{0}>", tag(cell), escape(cell))).collect::<String>()
     };
     let body: String =
         rows.iter().map(|row| format!("<tr>{}</tr>\n", cells("td", &mut row.iter().map(String::as_str)))).collect();

@@ -48,7 +48,7 @@ pub fn router(shared: Shared) -> Router {
         .route("/api/experiments/{id}/jobs", post(begin))
         .route("/api/experiments/{id}/jobs/{kind}", delete(stop))
         .route("/api/experiments/{id}/events", get(events))
-        .route("/api/experiments/{id}/steps", post(accept))
+        .route("/api/experiments/{id}/steps", get(steps).post(accept))
         .route("/api/experiments/{id}/export", post(export))
         .route("/api/uploads", post(new_upload))
         .route("/api/uploads/{number}/files", files)
@@ -164,6 +164,11 @@ async fn events(
 
 fn sent(event: &Event) -> sse::Event {
     sse::Event::default().event(event.name).data(&*event.data)
+}
+
+/// The steps of an experiment, from which another may take its soil.
+async fn steps(State(shared): State<Shared>, Path(id): Path<String>) -> Answer {
+    Ok(Json(json!({ "steps": shared.bench(&id)?.steps() })))
 }
 
 async fn accept(State(shared): State<Shared>, Path(id): Path<String>, body: Bytes) -> Answer {

@@ -171,6 +171,11 @@ impl Bench {
         self.tell(Event::new("fit", json!(found)));
     }
 
+    /// Every model that was accepted.
+    pub fn steps(&self) -> Vec<Step> {
+        self.state().steps.clone()
+    }
+
     /// Accepts a model.
     pub fn accept(&self, mut step: Step) -> Result<usize, Refusal> {
         if step.label.chars().count() > 200 {

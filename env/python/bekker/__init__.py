@@ -83,9 +83,9 @@ from .models import effects, export_fmu, presets
 from .planning import Plan, Pose, plan, planning_settings, pose, robots
 from .registration import register
 from .simulation import Result, simulate, steady_points
-from .studio import Studio, studio
 from .tasks import TASKS, Task
 from .vector_env import RoverVectorEnv
+from .workbench import Studio, studio
 
 __all__ = [
     "Arguments",

@@ -120,19 +120,20 @@ export function overTime(experiment: Experiment, trial: Trial, other: Trial | nu
   return { x: (data.time ?? []).map((time) => time ?? 0), series };
 }
 
-/** Places where a value may be read: by linear interpolation between its neighbours. */
+/** The value at a place: by linear interpolation between the neighbours that have one. */
 export function valueAt(x: number[], values: Numbers, at: number): number | null {
-  let before = -1;
-  for (let k = 0; k < x.length; k += 1) {
-    const here = x[k] as number;
-    const value = values[k];
-    if (value === null || value === undefined) continue;
-    if (here < at) before = k;
-    else {
-      if (here === at || before < 0) return here === at ? value : null;
-      const [x0, y0] = [x[before] as number, values[before] as number];
-      return y0 + ((at - x0) / (here - x0)) * (value - y0);
-    }
+  let [low, high] = [0, x.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if ((x[middle] as number) < at) low = middle + 1;
+    else high = middle;
   }
-  return null;
+  let [after, before] = [low, low - 1];
+  while (after < x.length && values[after] == null) after += 1;
+  while (before >= 0 && values[before] == null) before -= 1;
+  const [x1, y1] = [x[after], values[after]];
+  if (x1 === undefined || y1 == null) return null;
+  if (x1 === at) return y1;
+  const [x0, y0] = [x[before], values[before]];
+  return x0 === undefined || y0 == null ? null : y0 + ((at - x0) / (x1 - x0)) * (y1 - y0);
 }

@@ -190,8 +190,9 @@ export function Effects() {
 }
 
 export function Parameters() {
-  const { experiment, jobs } = useStore();
+  const { experiment, jobs, listed: server } = useStore();
   if (!experiment) return null;
+  const others = (server?.experiments ?? []).filter((one) => one.id !== experiment.id);
   const fitting = jobs.has("fit");
   return (
     <>
@@ -205,6 +206,15 @@ export function Parameters() {
           ± is the standard error. {experiment.calibration.agreeing} of {experiment.calibration.searches} searches from different starts ended at the
           same error.
         </p>
+      )}
+      {!store.saved && others.length > 0 && (
+        <label class="controls">
+          Take the soil of{" "}
+          <select value="" onChange={(event) => { const id = event.currentTarget.value; event.currentTarget.value = ""; if (id) void store.takeSoil(id); }}>
+            <option value="">another experiment…</option>
+            {others.map((one) => <option key={one.id} value={one.id}>{one.name}</option>)}
+          </select>
+        </label>
       )}
       {!store.saved && (
         <button type="button" disabled={!experiment.calibration || fitting} onClick={() => store.refit()}>

@@ -2,7 +2,7 @@
 
 import uPlot from "uplot";
 import { joined, type Placed } from "./data";
-import { axisLook, bandsOf, columns, seriesLook } from "./draw";
+import { axisLook, bands, columns, seriesLook } from "./draw";
 import { colour, css, isDark, onTheme } from "./hooks";
 import type { Numbers } from "./types";
 
@@ -163,9 +163,8 @@ function draw(host: HTMLElement): uPlot | null {
           : { ...look, label: figure.x.label, size: 34 },
         { ...look, label: figure.y.label, size: 56 },
       ],
-      series: [{}, ...data.series.flatMap(seriesLook)],
-      bands: bandsOf(data),
-      plugins: [ground(figure), scatter(scattered)],
+      series: [{}, ...data.series.map(seriesLook)],
+      plugins: [ground(figure), bands(() => data), scatter(scattered)],
     },
     columns(data) as uPlot.AlignedData,
     host,

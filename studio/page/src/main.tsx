@@ -10,6 +10,7 @@ import { drawFigures } from "./figures";
 import { Failures } from "./heat";
 import { useStore } from "./hooks";
 import { Errors, Exports, Guide, History, Next } from "./panels";
+import { PlanMap } from "./plan";
 import { Scene } from "./scene";
 import { Signals } from "./signals";
 import { store } from "./store";
@@ -83,6 +84,7 @@ function Page() {
           <Effects />
         </div>
         <div class="wide">
+          <PlanMap />
           <Signals />
           <Windows />
           <div class="pair"><Scene /><Failures /></div>

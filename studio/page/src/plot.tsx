@@ -3,7 +3,7 @@
 import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import type { PlotData } from "./data";
-import { axisLook, bandsOf, columns, errorBars, seriesLook } from "./draw";
+import { axisLook, bands, columns, errorBars, seriesLook } from "./draw";
 import { css, useDark } from "./hooks";
 import { store } from "./store";
 
@@ -20,6 +20,8 @@ interface Properties {
   onCursor: (which: "a" | "b", at: number) => void;
   /** Bands in which rows do not count. */
   shaded?: [number, number][];
+  /** Where windows begin. */
+  begins?: number[];
 }
 
 const LINK = "plots";
@@ -28,27 +30,24 @@ function aligned(data: PlotData): uPlot.AlignedData {
   return columns(data) as uPlot.AlignedData;
 }
 
-/** The two cursors, drawn over the data, and what does not count, under it. */
+/** Puts the two cursors where they belong: elements over the plot, so that moving them draws nothing again. */
+function placeCursors(plot: uPlot, { a, b }: Properties): void {
+  for (const [name, at] of [["A", a], ["B", b]] as const) {
+    let line = plot.over.querySelector<HTMLElement>(`.place-${name}`);
+    if (!line) {
+      line = document.createElement("div");
+      line.className = `place place-${name}`;
+      line.textContent = name;
+      plot.over.append(line);
+    }
+    const x = at === null ? -1 : plot.valToPos(at, "x");
+    line.hidden = x < 0 || x > plot.over.clientWidth;
+    line.style.transform = `translateX(${Math.round(x)}px)`;
+  }
+}
+
+/** What does not count and where windows begin, under the data; the cursors follow the scale. */
 function marks(own: { current: Properties }): uPlot.Plugin {
-  const line = (plot: uPlot, at: number, name: string) => {
-    const x = Math.round(plot.valToPos(at, "x", true));
-    const { left, top, width, height } = plot.bbox;
-    if (x < left || x > left + width) return;
-    const { ctx } = plot;
-    ctx.save();
-    ctx.strokeStyle = ctx.fillStyle = css("--text");
-    ctx.lineWidth = devicePixelRatio;
-    ctx.setLineDash(name === "A" ? [] : [4 * devicePixelRatio, 3 * devicePixelRatio]);
-    ctx.beginPath();
-    ctx.moveTo(x, top);
-    ctx.lineTo(x, top + height);
-    ctx.stroke();
-    ctx.font = `${11 * devicePixelRatio}px system-ui`;
-    ctx.textAlign = "left";
-    ctx.textBaseline = "top";
-    ctx.fillText(name, x + 3 * devicePixelRatio, top + 2 * devicePixelRatio);
-    ctx.restore();
-  };
   return {
     hooks: {
       drawAxes: [
@@ -61,14 +60,22 @@ function marks(own: { current: Properties }): uPlot.Plugin {
             const [left, right] = [plot.valToPos(from, "x", true), plot.valToPos(to, "x", true)];
             ctx.fillRect(left, top, right - left, height);
           }
+          ctx.strokeStyle = css("--soft");
+          ctx.setLineDash([2 * devicePixelRatio, 4 * devicePixelRatio]);
+          ctx.beginPath();
+          for (const begin of own.current.begins ?? []) {
+            const x = plot.valToPos(begin, "x", true);
+            if (x < plot.bbox.left || x > plot.bbox.left + plot.bbox.width) continue;
+            ctx.moveTo(x, top);
+            ctx.lineTo(x, top + height);
+          }
+          ctx.stroke();
           ctx.restore();
         },
       ],
       draw: [
         (plot) => {
-          const { a, b } = own.current;
-          if (a !== null) line(plot, a, "A");
-          if (b !== null) line(plot, b, "B");
+          placeCursors(plot, own.current);
           store.drawn();
         },
       ],
@@ -95,8 +102,7 @@ function options(own: { current: Properties }, width: number): uPlot.Options {
       { ...axis, label: xLabel, size: 34 },
       { ...axis, label: yLabel, size: 52 },
     ],
-    series: [{}, ...data.series.flatMap(seriesLook)],
-    bands: bandsOf(data),
+    series: [{}, ...data.series.map(seriesLook)],
     hooks: {
       setSelect: [
         (plot) => {
@@ -107,7 +113,7 @@ function options(own: { current: Properties }, width: number): uPlot.Options {
         },
       ],
     },
-    plugins: [errorBars(() => own.current.data), marks(own)],
+    plugins: [bands(() => own.current.data), errorBars(() => own.current.data), marks(own)],
   };
 }
 
@@ -161,7 +167,11 @@ export function Plot(properties: Properties) {
 
   useEffect(() => {
     plot.current?.redraw(false, false);
-  }, [properties.a, properties.b, properties.shaded]);
+  }, [properties.shaded, properties.begins]);
+
+  useEffect(() => {
+    if (plot.current) placeCursors(plot.current, properties);
+  }, [properties.a, properties.b]);
 
   return (
     <figure class="plot">

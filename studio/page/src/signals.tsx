@@ -22,8 +22,7 @@ function Readout({ data, experiment, signal, drive }: { data: PlotData; experime
   const unit = column(experiment, signal).unit;
   const minus = (p: number | null, q: number | null) => (p === null || q === null ? null : p - q);
   const at = (series: PlotData["series"][number]): [number | null, number | null] => {
-    const values = series.values.map((value) => value ?? null);
-    return [a === null ? null : valueAt(data.x, values, a), b === null ? null : valueAt(data.x, values, b)];
+    return [a === null ? null : valueAt(data.x, series.values, a), b === null ? null : valueAt(data.x, series.values, b)];
   };
   const rows: { name: string; colour?: string; values: [number | null, number | null] }[] = [];
   const difference = (name: string, p: PlotData["series"][number] | undefined, q: PlotData["series"][number] | undefined) => {
@@ -91,6 +90,11 @@ function Signal({ signal, xName }: { signal: string; xName: string }) {
     const own = experiment.uncounted.filter((rows) => rows.run === run.name);
     return own.map((rows) => [time[rows.first - 1] ?? 0, time[rows.last - 1] ?? 0] as [number, number]);
   }, [experiment, view.run]);
+  const begins = useMemo(() => {
+    const time = experiment?.runs[view.run]?.data.time;
+    const windows = drive ? (trial?.motion[view.run]?.windows ?? []) : [];
+    return windows.slice(1).map(([first]) => time?.[first] ?? 0);
+  }, [experiment, trial?.motion, view.run]);
   if (!experiment || !trial) return null;
   const shown = column(experiment, signal);
   const ratio = store.ratio(signal, trial.rmse);
@@ -108,6 +112,7 @@ function Signal({ signal, xName }: { signal: string; xName: string }) {
         b={view.b}
         range={view.range}
         shaded={shaded}
+        begins={begins}
         onRange={(range) => store.go({ range })}
         onCursor={(which, at) => store.go(which === "a" ? { a: at } : { b: at })}
       />
@@ -126,6 +131,7 @@ function Legend({ experiment }: { experiment: Experiment }) {
         <span><i class="line" style={{ background: colour(1, dark) }} /> model</span>
         {other && <span><i class="line dashed" style={{ "--colour": colour(0, dark) }} /> {stepName()}</span>}
         {experiment.uncounted.length > 0 && <span><i class="swatch shade" /> not counted</span>}
+        {(trial?.motion[0]?.windows.length ?? 0) > 1 && <span>dotted: a window begins</span>}
       </p>
     );
   }

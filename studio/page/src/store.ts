@@ -2,6 +2,7 @@
 
 import { get, post, remove } from "./api";
 import { readView, sameView, writeView, type View } from "./address";
+import type { Plan } from "./plan";
 import { embedded } from "./saved";
 import type { Diagnosis, Experiment, Found, Job, JobKind, Listed, Parameter, Separation, Snapshot, Step, Trial, Values } from "./types";
 import { experimentOf, motionOf, trialOf, type WireModel } from "./wire";
@@ -23,6 +24,8 @@ export class Store {
   trial: Trial | null = null;
   /** The model of the step that is drawn beside. */
   other: Trial | null = null;
+  /** A plan whose map is shown. */
+  plan: Plan | null = null;
   error: string | null = null;
   connected = true;
   /** Whether the values follow the fit of the effects that are on, once it is there. */
@@ -424,6 +427,24 @@ export class Store {
     const trial = saved.trial(values, view.axis, view.at);
     if (!trial) throw new Error("this report does not hold that model: it holds its steps, and each effect that was tried along its strength");
     return trial;
+  }
+
+  /** Takes the soil of the last model of another experiment, as values set by hand. */
+  async takeSoil(of: string): Promise<void> {
+    try {
+      const { steps } = await get<{ steps: Step[] }>(`api/experiments/${of}/steps`);
+      const found = steps[steps.length - 1]?.values ?? {};
+      const own = [...(this.experiment?.parameters ?? []), ...(this.experiment?.known ?? [])];
+      const soil = own.filter(({ name, min, max }) => name.startsWith("soil.") && (found[name] ?? Number.NaN) >= min && (found[name] ?? Number.NaN) <= max);
+      if (soil.length === 0) throw new Error("that experiment has no fitted soil yet, or none within the bounds here");
+      this.touch("soil");
+      this.following = false;
+      const taken = Object.fromEntries(soil.map(({ name }) => [name, found[name] as number]));
+      this.go({ set: this.difference({ ...this.values(), ...taken }) }, true);
+      void this.ask("soil");
+    } catch (error) {
+      this.fail(error);
+    }
   }
 
   /** Draws the model of another step beside; null for none. */
