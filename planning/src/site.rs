@@ -116,7 +116,7 @@ pub enum SiteError {
         problem: String,
     },
     /// The robot's text.
-    #[error("{0}")]
+    #[error("robot: {0}")]
     RobotText(String),
     /// No such robot.
     #[error("unknown robot `{0}`; expected fsrl, sample_return, or a TOML file of a robot")]

@@ -3,6 +3,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
+#[path = "../examples/cuadriga/prediction.rs"]
+mod prediction;
+
 use bekker::soil::Soil;
 use bekker::wheel::Wheel;
 use bekker_planning::anisotropic::{GroundEnergy, SlopeEnergy, arrival, path_cost, path_from};
@@ -14,24 +17,49 @@ use std::process::ExitCode;
 /// Heights of the University of Malaga's rescue area on a grid of 1 m (MIT licence), rows from the south.
 const HILLS: &str = "uma_hills/uma_rescue_area_1m_dem.csv";
 
+/// Drives over them with the currents of the motors.
+const DRIVES: &str = "cuadriga_2019";
+
 fn main() -> ExitCode {
     let trials = vec![
-        trial("property_the_hills_are_read_and_their_spikes_named", spikes),
-        trial("agreement_paths_over_the_hills_are_those_of_a_grid_twice_as_fine", paths),
+        trial("property_the_hills_are_read_and_their_spikes_named", HILLS, |data| spikes(&data.join(HILLS))),
+        trial("agreement_paths_over_the_hills_are_those_of_a_grid_twice_as_fine", HILLS, |data| {
+            paths(&data.join(HILLS))
+        }),
+        trial("published_currents_of_drives_over_the_hills_are_predicted", DRIVES, currents),
     ];
     libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
 }
 
-fn trial(name: &str, test: fn(&Path)) -> Trial {
+fn trial(name: &str, needs: &'static str, test: fn(&Path)) -> Trial {
     Trial::ignorable_test(name, move || {
         let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-        let file = std::env::var_os("BEKKER_DATA").map_or_else(beside, PathBuf::from).join(HILLS);
-        if !file.exists() {
-            return Ok(Completion::ignored_with(format!("needs the measurements {HILLS}")));
+        let data = std::env::var_os("BEKKER_DATA").map_or_else(beside, PathBuf::from);
+        if !data.join(needs).exists() {
+            return Ok(Completion::ignored_with(format!("needs the measurements {needs}")));
         }
-        test(&file);
+        test(&data);
         Ok(Completion::Completed)
     })
+}
+
+/// Mean error of predicted currents, % of the mean absolute current: the bound for drives of the same days.
+const CURRENT: f64 = 15.0;
+
+/// Calibrated on every other drive and judged on those between them, both ways.
+fn currents(data: &Path) {
+    let surface = prediction::hills(data).unwrap();
+    let stretches = prediction::stretches(data).unwrap();
+    for split in [prediction::Split::Even, prediction::Split::Odd] {
+        let found = prediction::judged(&surface, &stretches, split).unwrap();
+        assert!(
+            found.judged >= 10 && found.model[0] <= CURRENT.max(found.line[0]),
+            "{}: {:?}",
+            split.name(),
+            found.model
+        );
+        assert!(found.model[0] < 0.5 * found.distance[0], "{:?} {:?}", found.model, found.distance);
+    }
 }
 
 fn spikes(file: &Path) {

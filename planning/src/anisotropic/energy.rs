@@ -41,7 +41,7 @@ pub enum EnergyError {
 /// Energy and slip of a rover that drives steadily up or down a plane slope, by the slope's angle in the direction of travel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlopeEnergy {
-    /// J/m of all wheels along the ground; infinite where the slip would be too high.
+    /// J/m of all wheels along the ground, negative where they brake; infinite where the slip would be too high.
     per_metre: Vec<f64>,
     slip: Vec<f64>,
     /// Weight, N.
@@ -54,7 +54,7 @@ impl SlopeEnergy {
     /// The table of a rover of this weight (N) on `wheels` equal wheels, each with its share of the load, slip up to `most_slip`.
     ///
     /// At a slope a wheel carries W cos(a)/n and must pull W sin(a)/n; the slip at which its drawbar pull is that gives torque T and
-    /// energy T / (r (1 - i)) a metre. Downhill, what braking would give back is not counted.
+    /// energy T / (r (1 - i)) a metre.
     ///
     /// # Errors
     /// [`EnergyError`] where level ground cannot be driven.
@@ -75,7 +75,7 @@ impl SlopeEnergy {
             let energy = found.map_or(f64::INFINITY, |(slip, point)| {
                 // V = r omega (1 - i) driving, r omega / (1 + i) in skid.
                 let speed = if slip >= 0.0 { 1.0 - slip } else { 1.0 / (1.0 + slip) };
-                (count * point.torque / (wheel.radius * speed)).max(0.0)
+                count * point.torque / (wheel.radius * speed)
             });
             table.per_metre.push(energy);
             table.slip.push(found.map_or(f64::NAN, |(slip, _)| slip));
@@ -84,9 +84,15 @@ impl SlopeEnergy {
         if table.at(0.0).is_finite() { Ok(table) } else { Err(EnergyError::Stuck { load, slip: most }) }
     }
 
-    /// Energy of a metre along the ground at a slope (rad, uphill positive), J/m; infinite where the rover gets stuck, or slides.
+    /// Energy of a metre along the ground at a slope (rad, uphill positive), J/m; 0 where the wheels brake, infinite where the rover gets stuck, or slides.
     #[must_use]
     pub fn at(&self, slope: f64) -> f64 {
+        self.signed(slope).max(0.0)
+    }
+
+    /// The same, negative where the wheels brake: what else resists the rover takes that up first.
+    #[must_use]
+    pub fn signed(&self, slope: f64) -> f64 {
         interpolated(&self.per_metre, slope)
     }
 
@@ -131,7 +137,8 @@ fn slip_for(rig: &Rig, load: f64, pull: f64, most: f64) -> Option<(f64, SteadyPo
 pub struct GroundEnergy<'a> {
     surface: &'a Surface,
     energy: &'a SlopeEnergy,
-    /// What a metre costs beside, J/m: electronics at the speed of travel, roughness.
+    /// What resists beside the soil, J/m: friction of the drives, roughness. Downhill it takes up what the slope gives before nothing is
+    /// left to pay.
     beside: f64,
 }
 
@@ -158,6 +165,6 @@ impl DirectionalCost for GroundEnergy<'_> {
             return f64::INFINITY;
         }
         // A metre in plan view is longer on the ground.
-        (self.energy.at(along.atan()) + self.beside) * 1.0_f64.hypot(along)
+        (self.energy.signed(along.atan()) + self.beside).max(0.0) * 1.0_f64.hypot(along)
     }
 }
