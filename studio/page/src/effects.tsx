@@ -157,8 +157,9 @@ export function Effects() {
   const most = Math.max(1, ...[...gains.values()].map((gain) => gain ?? 0));
   const rank = (id: string) => (view.on.includes(id) ? Number.POSITIVE_INFINITY : (gains.get(id) ?? -1));
   // While a person moves a strength its row stays where it is: the order follows the gains only.
-  const sorted = experiment.effects.filter(({ id, shows }) => shows || view.on.includes(id)).sort((p, q) => rank(q.id) - rank(p.id));
-  const hidden = experiment.effects.filter(({ shows }) => !shows);
+  const offered = experiment.effects.filter(({ id, shows }) => (shows && store.canToggle(id)) || view.on.includes(id));
+  const sorted = offered.sort((p, q) => rank(q.id) - rank(p.id));
+  const hidden = store.saved ? [] : experiment.effects.filter(({ shows }) => !shows);
   const unseen = (diagnosis?.invisible ?? []).filter((id) => !hidden.some((one) => one.id === id));
   const searching = jobs.has("rank");
   const shown = [...gains.values()].some((gain) => gain !== null);
