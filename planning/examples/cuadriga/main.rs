@@ -16,8 +16,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     );
     for split in Split::ALL {
         let (name, found) = (split.name(), judged(&surface, &stretches, split)?);
+        let season = if split.crosses_seasons() { " (another season)" } else { "" };
         println!(
-            "{name}: calibrated on {}, judged on {}; mean error {:.1} (RMS {:.1}), best line in the slope {:.1} (RMS {:.1}), distance \
+            "{name}{season}: calibrated on {}, judged on {}; mean error {:.1} (RMS {:.1}), best line in the slope {:.1} (RMS {:.1}), distance \
              alone {:.1}; {:.4} A/N, resistance beside the slope {:.0} N",
             found.calibrated,
             found.judged,

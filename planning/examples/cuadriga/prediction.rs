@@ -55,6 +55,11 @@ impl Split {
         }
     }
 
+    /// Whether it is judged on drives of another season than it is calibrated on.
+    pub fn crosses_seasons(self) -> bool {
+        matches!(self, Self::January | Self::June)
+    }
+
     fn calibrates(self, drive: usize) -> bool {
         match self {
             Self::Even => drive.is_multiple_of(2),
@@ -160,7 +165,15 @@ fn is_straight(part: &[Row]) -> bool {
 
 /// Grass and dry soil, which hardly give way.
 fn energy() -> Result<SlopeEnergy, EnergyError> {
-    let soil = Soil { cohesion: 0.0, friction_angle: 0.7, k_c: 0.0, k_phi: 2e7, exponent: 1.0, ..Soil::default() };
+    let soil = Soil {
+        cohesion: 0.0,
+        friction_angle: 0.7,
+        k_c: 0.0,
+        k_phi: 2e7,
+        exponent: 1.0,
+        shear_modulus: 0.003,
+        ..Soil::default()
+    };
     let wheel = Wheel { radius: 0.207, width: 0.15, ..Wheel::default() };
     SlopeEnergy::new(&soil, &wheel, WEIGHT, 4, 0.6)
 }
@@ -175,7 +188,7 @@ fn line(points: &[(f64, f64)]) -> [f64; 2] {
 }
 
 /// Pieces of a stretch by whose slopes its force is found: two spacings of the map, about as long as the vehicle, which bridges what is
-/// shorter (plants, single stones).
+/// shorter.
 const PIECES: usize = 5;
 
 /// Forces of the model along the pieces of a stretch, N, negative where the wheels brake; by the slope in the direction of travel.
