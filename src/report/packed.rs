@@ -171,6 +171,6 @@ mod tests {
         assert_eq!(packed["b"].as_str().expect("text").len(), 200);
         let (finer, error) = differences(&arrays, &from, 1e-3);
         assert!(error < 1e-4 && finer["w"].as_str().expect("text").len() == 400, "{error}");
-        assert_eq!(differences(&[from.clone()], &from, 1.0).1, 0.0);
+        assert_eq!(differences(std::slice::from_ref(&from), &from, 1.0).1, 0.0);
     }
 }
