@@ -16,7 +16,7 @@ pub const MAX_ACTIVE: usize = 8;
 const STEPS: usize = 60;
 
 /// The descent ends where the projected gradient times the step is below this share of the index.
-const SETTLED: f64 = 1e-9;
+const SETTLED: f64 = 1e-7;
 
 /// Halvings of a step before it counts as none.
 const HALVINGS: usize = 20;
@@ -54,6 +54,8 @@ pub struct Stance {
     low: Vector,
     high: Vector,
     penalised: usize,
+    /// Active joints.
+    active: usize,
     settings: Reconfiguration,
 }
 
@@ -145,6 +147,7 @@ impl Stance {
             low: Vector::zeros(),
             high: Vector::zeros(),
             penalised,
+            active,
             settings,
         };
         for (j, ([least, most], value)) in robot.active_limits().into_iter().zip(placing.active()).enumerate() {
@@ -173,7 +176,7 @@ impl Stance {
         let count = self.hull.len();
         let point = |k: usize| {
             let motion = &self.motion[k % count];
-            (0..MAX_ACTIVE).fold(self.hull[k % count], |sum, j| sum + motion[j] * change[j])
+            (0..self.active).fold(self.hull[k % count], |sum, j| sum + motion[j] * change[j])
         };
         let (mut index, mut margin, mut from) = (0.0, f64::INFINITY, point(0));
         for k in 0..count {
@@ -186,11 +189,11 @@ impl Stance {
         }
         // The ground below the belly is taken to be as near to every corner as where it is nearest now.
         for rise in &self.rise {
-            let clearance = (0..MAX_ACTIVE).fold(self.clearance, |sum, j| sum + rise[j] * change[j]);
+            let clearance = (0..self.active).fold(self.clearance, |sum, j| sum + rise[j] * change[j]);
             index += if clearance > 0.0 { self.settings.clearance / clearance } else { f64::INFINITY };
         }
         let excursion = |j: usize| (self.values[j] + change[j] - self.nominal[j]).powi(2);
-        index += self.settings.excursion * (0..self.penalised.min(MAX_ACTIVE)).map(excursion).sum::<f64>();
+        index += self.settings.excursion * (0..self.penalised.min(self.active)).map(excursion).sum::<f64>();
         (index, margin)
     }
 
@@ -239,7 +242,7 @@ impl Stance {
     /// Slopes of the index by differences inward from the limits.
     fn gradient(&self, change: &Vector, index: f64) -> Vector {
         let mut gradient = Vector::zeros();
-        for j in 0..MAX_ACTIVE {
+        for j in 0..self.active {
             if self.low[j] == self.high[j] {
                 continue;
             }
