@@ -72,8 +72,8 @@ fn on_ground(ground: &Ground, seeds: &[u64]) -> Result<Finding, ReproductionErro
         plots: figures(ground.name, &done),
         assumptions: vec![
             "The thesis gives the density of obstacles and no ground. Here rocks and pits lie evenly over gentle swells, half of them \
-             higher than a wheel's radius, as many as make that density. On ground that is rough everywhere (hummocks of the same \
-             density of obstacles, RMS slope 35 degrees) the planner's paths are longer than the binary planner's."
+             higher than a wheel's radius, as many as make that density. On hummocky ground of the same density, 35 degrees \
+             steep on the average, the planner's path was longer by a quarter and a half in the two trials made."
                 .to_owned(),
             format!("Coefficient of friction {FRICTION}; plans count on what of it the wheels transmit at 50 % slip."),
             "A path is driven from rest in each of its straight stretches by half of the robot, over the mean of the heights under its \
@@ -104,20 +104,18 @@ fn lengths(ground: &Ground, trials: &[Trial]) -> Vec<Row> {
         let length = |trial: &Trial| trial.binary[k].length;
         let ours = Spread::of(trials.iter().filter_map(length));
         add(format!("{name}: length, m"), published, ours, "As above; it looks at single nodes, not at the rover");
-        let both = trials.iter().filter_map(|trial| Some(100.0 * (trial.length? / length(trial)? - 1.0)));
+        // Sums of the same steps in another order differ by rounding.
+        let beyond =
+            |ours: f64, theirs: f64| if (ours - theirs).abs() < 1e-9 { 0.0 } else { 100.0 * (ours / theirs - 1.0) };
+        let both = trials.iter().filter_map(|trial| Some(beyond(trial.length?, length(trial)?)));
         let both: Vec<f64> = both.collect();
         let published = published.map(|binary| 100.0 * (planner / binary - 1.0));
         let reason = "Where both find a path. What the binary planner calls free includes flanks of 60 degrees, which the evaluation \
                       refuses; steps that it calls obstacles and the rover passes are rare on this ground";
-        add(
-            format!("planner's path beyond that of the {name}, %"),
-            published,
-            Spread::of(both.iter().copied()),
-            reason,
-        );
+        add(format!("planner's path beyond that of the {name}, %"), None, Spread::of(both.iter().copied()), reason);
         let interval = mean_with_interval(&both);
         add(
-            format!("the same, mean with its paired 95 % interval ({name}), %"),
+            format!("planner's path beyond that of the {name}, mean with its paired 95 % interval, %"),
             published,
             interval,
             "Student's interval of the mean difference, in place of quantiles",

@@ -27,7 +27,7 @@ pub fn alone(title: &str, body: &str, data: Option<&str>) -> String {
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"color-scheme\" content=\"light dark\">\n<link rel=\"icon\" href=\"data:,\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n\
-         <body class=\"saved\">\n<div id=\"page\"></div>\n<article id=\"report\">\n{body}</article>\n{data}\
+         <body class=\"saved\">\n<div id=\"page\"></div>\n<article id=\"report\" role=\"region\" aria-label=\"Report\">\n{body}</article>\n{data}\
          <script type=\"module\">\n{script}</script>\n</body>\n</html>\n"
     )
 }

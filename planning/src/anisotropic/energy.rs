@@ -1,7 +1,7 @@
 //! Energy of a metre on a slope, from the core's wheel on its soil.
 
 use super::DirectionalCost;
-use crate::map::Surface;
+use crate::map::{ElevationMap, Surface};
 use bekker::carriage::{Rig, SteadyError, SteadyPoint, steady_point};
 use bekker::effects::Effects;
 use bekker::rover::Environment;
@@ -132,11 +132,16 @@ fn slip_for(rig: &Rig, load: f64, pull: f64, most: f64) -> Option<(f64, SteadyPo
     Some((high, at(high).ok()?))
 }
 
-/// The energy of a metre over a map, by the slope in the direction of travel.
+/// The energy of a metre over a map, by the slope in the direction of travel. Slopes are those of the surface at the map's nodes, bilinear
+/// between them.
 #[derive(Clone, Debug)]
 pub struct GroundEnergy<'a> {
-    surface: &'a Surface,
+    map: &'a ElevationMap,
     energy: &'a SlopeEnergy,
+    /// Slopes in x and y at every node; NaN beside unknown ground.
+    slopes: Vec<[f64; 2]>,
+    /// Largest slope across the way, as its tangent.
+    across: f64,
     /// What resists beside the soil, J/m: friction of the drives, roughness. Downhill it takes up what the slope gives before nothing is
     /// left to pay.
     beside: f64,
@@ -146,7 +151,13 @@ impl<'a> GroundEnergy<'a> {
     /// The energy of `energy` over a surface; `beside` (J/m) is added to every metre.
     #[must_use]
     pub fn new(surface: &'a Surface, energy: &'a SlopeEnergy, beside: f64) -> Self {
-        Self { surface, energy, beside }
+        let map = surface.map();
+        let nodes = (0..map.rows()).flat_map(|row| (0..map.columns()).map(move |column| (column, row)));
+        let slope = |(column, row)| {
+            let patch = surface.at(map.place(column, row));
+            patch.map_or([f64::NAN; 2], |patch| [patch.slope_x, patch.slope_y])
+        };
+        Self { map, energy, slopes: nodes.map(slope).collect(), across: energy.across.tan(), beside }
     }
 
     /// Weight of the rover, N.
@@ -154,14 +165,29 @@ impl<'a> GroundEnergy<'a> {
     pub fn weight(&self) -> f64 {
         self.energy.weight
     }
+
+    /// Slopes in x and y at a place; NaN off the map and beside unknown ground.
+    fn slopes(&self, place: [f64; 2]) -> [f64; 2] {
+        let [u, v] = self.map.in_cells(place);
+        let (columns, rows) = (self.map.columns(), self.map.rows());
+        if !(u >= 0.0 && v >= 0.0 && u <= (columns - 1) as f64 && v <= (rows - 1) as f64) {
+            return [f64::NAN; 2];
+        }
+        let (column, row) = ((u as usize).min(columns - 2), (v as usize).min(rows - 2));
+        let (u, v) = (u - column as f64, v - row as f64);
+        let first = row * columns + column;
+        let [a, b, c, d] = [first, first + 1, first + columns, first + columns + 1].map(|node| self.slopes[node]);
+        [0, 1].map(|axis| (1.0 - v) * ((1.0 - u) * a[axis] + u * b[axis]) + v * ((1.0 - u) * c[axis] + u * d[axis]))
+    }
 }
 
 impl DirectionalCost for GroundEnergy<'_> {
     fn per_metre(&self, place: [f64; 2], direction: [f64; 2]) -> f64 {
-        let Some(patch) = self.surface.at(place) else { return f64::INFINITY };
-        let along = patch.slope_x * direction[0] + patch.slope_y * direction[1];
-        let across = patch.slope_y * direction[0] - patch.slope_x * direction[1];
-        if across.abs().atan() > self.energy.across {
+        let [slope_x, slope_y] = self.slopes(place);
+        let along = slope_x * direction[0] + slope_y * direction[1];
+        let across = slope_y * direction[0] - slope_x * direction[1];
+        // Unknown ground has no slope that is less.
+        if across.is_nan() || across.abs() > self.across {
             return f64::INFINITY;
         }
         // A metre in plan view is longer on the ground.
