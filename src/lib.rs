@@ -21,6 +21,7 @@
 //! | [`effects`] | missing physics to be switched on, one file an effect; others register their own | contact, motor, signals, soil, vehicle, wheel |
 //! | [`rover`] | bodies, joints, equations of motion | contact, effects, linear, motor, signals, soil, terrain, vehicle, wheel |
 //! | [`carriage`] | steady points of one wheel under a load | contact, effects, motor, rover, soil, vehicle, wheel |
+//! | [`soil_test`] | a soil under a plate and in a shear box, and what may be wrong there | effects, rover, soil |
 //! | `integrator`, `recording` | a step of the equations of motion; lags between signals and their record | contact, effects, linear, rover, signals |
 //! | [`simulation`] | a rover at rest and in motion, with a fixed step | contact, effects, integrator, linear, recording, rover, signals, terrain, vehicle |
 //! | [`equations`] | the same as explicit differential equations, for other integrators, and their derivatives | motor, rover, signals, simulation, terrain |
@@ -29,10 +30,10 @@
 //! | [`estimation`] | what a rover finds out from measurements: contact angles, soil | contact, control, linear, linear_stress, signals, soil, vehicle, wheel |
 //! | [`model`] | all of it in one value; TOML in and out; a run | all above |
 //! | `batch` | many runs stepped together (feature `batch`) | all above |
-//! | [`soil_class`], [`parallel`] | what is believable for a class of soil before anything is measured; work on all cores, with the same bits for any number of them | |
-//! | [`measurement`] | experiments: folders, columns, units, import | contact, effects, model, signals, soil_class, vehicle, wheel |
-//! | [`diagnosis`] | comparison, calibration, what physics is missing | batch, carriage, effects, measurement, model, parallel, rover, signals, simulation, soil_class, terrain |
-//! | [`report`] | pages | diagnosis, effects, measurement, signals |
+//! | [`soil_class`], [`known_soil`], [`parallel`] | what is believable for a class of soil before anything is measured, and what was found of a soil; work on all cores, with the same bits for any number of them | |
+//! | [`measurement`] | experiments: folders, columns, units, import | contact, effects, model, signals, soil_class, soil_test, vehicle, wheel |
+//! | [`diagnosis`] | comparison, calibration, what physics is missing | batch, carriage, effects, known_soil, measurement, model, parallel, rover, signals, simulation, soil_class, soil_test, terrain |
+//! | [`report`] | pages | diagnosis, effects, measurement, signals, soil_test |
 //!
 //! A module uses what stands in its row, what stands before it in its row, and the first row; `tests/rooms.rs` holds the
 //! imports to that, so no circle runs through modules.
@@ -68,6 +69,8 @@ pub mod effects;
 pub mod equations;
 pub mod estimation;
 mod integrator;
+#[cfg(feature = "experiments")]
+pub mod known_soil;
 mod linear;
 pub mod linear_stress;
 #[cfg(feature = "experiments")]
@@ -91,6 +94,7 @@ pub mod snapshot;
 pub mod soil;
 #[cfg(feature = "experiments")]
 pub mod soil_class;
+pub mod soil_test;
 pub mod terrain;
 mod toml_text;
 mod vehicle;

@@ -6,6 +6,7 @@ use crate::model::ModelArguments;
 use crate::output::{check_writable, say};
 use crate::progress::Reporter;
 use crate::saving::{Saving, print_sources};
+use crate::soil_from::SoilFrom;
 use anyhow::{Context, Result};
 use bekker::diagnosis::{
     Calibration, CompareOptions, Comparison, STANDARD_ERROR, UnansweredRows, Uncounted, UncountedRows, compare,
@@ -21,6 +22,8 @@ pub struct Compare {
     experiment: PathBuf,
     #[command(flatten)]
     model: ModelArguments,
+    #[command(flatten)]
+    soil: SoilFrom,
     /// Calibrate the free parameters first, within their bounds.
     #[arg(long)]
     calibrate: bool,
@@ -37,7 +40,7 @@ pub struct Compare {
 impl Compare {
     pub fn run(self) -> Result<()> {
         let experiment = import::read(&self.experiment)?;
-        let given = self.model.given()?;
+        let given = self.soil.add_to(self.model.given()?)?;
         let saving = self.saving.prepare(&experiment)?;
         if let Some(path) = &self.html {
             check_writable(path)?;

@@ -2,9 +2,10 @@
 
 use super::calibrate::Calibration;
 use super::curves::{Curves, curves_of_calibration};
-use super::diagnose::calibrated_baseline;
+use super::diagnose::{calibrated_baseline, left_prior};
 use super::failure::{Failure, failures};
 use super::fit::Fit;
+use super::found_soil::{found_soil, moved};
 use super::given::Given;
 use super::noise::{NoiseFloor, noise_floors};
 use super::prediction::PredictionError;
@@ -13,6 +14,7 @@ use super::unanswered::{Answers, UnansweredRows, listed};
 use super::uncounted::{UncountedRows, uncounted};
 use super::workbench::Workbench;
 use crate::effects::DefinitionError;
+use crate::known_soil::KnownSoil;
 use crate::measurement::Experiment;
 use crate::model::Model;
 use bekker_modeldescription::ParameterError;
@@ -130,6 +132,9 @@ pub struct Comparison {
     pub model: Model,
     /// The experiment with this model, on which others can be tried.
     pub workbench: Workbench,
+    /// What a calibration found of the soil, with its covariance, for other experiments; `None` without one, or where no parameter of the
+    /// soil was free.
+    pub soil: Option<KnownSoil>,
     best: Fit,
 }
 
@@ -197,6 +202,7 @@ fn as_given(problem: &Problem, given: Answers) -> Result<Comparison, CompareErro
         sources: problem.sources.clone(),
         model: problem.saved(&problem.base, &start),
         workbench: Workbench::given(problem, noise_floors(experiment, layout, &given.values)),
+        soil: None,
         best,
     })
 }
@@ -206,7 +212,9 @@ fn calibrated(problem: Problem, given: Result<Answers, PredictionError>) -> Resu
     let mut posed = problem.clone();
     posed.coarsen();
     posed.cut();
-    let prepared = calibrated_baseline(&mut posed)?;
+    let mut prepared = calibrated_baseline(&mut posed)?;
+    prepared.cautions.extend(prepared.baseline.parameters.iter().filter_map(left_prior));
+    prepared.cautions.extend(moved(posed.joint.as_ref(), &prepared.baseline));
     let experiment = &*problem.experiment;
     let values = prepared.baseline.values();
     let best = Fit::new(experiment, &posed.layout, &prepared.modelled).in_motion(&posed, &[], &values)?;
@@ -230,6 +238,7 @@ fn calibrated(problem: Problem, given: Result<Answers, PredictionError>) -> Resu
         cautions: prepared.cautions,
         sources: problem.sources.clone(),
         model: problem.saved(&problem.base, &values),
+        soil: found_soil(&posed, &prepared.noise, &prepared.baseline),
         best,
     })
 }

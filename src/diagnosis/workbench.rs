@@ -176,7 +176,7 @@ impl Workbench {
 
     /// A value at which an effect shows.
     fn typical(&self, id: &str, free: &Free) -> f64 {
-        let facts = self.problem.known.rover.effects.facts_of(id);
+        let facts = self.problem.known.facts_of(id);
         let own = facts.and_then(|facts| {
             let named = |(name, _): &&(&str, f64)| free.variable.name == format!("{id}.{name}");
             facts.typical.iter().find(named).map(|(_, value)| *value)
@@ -319,5 +319,11 @@ impl Workbench {
 }
 
 fn adjustable(free: &Free, effect: Option<String>, typical: f64) -> Adjustable {
-    Adjustable { variable: free.variable.clone(), start: free.start, prior: free.prior, effect, typical }
+    Adjustable {
+        variable: free.variable.clone(),
+        start: free.start,
+        prior: free.prior.or(free.shared),
+        effect,
+        typical,
+    }
 }

@@ -8,6 +8,7 @@ use crate::diagnosis::{
 };
 use crate::effects::{EFFECTS, Effects};
 use crate::measurement::{Experiment, Kind, Run, Table};
+use crate::soil_test::TEST_EFFECTS;
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -151,7 +152,8 @@ fn effects(workbench: &Workbench) -> Vec<Value> {
     }
     let own = &workbench.experiment().effects;
     let about = |id: &String| {
-        let listed = EFFECTS.iter().find(|(known, _)| known == id).map(|(_, about)| (*about).trim().to_owned());
+        let known = EFFECTS.iter().chain(TEST_EFFECTS).find(|(known, _)| known == id);
+        let listed = known.map(|(_, about)| (*about).trim().to_owned());
         listed.or_else(|| own.iter().find(|own| own.id == *id).map(|own| own.about.clone())).unwrap_or_default()
     };
     let on_carriage = workbench.experiment().kind == Kind::SingleWheel;

@@ -83,6 +83,7 @@ from .models import effects, export_fmu, presets
 from .planning import Plan, Pose, plan, planning_settings, pose, robots
 from .registration import register
 from .simulation import Result, simulate, steady_points
+from .soil import Soil
 from .tasks import TASKS, Task
 from .vector_env import RoverVectorEnv
 from .workbench import Studio, studio
@@ -110,6 +111,7 @@ __all__ = [
     "RoverVectorEnv",
     "Run",
     "Script",
+    "Soil",
     "SimulationError",
     "Studio",
     "TASKS",

@@ -42,17 +42,20 @@ _Experiment: TypeAlias = str | os.PathLike[str] | tuple[str, dict[str, _Columns]
 
 def presets() -> list[tuple[str, str]]: ...
 def effects() -> list[tuple[str, str]]: ...
+def test_effects() -> list[tuple[str, str]]: ...
 def check_experiment(experiment: _Experiment) -> tuple[list[str], list[str]]: ...
 def import_experiment(
     files: list[str], folder: str, kind: str | None = None
-) -> tuple[Literal["single_wheel", "traverse"], list[str], list[str], list[str], str | None]: ...
+) -> tuple[Literal["single_wheel", "traverse", "plate_sinkage", "shear"], list[str], list[str], list[str], str | None]: ...
 def compare(
     experiment: _Experiment,
     model: tuple[Model, str] | None,
     values: dict[str, float],
     calibrate: bool,
     added: list[str],
+    soil: tuple[str, str] | None,
 ) -> tuple[str, Model]: ...
+def known_soil(text: str) -> str: ...
 def diagnose(
     experiment: _Experiment,
     model: tuple[Model, str] | None,
@@ -64,6 +67,7 @@ def diagnose(
     spread: Callable[[Sequence[bytes]], list[bytes]] | None,
     progress: Callable[[str, str, float, float, float | None], object] | None,
     time_budget: float | None,
+    soil: tuple[str, str] | None,
 ) -> tuple[NativeDiagnosis | None, BaseException | None]: ...
 def open_studio(
     experiments: list[_Experiment],

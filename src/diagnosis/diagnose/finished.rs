@@ -16,6 +16,7 @@ use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::curves::curves_of_steps;
 use crate::diagnosis::failure::{Failure, failures};
 use crate::diagnosis::fit::Fit;
+use crate::diagnosis::found_soil::moved;
 use crate::diagnosis::linear_algebra::norm;
 use crate::diagnosis::separate::{Question, Suggestion, suggest};
 use crate::diagnosis::thresholds::DETECTABLE;
@@ -140,6 +141,7 @@ impl Finished<'_> {
         cautions.extend(self.prepared.cautions.clone());
         cautions.extend(judgement.cautions.clone());
         cautions.extend(super::cautions::of_parameters(self.fitted(chosen)));
+        cautions.extend(moved(problem.joint.as_ref(), self.fitted(chosen)));
         cautions.extend(super::cautions::of_draws(options.draws));
         cautions.extend(problem.strategy().unfit(improved));
         cautions

@@ -9,10 +9,12 @@ use crate::diagnosis::given::Given;
 use crate::diagnosis::least_squares::Pace;
 use crate::diagnosis::noise::{NoiseModel, Whitening};
 use crate::diagnosis::prediction::Predict;
+use crate::diagnosis::prior_rows::PriorRows;
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::weighted::Weighted;
 use crate::diagnosis::windows::Window;
 use crate::measurement::Experiment;
+use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -36,13 +38,24 @@ pub struct Noise {
     /// Runs and rows that no fit counts, since they are odd.
     #[serde(default)]
     pub odd: Vec<(usize, usize)>,
+    /// Size of the noise of each value, relative to that of a usual one; none where all have the same.
+    #[serde(default)]
+    pub scale: Vec<f64>,
 }
 
 impl Noise {
     /// Of so large noise, over runs that are not cut into windows.
     #[must_use]
     pub fn new(models: BTreeMap<String, NoiseModel>) -> Self {
-        Self { models, robust: None, windows: Vec::new(), around: Vec::new(), refined: 0, odd: Vec::new() }
+        Self {
+            models,
+            robust: None,
+            windows: Vec::new(),
+            around: Vec::new(),
+            refined: 0,
+            odd: Vec::new(),
+            scale: Vec::new(),
+        }
     }
 
     pub(crate) fn whitening(&self, problem: &Problem, keep: &dyn Fn(usize, usize) -> bool) -> Option<Whitening> {
@@ -135,6 +148,7 @@ pub(super) fn with_problem<R>(
     for prior in of_model.filter_map(|free| free.prior.as_mut()) {
         prior.deviation *= task.prior_factor;
     }
+    let priors = &PriorRows::new(&free, problem.joint.as_ref(), task.prior_factor, None);
     let mut left_out = task.left_out.clone();
     left_out.sort_unstable();
     let whitening = noise.whitening(problem, &|run, row| left_out.binary_search(&(run, row)).is_err())?;
@@ -145,11 +159,27 @@ pub(super) fn with_problem<R>(
     }
     let fit = |predict: &dyn Predict| {
         f(
-            &Weighted { predict, layout: &problem.layout, free: &free, whitening: &whitening, robust, whole },
+            &Weighted { predict, layout: &problem.layout, free: &free, whitening: &whitening, priors, robust, whole },
             &noise.deviations(),
         )
     };
     posed.predict(&free, fit).ok()?
+}
+
+/// What the measurements tell of the baseline's parameters at these values, and what was known before: both as precisions of the
+/// search coordinates. `None` where the model gives nothing there.
+pub(crate) fn information(problem: &Problem, noise: &Noise, values: &[f64]) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
+    let task = problem.task(&[], vec![values.to_vec()]);
+    with_problem(problem, noise, &task, false, |weighted, _| {
+        let linear = weighted.linear(&weighted.coordinates(values));
+        let columns = linear.columns(1, values.len());
+        if columns.iter().any(|x| !x.is_finite()) {
+            return None;
+        }
+        let measured = weighted.whitening.len();
+        let of = |from: usize, count: usize| columns.rows(from, count).tr_mul(&columns.rows(from, count));
+        Some((of(0, measured), of(measured, columns.nrows() - measured)))
+    })
 }
 
 /// Makes one fit of a diagnosis, for a [`Spread`](super::Spread) on other machines: with the same model, experiment and
@@ -167,6 +197,7 @@ pub fn fit_task(
     let mut problem = options.problem(given, experiment)?;
     problem.layout.leave_out(&task.unanswered);
     problem.layout.unsettle(noise.odd.iter().copied());
+    problem.layout.scale.clone_from(&noise.scale);
     (0..noise.refined).for_each(|_| _ = problem.refine_step());
     if problem.is_cut() && !noise.windows.is_empty() {
         problem.begin_windows(noise.windows.clone(), &noise.around)?;

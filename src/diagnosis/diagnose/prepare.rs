@@ -118,6 +118,10 @@ pub(crate) fn calibrated_baseline(problem: &mut Problem) -> Result<Prepared, Com
     prepared.repeats = (prepared.source == FloorSource::Replicates).then_some(repeats);
     judge_noise(problem, &mut prepared, &decided);
     prepared.cautions.extend(of_unanswered(problem, &prepared.unanswered));
+    if let Some(whitening) = prepared.noise.whitening(problem, &|_, _| true) {
+        let remarks = problem.strategy().remarks(problem, &whitening, &prepared.baseline, &prepared.modelled);
+        prepared.cautions.extend(remarks);
+    }
     Ok(prepared)
 }
 
@@ -130,8 +134,10 @@ struct Found {
 }
 
 /// The noise as repeats, statements and the residual of a first fit tell it.
-fn noise_about(problem: &Problem, repeats: &Repeats, first: &Calibration) -> Result<Found, CompareError> {
+fn noise_about(problem: &mut Problem, repeats: &Repeats, first: &Calibration) -> Result<Found, CompareError> {
     let predicted = modelled(problem, &first.values())?.values;
+    problem.layout.scale = problem.strategy().noise_scale(&problem.layout, &predicted);
+    let problem = &*problem;
     let residual = minus(&problem.layout.measured, &predicted);
     let flexible = discrepancy::columns(problem, &predicted);
     let modulations = problem.strategy().modulations(&problem.experiment, &problem.layout, &predicted);
@@ -143,8 +149,10 @@ fn noise_about(problem: &Problem, repeats: &Repeats, first: &Calibration) -> Res
         smooth: &modulations,
         flexible: &flexible,
         calibrated: problem.base.len(),
+        assumed_scatter: problem.strategy().assumed_scatter(),
     });
     let mut noise = Noise::new(decided.models.clone());
+    noise.scale.clone_from(&problem.layout.scale);
     noise.robust = Some(threshold(problem, &noise, &residual));
     Ok(Found { noise, decided, flexible, modulations })
 }

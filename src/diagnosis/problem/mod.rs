@@ -13,12 +13,13 @@ use super::kinds::{Strategy, strategy};
 use super::layout::Layout;
 use super::precedence::{Resolved, resolve};
 use super::prediction::{Predict, PredictionError};
+use super::prior_rows::{JointPrior, PriorRows};
 use super::readings::{Readings, Sensors};
 use super::windows::Windows;
 use crate::carriage::Rig;
 use crate::measurement::Experiment;
-use crate::model::Model;
-use bekker_modeldescription::Parameters;
+use crate::model::{Model, ModelKind};
+use bekker_modeldescription::{Lookup, Parameters};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -51,6 +52,8 @@ pub(crate) struct Problem<'a> {
     pub guided: bool,
     /// When simulations end early.
     pub halt: Halt<'a>,
+    /// What is known of the soil from other experiments, its parameters together.
+    pub joint: Option<JointPrior>,
     /// Parameters of a baseline calibration.
     pub base: Vec<Free>,
     /// Effects that may be added, in the vocabulary's order.
@@ -59,8 +62,8 @@ pub(crate) struct Problem<'a> {
     sensitivities: Option<Arc<(Vec<f64>, Sensitivities)>>,
     /// What was taken from where, in words; see [`Given`].
     pub sources: Vec<String>,
-    /// Whether the model that is found is a wheel on a carriage: a single wheel was measured and no rover is named.
-    carriage: bool,
+    /// What the model that is found is of: of a single wheel that was measured without naming a rover a wheel on a carriage.
+    found: ModelKind,
     /// Values that were set by hand.
     set: BTreeMap<String, f64>,
 }
@@ -73,9 +76,13 @@ impl<'a> Problem<'a> {
     /// of the experiment cannot be found.
     pub fn new(given: impl Into<Given>, experiment: &'a Experiment, added: &[String]) -> Result<Self, CompareError> {
         let given = given.into();
-        let Resolved { mut known, runs: models, held, priors, carriage, sources } = resolve(&given, experiment)?;
-        let mut base = base_parameters(&mut known, experiment, &held, &priors);
-        let library = library(&mut known, &held, &base);
+        let Resolved { mut known, runs: models, held, priors, joint, found, sources } = resolve(&given, experiment)?;
+        let strategy = strategy(experiment.kind);
+        let many_widths = strategy.many_widths(experiment, &models);
+        let mut base = base_parameters(&mut known, experiment, &held, &priors, joint.as_ref(), many_widths);
+        base.retain(|free| strategy.calibrates(&free.variable.name));
+        let mut library = library(&mut known, &held, &base);
+        library.retain(|candidate| strategy.may_act(known.facts_of(&candidate.id).as_ref()));
         base.extend(Free::of_sensors(experiment));
         let mut kept = Vec::new();
         refuse_twice(added)?;
@@ -102,11 +109,12 @@ impl<'a> Problem<'a> {
             windows: Windows::new(),
             guided: false,
             halt: Halt::default(),
+            joint,
             base,
             library: kept,
             sensitivities: None,
             sources,
-            carriage,
+            found,
             set: given.values().clone(),
         })
     }
@@ -123,11 +131,12 @@ impl<'a> Problem<'a> {
             windows: self.windows,
             guided: self.guided,
             halt: Halt::default(),
+            joint: self.joint,
             base: self.base,
             library: self.library,
             sensitivities: self.sensitivities,
             sources: self.sources,
-            carriage: self.carriage,
+            found: self.found,
             set: self.set,
         }
     }
@@ -170,6 +179,11 @@ impl<'a> Problem<'a> {
     pub fn free(&self, effects: &[String]) -> Vec<Free> {
         let added = self.library.iter().filter(|candidate| effects.contains(&candidate.id));
         self.base.iter().cloned().chain(added.flat_map(|candidate| candidate.free.clone())).collect()
+    }
+
+    /// What is known of free parameters before the experiment.
+    pub fn prior_rows(&self, free: &[Free]) -> PriorRows {
+        PriorRows::new(free, self.joint.as_ref(), 1.0, None)
     }
 
     /// Names of the baseline's parameters, for a reader.
@@ -258,11 +272,12 @@ impl<'a> Problem<'a> {
             guided: self.guided,
             halt: self.halt,
             models: runs.iter().map(|run| self.models[*run].clone()).collect(),
+            joint: self.joint.clone(),
             base: self.base.clone(),
             library: self.library.clone(),
             sensitivities: None,
             sources: self.sources.clone(),
-            carriage: self.carriage,
+            found: self.found,
             set: self.set.clone(),
         }
     }
@@ -297,16 +312,34 @@ impl<'a> Problem<'a> {
     /// What another experiment with this rig is given: the model with fitted values, and what was set by hand.
     pub fn again(&self, free: &[Free], values: &[f64]) -> Given {
         let given = Given::from(&self.improved(free, values));
+        let given = match &self.joint {
+            Some(joint) => given.with_soil(joint.soil.clone(), &joint.label),
+            None => given,
+        };
         self.set.iter().fold(given, |given, (name, value)| given.with_value(name, *value))
     }
 
     /// The model with fitted values as it is kept: of a single wheel that was measured without naming a
-    /// rover a wheel on a carriage, else the rover.
+    /// rover a wheel on a carriage, of a test of the soil that test, else the rover.
     pub fn saved(&self, free: &[Free], values: &[f64]) -> Model {
         let mut model = self.improved(free, values);
-        if self.carriage {
-            model = Model::carriage("wheel_on_carriage", model.rig());
-            model.state_all();
+        match self.found {
+            ModelKind::Carriage => {
+                model = Model::carriage("wheel_on_carriage", model.rig());
+                model.state_all();
+            }
+            ModelKind::SoilTest => {
+                model = Model::soil_test("soil_test", model.tested_soil());
+                // A test tells a few of the soil's parameters; the others are not stated.
+                let known = self.experiment.parameters.keys().chain(self.set.keys());
+                let told = known.chain(free.iter().map(|free| &free.variable.name));
+                let vocabulary: Vec<String> = model.list().into_iter().map(|(variable, _)| variable.name).collect();
+                model.stated = told.filter(|name| vocabulary.contains(name)).cloned().collect();
+            }
+            ModelKind::Rover => {
+                model.test = None;
+                model.state_all();
+            }
         }
         model
     }

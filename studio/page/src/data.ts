@@ -102,6 +102,44 @@ export function joined(table: Placed[], stroke: (group: number) => string): Plot
   return { x, series };
 }
 
+/** The input along which a test of a soil takes its course; null for other kinds of experiment. */
+export function course(experiment: Experiment): "sinkage" | "displacement" | null {
+  if (experiment.kind === "plate_sinkage") return "sinkage";
+  return experiment.kind === "shear" ? "displacement" : null;
+}
+
+/** Runs in groups of repeats, in the order of their first runs; a run without a group stands alone. */
+export function repeats(experiment: Experiment): { name: string; runs: number[] }[] {
+  const groups: { name: string; runs: number[] }[] = [];
+  experiment.runs.forEach((run, k) => {
+    const name = run.group ?? run.name;
+    const known = groups.find((group) => group.name === name);
+    if (known) known.runs.push(k);
+    else groups.push({ name, runs: [k] });
+  });
+  return groups;
+}
+
+/** The series of one signal of a test of a soil along its course: points and a line of the model for every run, in its group's colour. */
+export function alongCourse(experiment: Experiment, trial: Trial, other: Trial | null, signal: string, dark: boolean): PlotData {
+  const x = course(experiment) ?? "";
+  const across = scaledBy(experiment.columns[x]?.factor ?? 1);
+  const scaled = scaledBy(experiment.columns[signal]?.factor ?? 1);
+  const table: Placed[] = [];
+  repeats(experiment).forEach(({ name, runs }, group) => {
+    for (const run of runs) {
+      const data = experiment.runs[run]?.data ?? {};
+      const at = across(data[x] ?? []);
+      const modelled = (own: Trial) => scaled(own.runs[run]?.[signal]?.modelled ?? []);
+      const label = runs.length > 1 ? (experiment.runs[run]?.name ?? name) : name;
+      if (other) table.push({ label, at, values: modelled(other), points: false, group, dash: DASH, width: 1.5, other: true });
+      table.push({ label, at, values: modelled(trial), points: false, group, width: 2 });
+      table.push({ label, at, values: scaled(data[signal] ?? []), points: true, group });
+    }
+  });
+  return joined(table, (group) => colour(group, dark));
+}
+
 /** The series of one signal of a traverse over time: measured, the model, and where there is one another model. */
 export function overTime(experiment: Experiment, trial: Trial, other: Trial | null, run: number, signal: string, dark: boolean): PlotData {
   const data = experiment.runs[run]?.data ?? {};

@@ -1,6 +1,7 @@
 /** Where the model fails: in words, and as a map of mean residuals over two conditions. */
 
 import { useMemo } from "preact/hooks";
+import { course } from "./data";
 import { column, quantity, short } from "./format";
 import { useStore } from "./hooks";
 import { store } from "./store";
@@ -128,7 +129,7 @@ export function Failures() {
   if (!experiment || !trial) return null;
   const all = conditions(experiment, trial);
   const drive = experiment.kind === "traverse";
-  const usual = drive ? (trial.motion.length ? ["model slip 1", "model load 1"] : ["time", "x"]) : ["slip", "load"];
+  const usual = drive ? (trial.motion.length ? ["model slip 1", "model load 1"] : ["time", "x"]) : [course(experiment) ?? "slip", course(experiment) ? "normal_stress" : "load"];
   const find = (key: string, otherwise: string | undefined) => all.find((one) => one.key === key) ?? all.find((one) => one.key === otherwise) ?? all[0];
   const signal = experiment.signals.includes(view.heat[0]) ? view.heat[0] : (experiment.signals[0] ?? "");
   const [x, y] = [find(view.heat[1], usual[0]), find(view.heat[2], usual[1])];

@@ -1,6 +1,7 @@
 /** The wheel or the rover on its ground, the measured one as a ghost beside it, with a timeline. */
 
 import { useEffect, useRef, useState } from "preact/hooks";
+import { course } from "./data";
 import { column, quantity, short } from "./format";
 import { useStore } from "./hooks";
 import { store } from "./store";
@@ -214,7 +215,7 @@ function Drive({ experiment, trial }: { experiment: Experiment; trial: Trial }) 
 export function Scene() {
   const { experiment, trial } = useStore();
   const place = useRef<HTMLElement>(null);
-  if (!experiment) return null;
+  if (!experiment || course(experiment)) return null;
   return (
     <section class="card" aria-labelledby="scene" ref={place}>
       <h2 id="scene">{experiment.kind === "traverse" ? "The drive" : "The wheel"}</h2>

@@ -1,7 +1,7 @@
 /** Measured and modelled: a plot of each signal over one linked axis, with two cursors that give differences. */
 
 import { useMemo } from "preact/hooks";
-import { overTime, steady, valueAt, type PlotData } from "./data";
+import { alongCourse, course, overTime, repeats, steady, valueAt, type PlotData } from "./data";
 import { axisLabel, column, quantity, short } from "./format";
 import { colour, useDark, useStore } from "./hooks";
 import { Plot } from "./plot";
@@ -81,7 +81,8 @@ function Signal({ signal, xName }: { signal: string; xName: string }) {
   const drive = experiment?.kind === "traverse";
   const data = useMemo(() => {
     if (!experiment || !trial) return { x: [], series: [] };
-    return drive ? overTime(experiment, trial, other, view.run, signal, dark) : steady(experiment, trial, other, signal, dark);
+    if (drive) return overTime(experiment, trial, other, view.run, signal, dark);
+    return course(experiment) ? alongCourse(experiment, trial, other, signal, dark) : steady(experiment, trial, other, signal, dark);
   }, [experiment, trial?.runs, trial?.curves, other, signal, view.run, dark]);
   const shaded = useMemo(() => {
     const run = experiment?.runs[view.run];
@@ -135,6 +136,16 @@ function Legend({ experiment }: { experiment: Experiment }) {
       </p>
     );
   }
+  if (course(experiment)) {
+    return (
+      <p class="legend">
+        <span>circles: measured; lines: model{other ? `; dashed: ${stepName()}` : ""}</span>
+        {repeats(experiment).map((group, k) => (
+          <span key={group.name}><i class="line" style={{ background: colour(k, dark) }} /> {group.name}</span>
+        ))}
+      </p>
+    );
+  }
   return (
     <p class="legend">
       <span>circles: measured, bars two standard deviations of the noise; lines: model{other ? `; dashed: ${stepName()}` : ""}</span>
@@ -149,7 +160,8 @@ export function Signals() {
   const { experiment, trial, steps, view } = useStore();
   if (!experiment) return null;
   const drive = experiment.kind === "traverse";
-  const xName = drive ? "time" : (trial?.curves?.axis ?? view.axis);
+  const along = course(experiment);
+  const xName = drive ? "time" : (along ?? trial?.curves?.axis ?? view.axis);
   const shown = experiment.signals.filter((signal) => matches(experiment, signal, view.search));
   const nudge = (which: "a" | "b", value: string) =>
     store.go({ [which]: value === "" || !Number.isFinite(Number(value)) ? null : Number(value) });
@@ -171,7 +183,7 @@ export function Signals() {
             </select>
           </label>
         )}
-        {!drive && (
+        {!drive && !along && (
           <label>
             Over{" "}
             <select
@@ -204,9 +216,9 @@ export function Signals() {
         {view.range && <button type="button" onClick={() => store.go({ range: null })}>Show all</button>}
       </div>
       <Legend experiment={experiment} />
-      {trial && !drive && !trial.curves && <p>This input was not varied in the experiment: choose another one.</p>}
+      {trial && !drive && !along && !trial.curves && <p>This input was not varied in the experiment: choose another one.</p>}
       {trial && shown.length === 0 && <p>No signal is called so.</p>}
-      <div class="plots">{trial && (drive || trial.curves) && shown.map((signal) => <Signal key={signal} signal={signal} xName={xName} />)}</div>
+      <div class="plots">{trial && (drive || along || trial.curves) && shown.map((signal) => <Signal key={signal} signal={signal} xName={xName} />)}</div>
       <p class="hint">Click sets cursor A, Shift-click cursor B. Drag across a plot to enlarge a stretch in all of them; double-click shows all again.</p>
     </section>
   );

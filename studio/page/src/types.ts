@@ -42,10 +42,12 @@ export interface Parameter {
   fitted: Fitted | null;
 }
 
+export type Kind = "single_wheel" | "traverse" | "plate_sinkage" | "shear";
+
 export interface Experiment {
   id: string;
   name: string;
-  kind: "single_wheel" | "traverse";
+  kind: Kind;
   example: boolean;
   signals: string[];
   columns: Record<string, ForPeople>;
@@ -188,7 +190,7 @@ export interface Meaning {
 export interface Proposal {
   ready: boolean;
   files?: string[];
-  kind: "single_wheel" | "traverse";
+  kind: Kind;
   columns: { name: string; examples: string[]; meaning: Meaning | null; note: string }[];
   targets: [string, string][];
   settings: string;

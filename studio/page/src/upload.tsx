@@ -169,6 +169,8 @@ function Mapping({ proposal, settings, onSettings, onChange, onOpen }: MappingPr
           <select value={proposal.kind} onChange={(event) => void onChange({ kind: event.currentTarget.value })}>
             <option value="single_wheel">a wheel on a carriage</option>
             <option value="traverse">a rover on its way</option>
+            <option value="plate_sinkage">a plate pressed into soil</option>
+            <option value="shear">a shear test of soil</option>
           </select>
         </label>
         {open.map(({ missing, number }) => number && (
