@@ -141,7 +141,16 @@ fn property_effects_can_be_part_of_the_baseline() {
 fn property_what_cannot_show_on_a_carriage_is_said_to_be_invisible() {
     let diagnosis =
         diagnosed(&shipped(), &DiagnoseOptions { draws: 199, max_effects: 0, ..DiagnoseOptions::default() });
-    let none = ["multi_pass", "soft_patch", "slope_strength", "centre_of_mass", "pitch_bias", "tether", "sensor_lag"];
+    let none = [
+        "multi_pass",
+        "soft_patch",
+        "slope_strength",
+        "centre_of_mass",
+        "pitch_bias",
+        "tether",
+        "sensor_lag",
+        "tracking_delay",
+    ];
     for id in none.iter().chain(&["suspension_friction", "winding_heat", "voltage_limit"]) {
         assert!(diagnosis.invisible.iter().any(|other| other == id) || !listed(id), "{id}");
         assert!(diagnosis.candidates.iter().all(|candidate| candidate.effect != *id), "{id}");

@@ -91,6 +91,7 @@ fn agreement_registered_groups_act_like_those_of_the_library_to_the_last_bit() {
         suspension_friction,
         rim_adhesion,
         rolling_resistance,
+        tracking_delay,
     }
 }
 

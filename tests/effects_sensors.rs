@@ -150,3 +150,30 @@ fn property_a_controller_sees_what_is_recorded() {
     assert_eq!(measured.velocity, before.body.velocity);
     assert_eq!(measured.wheels[0].speed, before.wheels[0].speed);
 }
+
+#[test]
+fn analytic_a_tracking_delay_is_that_of_the_body_alone() {
+    const STEPS: usize = 20;
+    let mut effects = Effects::default();
+    effects.tracking_delay.dead_time = STEPS as f64 * STEP;
+    let (truth, recorded) = (records(Effects::default(), 300), records(effects, 300));
+    for (k, (truth_now, recorded)) in truth.iter().zip(recorded).enumerate() {
+        let then = &truth[k.saturating_sub(STEPS)].body;
+        let mut expected = truth_now.clone();
+        let body = &mut expected.body;
+        (body.x, body.z, body.velocity) = (then.x, then.z, then.velocity);
+        (body.pitch, body.pitch_rate) = (then.pitch, then.pitch_rate);
+        // The dead time is a whole number of steps but for rounding, between which the record is interpolated.
+        for (recorded, expected) in [
+            (recorded.body.x, body.x),
+            (recorded.body.z, body.z),
+            (recorded.body.velocity, body.velocity),
+            (recorded.body.pitch, body.pitch),
+            (recorded.body.pitch_rate, body.pitch_rate),
+        ] {
+            assert!((recorded - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{k}: {recorded}, {expected}");
+        }
+        assert_eq!(recorded.wheels, truth_now.wheels);
+        assert_eq!(recorded.body.power, truth_now.body.power);
+    }
+}

@@ -231,7 +231,11 @@ fn property_indicators_tell_limits_and_ends() {
 fn property_memories_that_are_no_states_are_named() {
     let refused = |preset: &str, parameters: &[(&str, f64)]| model(preset, parameters).check_equations();
     assert_eq!(refused("two_wheeled", &[("winding_heat.thermal_resistance", 5.0)]), Ok(()));
-    for (name, effect) in [("multi_pass.growth", "multi_pass"), ("sensor_lag.dead_time", "sensor_lag")] {
+    for (name, effect) in [
+        ("multi_pass.growth", "multi_pass"),
+        ("sensor_lag.dead_time", "sensor_lag"),
+        ("tracking_delay.dead_time", "tracking_delay"),
+    ] {
         let error = refused("two_wheeled", &[(name, 0.1)]).unwrap_err().to_string();
         assert!(error.contains(effect) && error.contains(name), "{error}");
     }

@@ -35,6 +35,7 @@ const MEMORIES: [(&str, f64); 7] = [
     ("multi_pass.growth", 0.3),
     ("sensor_lag.time_constant", 0.05),
     ("sensor_lag.dead_time", 0.033),
+    ("tracking_delay.dead_time", 0.027),
     ("winding_heat.thermal_resistance", 10.0),
     ("winding_heat.time_constant", 2.0),
     ("suspension_friction.moment", 0.05),

@@ -2,6 +2,7 @@
 
 use crate::model::ModelArguments;
 use crate::output::say;
+use crate::soil_from::SoilFrom;
 use crate::{example, import, interrupt};
 use anyhow::{Context, Result};
 use bekker::diagnosis::Given;
@@ -28,6 +29,8 @@ pub struct Studio {
     /// Set a parameter by its name, SI units; may be given several times.
     #[arg(long = "set", value_name = "NAME=VALUE")]
     changes: Vec<String>,
+    #[command(flatten)]
+    soil: SoilFrom,
     /// Port to listen on; 8137 or, where that is taken, a free one if not given.
     #[arg(long, value_name = "N")]
     port: Option<u16>,
@@ -40,7 +43,7 @@ pub struct Studio {
 impl Studio {
     pub fn run(self) -> Result<()> {
         let arguments = ModelArguments::of(self.model, self.effects_from, self.changes);
-        let given = arguments.given()?;
+        let given = self.soil.add_to(arguments.given()?)?;
         let experiments = if self.experiments.is_empty() {
             vec![shipped(given)?]
         } else {

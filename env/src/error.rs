@@ -48,6 +48,7 @@ pub fn run(error: &RunError) -> PyErr {
         | RunError::NotTunable { .. }
         | RunError::NoController { .. }
         | RunError::Carriage { .. }
+        | RunError::SoilTest { .. }
         | RunError::NoRigidBodies => ModelError::new_err(error.to_string()),
         RunError::InputLength { .. } => InputError::new_err(error.to_string()),
         RunError::Step(_) | RunError::Control { .. } => SimulationError::new_err(error.to_string()),

@@ -1,6 +1,6 @@
 //! The workbench's server in a thread of its own, without Python.
 
-use crate::compare::{Asked, failed, given};
+use crate::compare::{Asked, SoilAsked, failed, given};
 use crate::error::{self, InputError, SimulationError};
 use crate::experiment::Source;
 use bekker::model::Model;
@@ -28,13 +28,15 @@ pub fn open_studio(
     experiments: Vec<Source<'_>>,
     model: Asked,
     values: BTreeMap<String, f64>,
+    soil: SoilAsked,
     port: u16,
     in_notebook: bool,
 ) -> PyResult<NativeStudio> {
+    let given = given(py, &model, &values, &soil)?;
     let mut opened = Vec::new();
     for experiment in experiments {
         let (experiment, _) = experiment.read(py)?;
-        opened.push(Opened { experiment, given: given(py, &model, &values), example: false });
+        opened.push(Opened { experiment, given: given.clone(), example: false });
     }
     let address = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port);
     let options = Options { address, experiments: opened, fmu: Some(pack), in_notebook, ..Options::default() };

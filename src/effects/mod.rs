@@ -35,6 +35,7 @@ mod suspension_friction;
 mod table;
 mod tether;
 mod torque_scale;
+mod tracking_delay;
 mod viscous_friction;
 mod voltage_limit;
 mod winding_heat;
@@ -59,7 +60,7 @@ pub use multi_pass::Track;
 pub use place::{BodyMotion, Local, Place};
 pub use registered::{RegisteredEffect, Registrable};
 pub(crate) use sensor_lag::Lagged;
-pub use sensor_lag::RecordingLag;
+pub use sensor_lag::{Delayed, RecordingLag};
 pub use winding_heat::Warming;
 
 pub use crate::motor::Geared;
@@ -117,6 +118,8 @@ effects! {
     rim_adhesion: RimAdhesion,
     /// Rolling resistance of the wheel itself: a moment that grows with its load.
     rolling_resistance: RollingResistance,
+    /// Delay of the body's motion against the drives, as by another clock.
+    tracking_delay: TrackingDelay,
 }
 
 impl<S: Scalar> Effects<S> {

@@ -1,6 +1,5 @@
 //! What the hooks of an effect see and change.
 
-use super::sensor_lag::RecordingLag;
 use super::winding_heat::Warming;
 use crate::contact::{Forces, Surface};
 use crate::motor::{Geared, TorqueRange};
@@ -81,7 +80,6 @@ macro_rules! over {
 over!(BodyMotion { travelled, velocity });
 over!(Forces { normal, drawbar, torque });
 over!(Geared { torque, by_torque, by_speed });
-over!(RecordingLag { time_constant, dead_time });
 over!(Surface { exit_ratio, arc, arm, shear_radius, cohesion_gain, friction_gain, grip, rounding, resistance, lead });
 over!(TorqueRange { least, most, least_slope, most_slope });
 over!(Warming { end, time_constant });

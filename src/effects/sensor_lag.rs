@@ -8,9 +8,10 @@ use super::{Advice, Effect, Facts};
 use crate::scalar::{Scalar, lanes};
 use crate::signals::{BodySignals, LinkSignals, Signals, WheelSignals};
 use crate::snapshot::{Moving, Reader, SnapshotError, Writer};
-use bekker_modeldescription::{Unit, parameters};
+use bekker_modeldescription::{Over, Unit, parameters};
 
-/// Signals of the body, of a wheel and of a link that are lagged.
+/// Signals of the body's motion, of the body in all, of a wheel and of a link that are lagged.
+const MOTION: usize = 5;
 const BODY: usize = 7;
 const WHEEL: usize = 8;
 const LINK: usize = 2;
@@ -28,6 +29,15 @@ parameters! {
     }
 }
 
+/// Which signals are late.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Delayed {
+    /// All but the energies, which nothing measures.
+    All,
+    /// Where the body is and how it moves.
+    Body,
+}
+
 /// Lag and dead time of a record, s.
 #[derive(Clone, Copy, Debug)]
 pub struct RecordingLag<S = f64> {
@@ -35,6 +45,16 @@ pub struct RecordingLag<S = f64> {
     pub time_constant: S,
     /// Dead time.
     pub dead_time: S,
+    /// What is late.
+    pub of: Delayed,
+}
+
+impl<S: Copy, T: Copy> Over<S, T> for RecordingLag<S> {
+    type Output = RecordingLag<T>;
+
+    fn over(&self, f: &dyn Fn(S) -> T) -> RecordingLag<T> {
+        RecordingLag { time_constant: f(self.time_constant), dead_time: f(self.dead_time), of: self.of }
+    }
 }
 
 #[lanes]
@@ -51,13 +71,14 @@ impl<S: Scalar> Effect<S> for SensorLag<S> {
     fn lag(&self) -> Option<RecordingLag<S>> {
         let Self { time_constant, dead_time } = *self;
         let acts = !(time_constant.is_exactly(0.0) && dead_time.is_exactly(0.0));
-        acts.then_some(RecordingLag { time_constant, dead_time })
+        acts.then_some(RecordingLag { time_constant, dead_time, of: Delayed::All })
     }
 }
 
 /// The memory of a lag: what the signals were.
 #[derive(Clone, Debug)]
 pub(crate) struct Lagged<S> {
+    of: Delayed,
     /// Share of the filtered value that a step keeps, exp(-h/T).
     decay: S,
     /// Mean of the same over the step: the weight that is not yet the input's end.
@@ -76,7 +97,7 @@ pub(crate) struct Lagged<S> {
 
 impl Moving for Lagged<f64> {
     fn save(&self, to: &mut Writer) {
-        let Self { input, ring, newest, started, decay: _, mean: _, delay: _ } = self;
+        let Self { input, ring, newest, started, of: _, decay: _, mean: _, delay: _ } = self;
         input.save(to);
         ring.save(to);
         newest.save(to);
@@ -98,7 +119,10 @@ impl Moving for Lagged<f64> {
 impl<S: Scalar> Lagged<S> {
     /// The memory for such signals and inner steps of `step_size` seconds.
     pub fn new(lag: &RecordingLag<S>, signals: &Signals<S>, step_size: f64) -> Self {
-        let channels = BODY + WHEEL * signals.wheels.len() + LINK * signals.links.len();
+        let channels = match lag.of {
+            Delayed::All => BODY + WHEEL * signals.wheels.len() + LINK * signals.links.len(),
+            Delayed::Body => MOTION,
+        };
         let zero = S::from(0.0);
         let constant = lag.time_constant / step_size;
         let decay = if constant.value() > NO_PAST { (-constant.recip()).exp() } else { zero };
@@ -106,6 +130,7 @@ impl<S: Scalar> Lagged<S> {
         // Two rows to interpolate between, one older for the slope.
         let rows = delay.value().floor() as usize + 3;
         Self {
+            of: lag.of,
             decay,
             mean: (S::from(1.0) - decay) * constant,
             delay,
@@ -122,7 +147,7 @@ impl<S: Scalar> Lagged<S> {
         let rows = self.ring.len() / channels;
         let (old, new) = (self.newest, (self.newest + 1) % rows);
         let mut channel = 0;
-        each(signals, |signal| {
+        each(self.of, signals, |signal| {
             let now = *signal;
             if self.started {
                 let before = self.input[channel];
@@ -143,13 +168,13 @@ impl<S: Scalar> Lagged<S> {
     /// Takes in signals that have jumped between two steps, as torques do with a new command.
     pub fn jump(&mut self, signals: &mut Signals<S>) {
         let mut input = self.input.iter_mut();
-        each(signals, |signal| input.next().into_iter().for_each(|place| *place = *signal));
+        each(self.of, signals, |signal| input.next().into_iter().for_each(|place| *place = *signal));
     }
 
     /// Replaces the signals by what is recorded at their instant.
     pub fn record(&self, signals: &mut Signals<S>) {
         let mut channel = 0;
-        each(signals, |signal| {
+        each(self.of, signals, |signal| {
             *signal = self.delayed(channel);
             channel += 1;
         });
@@ -180,10 +205,14 @@ fn slope<S: Scalar>(before: S, after: S) -> S {
     if before.value() * after.value() > 0.0 { before * after * 2.0 / (before + after) } else { S::from(0.0) }
 }
 
-/// Calls `f` with every signal that is lagged, in a fixed order: all but the energies, which nothing measures.
-fn each<S>(signals: &mut Signals<S>, mut f: impl FnMut(&mut S)) {
+/// Calls `f` with every signal that is lagged, in a fixed order.
+fn each<S>(of: Delayed, signals: &mut Signals<S>, mut f: impl FnMut(&mut S)) {
     let BodySignals { x, z, velocity, pitch, pitch_rate, power, electrical_power, .. } = &mut signals.body;
-    [x, z, velocity, pitch, pitch_rate, power, electrical_power].into_iter().for_each(&mut f);
+    [x, z, velocity, pitch, pitch_rate].into_iter().for_each(&mut f);
+    if of == Delayed::Body {
+        return;
+    }
+    [power, electrical_power].into_iter().for_each(&mut f);
     for wheel in &mut signals.wheels {
         let WheelSignals { speed, slip, sinkage, normal_force, drawbar_pull, torque, current, contact_angle } = wheel;
         [speed, slip, sinkage, normal_force, drawbar_pull, torque, current, contact_angle].into_iter().for_each(&mut f);
@@ -205,7 +234,7 @@ mod tests {
     /// The record of x(t) = sin 3t + t^2 after one second.
     fn record<S: Scalar>(time_constant: S, dead_time: S) -> S {
         let mut signals = Signals::of(1, 0);
-        let mut lagged = Lagged::new(&RecordingLag { time_constant, dead_time }, &signals, STEP);
+        let mut lagged = Lagged::new(&RecordingLag { time_constant, dead_time, of: Delayed::All }, &signals, STEP);
         for k in 0..=100 {
             let t = f64::from(k) * STEP;
             signals.body.x = S::from((3.0 * t).sin() + t * t);

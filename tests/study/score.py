@@ -3,7 +3,7 @@
 # A tie of more effects than this helps nobody.
 MOST_TIED = 3
 # What a condition of the experiment is besides an effect: to name it is not wrong (tests/generators/conditions.py).
-ALSO_TRUE = {"delay": {"sensor_lag"}}
+ALSO_TRUE = {"delay": {"sensor_lag", "tracking_delay"}}
 # A true model that removes at least this share of the removable left-out error asks the named effect for as much.
 WHOLE = 0.9
 CAUTION = ("wrong_prior", "noise_half", "noise_double", "poor")

@@ -73,6 +73,7 @@ def open_studio(
     experiments: list[_Experiment],
     model: tuple[Model, str] | None,
     values: dict[str, float],
+    soil: tuple[str, str] | None,
     port: int,
     in_notebook: bool,
 ) -> NativeStudio: ...

@@ -12,6 +12,7 @@ from . import _bekker
 from .errors import InputError
 from .experiment import ExperimentLike, source
 from .models import ModelLike, given
+from .soil import SoilLike, passed
 
 __all__ = ["Studio", "studio"]
 
@@ -73,6 +74,7 @@ def studio(
     *experiments: ExperimentLike,
     model: ModelLike | None = None,
     parameters: Mapping[str, float] | None = None,
+    soil_from: SoilLike | None = None,
     port: int = 0,
     height: int = 900,
 ) -> Studio:
@@ -86,6 +88,7 @@ def studio(
         experiments: folders or :class:`Experiment` objects, one or more.
         model: the model beside them, as for :func:`compare`.
         parameters: values of parameters by name, SI units.
+        soil_from: what another experiment found of the soil, as in :func:`bekker.compare`.
         port: the port to listen on; 0 takes a free one.
         height: height of the page in a notebook, pixels.
 
@@ -102,4 +105,4 @@ def studio(
     asked, values = given(model, parameters)
     in_notebook = "ipykernel" in sys.modules
     sources = [source(experiment) for experiment in experiments]
-    return Studio(_bekker.open_studio(sources, asked, values, port, in_notebook), height)
+    return Studio(_bekker.open_studio(sources, asked, values, passed(soil_from), port, in_notebook), height)

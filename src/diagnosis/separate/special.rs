@@ -83,7 +83,7 @@ mod tests {
             let words = special(&rover, id, None).unwrap_or_default();
             assert!(!words.contains("carriage"), "{id}: {words}");
         }
-        for id in ["multi_pass", "tether", "soft_patch", "pitch_bias", "sensor_lag", "winding_heat"] {
+        for id in ["multi_pass", "tether", "soft_patch", "pitch_bias", "sensor_lag", "tracking_delay", "winding_heat"] {
             assert_eq!(special(&carriage, id, None), None, "a carriage lacks {id} by its nature");
             assert!(special(&rover, id, None).is_some(), "{id}");
         }

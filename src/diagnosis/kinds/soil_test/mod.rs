@@ -26,6 +26,7 @@ use crate::effects::Facts;
 use crate::measurement::{Experiment, Run};
 use crate::model::{Model, ModelKind};
 use crate::soil_test::{SoilTest as Tested, TestRig};
+use bekker_modeldescription::{Lookup, Variable};
 
 pub use plan::{PlatePlan, ShearPlan};
 use prediction::SoilTestPrediction;
@@ -153,6 +154,13 @@ impl Strategy for SoilTest {
 
     fn conditions(&self, _: &Experiment) -> Vec<String> {
         self.inputs.iter().map(|name| (*name).to_owned()).collect()
+    }
+
+    /// Of the soil's, those that such a test tells.
+    fn parameters(&self, model: &Model) -> Vec<(Variable, f64)> {
+        let mut all = model.tested_soil().list();
+        all.retain(|(variable, _)| self.calibrates(&variable.name));
+        all
     }
 
     /// Each run has a course of its own.

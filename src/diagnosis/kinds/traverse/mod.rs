@@ -97,11 +97,11 @@ impl Strategy for Traverse {
         names
     }
 
-    /// A run has a course of its own: there is no curve over an input.
     fn parameters(&self, model: &Model) -> Vec<(Variable, f64)> {
         model.clone().list()
     }
 
+    /// A run has a course of its own: there is no curve over an input.
     fn axes(&self) -> &'static [Axis] {
         &[]
     }
