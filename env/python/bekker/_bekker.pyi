@@ -66,7 +66,7 @@ def diagnose(
     time_budget: float | None,
 ) -> tuple[NativeDiagnosis | None, BaseException | None]: ...
 def open_studio(
-    experiments: list[_Experiment],
+    experiments: Sequence[_Experiment],
     model: tuple[Model, str] | None,
     values: dict[str, float],
     port: int,
