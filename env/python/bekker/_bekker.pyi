@@ -18,6 +18,7 @@ __all__ = [
     "Controller",
     "Model",
     "NativeDiagnosis",
+    "NativeStudio",
     "ObservedSignals",
     "Renderer",
     "Run",
@@ -30,8 +31,13 @@ __all__ = [
     "export_fmu",
     "fit_task",
     "import_experiment",
+    "open_studio",
+    "plan",
+    "planning_settings",
+    "pose",
     "presets",
     "record",
+    "robots",
 ]
 
 __version__: str
@@ -70,7 +76,7 @@ def diagnose(
     soil: tuple[str, str] | None,
 ) -> tuple[NativeDiagnosis | None, BaseException | None]: ...
 def open_studio(
-    experiments: list[_Experiment],
+    experiments: Sequence[_Experiment],
     model: tuple[Model, str] | None,
     values: dict[str, float],
     soil: tuple[str, str] | None,
