@@ -31,7 +31,7 @@ const NOISE: [(&str, f64); 5] = [
 ];
 
 /// Effects with every kind of memory that there is.
-const MEMORIES: [(&str, f64); 7] = [
+const MEMORIES: [(&str, f64); 8] = [
     ("multi_pass.growth", 0.3),
     ("sensor_lag.time_constant", 0.05),
     ("sensor_lag.dead_time", 0.033),

@@ -55,6 +55,11 @@ impl<S: Copy, T: Copy> Over<S, T> for RecordingLag<S> {
     fn over(&self, f: &dyn Fn(S) -> T) -> RecordingLag<T> {
         RecordingLag { time_constant: f(self.time_constant), dead_time: f(self.dead_time), of: self.of }
     }
+
+    fn merge(&mut self, part: &RecordingLag<T>, put: &dyn Fn(S, T) -> S) {
+        self.time_constant = put(self.time_constant, part.time_constant);
+        self.dead_time = put(self.dead_time, part.dead_time);
+    }
 }
 
 #[lanes]
