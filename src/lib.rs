@@ -21,6 +21,7 @@
 //! | [`effects`] | missing physics to be switched on, one file an effect; others register their own | contact, motor, signals, soil, vehicle, wheel |
 //! | [`rover`] | bodies, joints, equations of motion | contact, effects, linear, motor, signals, soil, terrain, vehicle, wheel |
 //! | [`carriage`] | steady points of one wheel under a load | contact, effects, motor, rover, soil, vehicle, wheel |
+//! | [`soil_test`] | a soil under a plate and in a shear box, and what may be wrong there | effects, rover, soil |
 //! | `integrator`, `recording` | a step of the equations of motion; lags between signals and their record | contact, effects, linear, rover, signals |
 //! | [`simulation`] | a rover at rest and in motion, with a fixed step | contact, effects, integrator, linear, recording, rover, signals, terrain, vehicle |
 //! | [`equations`] | the same as explicit differential equations, for other integrators, and their derivatives | motor, rover, signals, simulation, terrain |
@@ -30,8 +31,8 @@
 //! | [`model`] | all of it in one value; TOML in and out; a run | all above |
 //! | `batch` | many runs stepped together (feature `batch`) | all above |
 //! | [`soil_class`], [`parallel`] | what is believable for a class of soil before anything is measured; work on all cores, with the same bits for any number of them | |
-//! | [`measurement`] | experiments: folders, columns, units, import | contact, effects, model, signals, soil_class, vehicle, wheel |
-//! | [`diagnosis`] | comparison, calibration, what physics is missing | batch, carriage, effects, measurement, model, parallel, rover, signals, simulation, soil_class, terrain |
+//! | [`measurement`] | experiments: folders, columns, units, import | contact, effects, model, signals, soil_class, soil_test, vehicle, wheel |
+//! | [`diagnosis`] | comparison, calibration, what physics is missing | batch, carriage, effects, measurement, model, parallel, rover, signals, simulation, soil_class, soil_test, terrain |
 //! | [`report`] | pages | diagnosis, effects, measurement, signals |
 //!
 //! A module uses what stands in its row, what stands before it in its row, and the first row; `tests/rooms.rs` holds the
@@ -91,6 +92,7 @@ pub mod snapshot;
 pub mod soil;
 #[cfg(feature = "experiments")]
 pub mod soil_class;
+pub mod soil_test;
 pub mod terrain;
 mod toml_text;
 mod vehicle;

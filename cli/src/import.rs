@@ -10,7 +10,7 @@ pub const FORMAT: &str = "\
 The folder holds CSV files and `experiment.toml`; all its keys stand on the page examples/experiments.md:
 
     name = \"sand box\"
-    kind = \"single_wheel\"            # or \"traverse\"
+    kind = \"single_wheel\"            # or \"traverse\", \"plate_sinkage\", \"shear\"
     columns.\"DP [kN]\" = { signal = \"drawbar_pull\", unit = \"kN\" }
     run = [{ file = \"run1.csv\" }]
 
@@ -29,7 +29,7 @@ pub struct Import {
     /// Folder to make; `experiment`, or the file's name where there is one file, if not given.
     #[arg(long, short, value_name = "FOLDER")]
     output: Option<PathBuf>,
-    /// A wheel on a carriage, or a rover on a profile; by the columns if not given.
+    /// A wheel on a carriage, a rover on a profile, a plate pressed into the soil, or a shear test; by the columns if not given.
     #[arg(long, value_enum)]
     kind: Option<Kind>,
 }
@@ -40,6 +40,9 @@ pub enum Kind {
     #[value(name = "single_wheel", alias = "single-wheel")]
     SingleWheel,
     Traverse,
+    #[value(name = "plate_sinkage", alias = "plate-sinkage")]
+    PlateSinkage,
+    Shear,
 }
 
 impl From<Kind> for measurement::Kind {
@@ -47,6 +50,8 @@ impl From<Kind> for measurement::Kind {
         match kind {
             Kind::SingleWheel => Self::SingleWheel,
             Kind::Traverse => Self::Traverse,
+            Kind::PlateSinkage => Self::PlateSinkage,
+            Kind::Shear => Self::Shear,
         }
     }
 }

@@ -5,6 +5,7 @@ use anyhow::Result;
 use bekker::carriage::SteadyPoint;
 use bekker::model::{ModelKind, PRESETS};
 use bekker::modeldescription::{Lookup, Variable};
+use bekker::soil_test::{SoilTestSignals, TEST_EFFECTS};
 use std::io::Write;
 
 /// List every parameter, input and signal of a model: name, value, unit, range, meaning, source.
@@ -37,6 +38,10 @@ impl Parameters {
             for (name, meaning) in model.rover.effects.list() {
                 writeln!(out, "{name:24} {meaning}")?;
             }
+            writeln!(out, "# of tests of the soil")?;
+            for (name, meaning) in TEST_EFFECTS {
+                writeln!(out, "{name:24} {}", meaning.trim())?;
+            }
             return Ok(());
         }
         if self.toml {
@@ -52,8 +57,10 @@ impl Parameters {
         writeln!(out, "\n# Inputs")?;
         describe(&mut out, model.inputs().list())?;
         writeln!(out, "\n# Signals")?;
-        if model.kind == ModelKind::Carriage {
-            return describe(&mut out, SteadyPoint::<f64>::default().list());
+        match model.kind {
+            ModelKind::Carriage => return describe(&mut out, SteadyPoint::<f64>::default().list()),
+            ModelKind::SoilTest => return describe(&mut out, SoilTestSignals::<f64>::default().list()),
+            ModelKind::Rover => {}
         }
         let mut signals = model.start()?.signals().clone();
         describe(&mut out, signals.list())

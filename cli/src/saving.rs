@@ -13,8 +13,8 @@ pub struct Saving {
     /// named.
     #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
-    /// Put the wheel, soil and effects of a single-wheel experiment on this rover in the saved model: a model file or the
-    /// name of a built-in model.
+    /// Put the wheel, soil and effects of a single-wheel experiment, or the soil of a plate or shear test, on this rover in the saved
+    /// model: a model file or the name of a built-in model.
     #[arg(long, value_name = "MODEL", requires = "save")]
     vehicle: Option<String>,
 }
@@ -26,12 +26,12 @@ impl Saving {
         let Some(name) = &self.vehicle else { return Ok(Prepared { path: self.save, vehicle: None }) };
         if experiment.kind == Kind::Traverse {
             bail!(
-                "--vehicle {name}: a traverse is driven by the rover of its own MODEL; --vehicle is for a single wheel"
+                "--vehicle {name}: a traverse is driven by the rover of its own MODEL; --vehicle is for a single wheel or a test of the soil"
             );
         }
         let (vehicle, _) = Model::find(name, None)?;
-        if vehicle.kind == ModelKind::Carriage {
-            bail!("--vehicle {name}: expected a rover, this is a wheel on a carriage");
+        if vehicle.kind != ModelKind::Rover {
+            bail!("--vehicle {name}: expected a rover, this is a wheel on a carriage or a test of a soil");
         }
         Ok(Prepared { path: self.save, vehicle: Some(vehicle) })
     }

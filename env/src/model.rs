@@ -7,13 +7,14 @@ use bekker::model::{ControlKind, Model, ModelError, ModelKind};
 use bekker::modeldescription::{Lookup, Parameters, Variable, join};
 use bekker::sensors::Sensors;
 use bekker::signals::Signals;
+use bekker::soil_test::SoilTestSignals;
 use bekker::terrain::{Profile, Random, TerrainSpec};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 use std::path::PathBuf;
 
-/// A rover on its ground, its sensors and control, and how to run them; or a wheel on a carriage.
+/// A rover on its ground, its sensors and control, and how to run them; or a wheel on a carriage; or a test of the soil.
 #[pyclass(module = "bekker", name = "Model")]
 pub struct PyModel {
     pub core: Model,
@@ -88,8 +89,10 @@ impl PyModel {
 
     /// The signals that a run computes, in order.
     fn signals<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
-        if self.core.kind == ModelKind::Carriage {
-            return vocabulary::list(py, &mut SteadyPoint::default());
+        match self.core.kind {
+            ModelKind::Carriage => return vocabulary::list(py, &mut SteadyPoint::default()),
+            ModelKind::SoilTest => return vocabulary::list(py, &mut SoilTestSignals::default()),
+            ModelKind::Rover => {}
         }
         let rover = &self.core.rover;
         vocabulary::list(py, &mut Signals::of(rover.wheels.len(), rover.links.len()))
@@ -201,12 +204,13 @@ impl PyModel {
         &self.core.name
     }
 
-    /// What the model is of: "rover", or "carriage" for a wheel on a carriage.
+    /// What the model is of: "rover", "carriage" for a wheel on a carriage, or "soil_test" for a test of the soil.
     #[getter]
     fn kind(&self) -> &'static str {
         match self.core.kind {
             ModelKind::Rover => "rover",
             ModelKind::Carriage => "carriage",
+            ModelKind::SoilTest => "soil_test",
         }
     }
 
@@ -228,10 +232,14 @@ impl PyModel {
         }
     }
 
-    /// Number of wheels; 1 on a carriage.
+    /// Number of wheels; 1 on a carriage, none in a test of the soil.
     #[getter]
     fn wheels(&self) -> usize {
-        if self.core.kind == ModelKind::Carriage { 1 } else { self.core.rover.wheels.len() }
+        match self.core.kind {
+            ModelKind::Rover => self.core.rover.wheels.len(),
+            ModelKind::Carriage => 1,
+            ModelKind::SoilTest => 0,
+        }
     }
 
     /// Number of links, the bodies besides the chassis.
@@ -240,10 +248,10 @@ impl PyModel {
         self.core.rover.links.len()
     }
 
-    /// Mass of chassis and links, kg; none of a wheel on a carriage.
+    /// Mass of chassis and links, kg; none of what is no rover.
     #[getter]
     fn total_mass(&self) -> f64 {
-        if self.core.kind == ModelKind::Carriage { 0.0 } else { self.core.rover.total_mass() }
+        if self.core.kind == ModelKind::Rover { self.core.rover.total_mass() } else { 0.0 }
     }
 
     /// Inner step, s.
@@ -299,8 +307,10 @@ impl PyModel {
     }
 
     fn __repr__(&self) -> String {
-        if self.core.kind == ModelKind::Carriage {
-            return format!("<bekker.Model {:?}: a wheel on a carriage>", self.core.name);
+        match self.core.kind {
+            ModelKind::Carriage => return format!("<bekker.Model {:?}: a wheel on a carriage>", self.core.name),
+            ModelKind::SoilTest => return format!("<bekker.Model {:?}: a test of a soil>", self.core.name),
+            ModelKind::Rover => {}
         }
         format!("<bekker.Model {:?}: {} wheels, control {:?}>", self.core.name, self.wheels(), self.control())
     }

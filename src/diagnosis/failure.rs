@@ -6,6 +6,7 @@ use super::noise::NoiseFloor;
 use super::thresholds::{HELD, SAME_LEVEL, SET_POINT};
 use crate::measurement::Experiment;
 use crate::signals::{BodySignals, LinkSignals, WheelSignals};
+use crate::soil_test::SoilTestSignals;
 use bekker_modeldescription::{Lookup, Unit};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -106,7 +107,8 @@ fn unit(column: &str) -> &'static str {
         _ => {
             let (mut wheel, mut body, mut link) =
                 (WheelSignals::<f64>::default(), BodySignals::<f64>::default(), LinkSignals::<f64>::default());
-            let mut listed = wheel.list().into_iter().chain(body.list()).chain(link.list());
+            let mut test = SoilTestSignals::<f64>::default();
+            let mut listed = wheel.list().into_iter().chain(body.list()).chain(link.list()).chain(test.list());
             listed.find(|(variable, _)| variable.name == field).map_or(Unit::ONE, |(variable, _)| variable.unit)
         }
     };

@@ -23,6 +23,8 @@ pub(crate) struct Layout {
     pub measured: Vec<f64>,
     /// All values as they were measured.
     pub recorded: Vec<f64>,
+    /// Size of the noise of each value, relative to that of a usual one; empty where all have the same.
+    pub scale: Vec<f64>,
     /// For each run, how many of its first rows no fit counts.
     pub starts: Vec<usize>,
     /// Rows (run, row) that are left out since the model has no answer there, in rising order.
@@ -41,6 +43,7 @@ impl Layout {
             blocks: Vec::new(),
             measured: Vec::new(),
             recorded: Vec::new(),
+            scale: Vec::new(),
             starts,
             left_out: Vec::new(),
             unsettled: BTreeSet::new(),
@@ -77,11 +80,21 @@ impl Layout {
         let place = |(run, row): &(usize, usize)| Some((runs.iter().position(|kept| kept == run)?, *row));
         part.leave_out(&self.left_out.iter().filter_map(place).collect::<Vec<_>>());
         part.unsettled = self.unsettled.iter().filter_map(place).collect();
+        if !self.scale.is_empty() {
+            let own = runs.iter().flat_map(|run| self.of_run(*run));
+            part.scale = own.flat_map(|block| self.scale[block.range.clone()].iter().copied()).collect();
+        }
         for (k, run) in runs.iter().enumerate() {
             let own = self.free_starts.iter().filter(|start| start.run == *run);
             part.free_starts.extend(own.map(|start| Arc::new(FreeStart { run: k, ..(**start).clone() })));
         }
         part
+    }
+
+    /// Values in units of the noise of each, up to a factor that they have in common.
+    pub fn by_scale(&self, mut values: Vec<f64>) -> Vec<f64> {
+        values.iter_mut().zip(&self.scale).for_each(|(value, scale)| *value /= scale);
+        values
     }
 
     /// Marks rows (run, row) whose motion has not settled yet.

@@ -60,7 +60,7 @@ pub(crate) use failure::levels_of;
 pub use failure::{Failure, Level, levels};
 pub use fit::{Fit, RunFit, SignalFit};
 pub use given::Given;
-pub use kinds::{SingleWheelPlan, TraversePlan};
+pub use kinds::{PlatePlan, ShearPlan, SingleWheelPlan, TraversePlan};
 #[cfg(feature = "report")]
 pub(crate) use local_line::{LocalLine, Smoothed};
 #[cfg(feature = "report")]

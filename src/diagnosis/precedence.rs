@@ -49,8 +49,8 @@ pub(super) struct Resolved {
     pub held: BTreeSet<String>,
     /// Priors of the experiment and of the soil's class.
     pub priors: BTreeMap<String, Prior>,
-    /// Whether what is found is a wheel on a carriage: a single wheel was measured, and no rover is named.
-    pub carriage: bool,
+    /// What the model that is found is of: of a single wheel that was measured without naming a rover a wheel on a carriage.
+    pub found: ModelKind,
     /// What was taken from where, where two places disagree, and priors that come from a class of soil.
     pub sources: Vec<String>,
 }
@@ -64,10 +64,12 @@ struct Layer {
 /// Finds the model and the values of all parameters for each run of `experiment`.
 pub(super) fn resolve(given: &Given, experiment: &Experiment) -> Result<Resolved, CompareError> {
     let choice = choose(given, experiment)?;
-    let carriage = strategy(experiment.kind).finds_carriage(&choice)?;
+    let strategy = strategy(experiment.kind);
+    let found = strategy.finds(&choice)?;
     let Choice { mut model, label, rank, mut sources } = choice;
     // A rover's vocabulary contains that of its wheel, so that parameters of a vehicle are taken, and do nothing.
     model.kind = ModelKind::Rover;
+    strategy.prepare(&mut model);
     model.define_effects(given.effects.clone())?;
     model.define_effects(experiment.effects.clone())?;
     let variables: BTreeMap<String, Variable> =
@@ -100,8 +102,9 @@ pub(super) fn resolve(given: &Given, experiment: &Experiment) -> Result<Resolved
         }
         Ok(own)
     });
-    let runs = runs.collect::<Result<_, CompareError>>()?;
-    Ok(Resolved { known: model, runs, held, priors, carriage, sources })
+    let runs: Vec<Model> = runs.collect::<Result<_, CompareError>>()?;
+    strategy.check_rig(experiment, &runs)?;
+    Ok(Resolved { known: model, runs, held, priors, found, sources })
 }
 
 fn set(model: &mut Model, name: &str, value: f64, place: &str) -> Result<(), CompareError> {

@@ -135,7 +135,7 @@ impl Workbench {
 
     /// A value at which an effect shows.
     fn typical(&self, id: &str, free: &Free) -> f64 {
-        let facts = self.problem.known.rover.effects.facts_of(id);
+        let facts = self.problem.known.facts_of(id);
         let own = facts.and_then(|facts| {
             let named = |(name, _): &&(&str, f64)| free.variable.name == format!("{id}.{name}");
             facts.typical.iter().find(named).map(|(_, value)| *value)

@@ -22,6 +22,10 @@ pub enum Equipment {
     JointedRover,
     /// A plate and a shear ring beside either rig, and soil parameters that are free and not known from such a test yet.
     SoilTest,
+    /// A plate that is pressed into the soil.
+    Plate,
+    /// A shear ring or box.
+    ShearBox,
 }
 
 /// An experiment in which an effect acts alone or against all others, so that no simulation has to be asked whether it
@@ -46,6 +50,18 @@ impl Advice {
     pub const fn rover(text: &'static str) -> Self {
         Self { equipment: Equipment::Rover, text }
     }
+
+    /// An experiment with a plate.
+    #[must_use]
+    pub const fn plate(text: &'static str) -> Self {
+        Self { equipment: Equipment::Plate, text }
+    }
+
+    /// An experiment with a shear ring or box.
+    #[must_use]
+    pub const fn shear(text: &'static str) -> Self {
+        Self { equipment: Equipment::ShearBox, text }
+    }
 }
 
 /// Words that the header of a recorded column has where it means a parameter of the effect.
@@ -66,6 +82,8 @@ pub struct Facts {
     pub seen_on_carriage: &'static [&'static str],
     /// Signals of a rover that has what the effect needs, in which it shows: wheel 1 stands for all wheels.
     pub seen_on_rover: &'static [&'static str],
+    /// Signals of a test of the soil, by a plate or by shear, in which the effect shows; none where it changes nothing there.
+    pub seen_in_soil_test: &'static [&'static str],
     /// Values, in SI units, with which a rover of 10 kg drives and the effect shows. Of a parameter that is not listed, a
     /// quarter of the way from neutral to the farther bound is such a value.
     pub typical: &'static [(&'static str, f64)],
@@ -85,6 +103,7 @@ impl Facts {
         needs: Needs::Nothing,
         seen_on_carriage: &[],
         seen_on_rover: &[],
+        seen_in_soil_test: &[],
         typical: &[],
         advice: &[],
         tunable: true,

@@ -15,12 +15,20 @@ parameters! {
     }
 }
 
+impl<S: Scalar> Moisture<S> {
+    /// What the water adds to the cohesion, Pa.
+    pub(crate) fn added_cohesion(&self) -> S {
+        self.cohesion_slope * self.content
+    }
+}
+
 #[lanes]
 impl<S: Scalar> Effect<S> for Moisture<S> {
     fn facts(&self) -> Facts {
         Facts {
             seen_on_carriage: &["drawbar_pull", "torque"],
             seen_on_rover: &["wheel[1].torque"],
+            seen_in_soil_test: &["shear_stress"],
             typical: &[("content", 0.1)],
             ..Facts::USUAL
         }

@@ -19,11 +19,23 @@ parameters! {
 
 #[lanes]
 impl<S: Scalar> Rate<S> {
-    /// (v/v_0)^m.
+    /// (v/v_0)^m under a plate that is pressed down at the speed v, m/s.
+    pub(crate) fn factor_of(&self, penetration: S) -> S {
+        if self.exponent.is_exactly(0.0) {
+            return S::from(1.0);
+        }
+        self.factor_of_square(penetration * penetration)
+    }
+
+    /// (v/v_0)^m under a wheel.
     fn factor(&self, speed: S, sinkage: S, radius: S) -> S {
         // tan^2(theta_1/2) = z/(2 r - z); a wheel sunk to its axle is an event, not a formula.
         let sinkage = sinkage.smaller(radius).larger(S::from(0.0));
-        let penetration = speed * speed * sinkage / (radius * 2.0 - sinkage);
+        self.factor_of_square(speed * speed * sinkage / (radius * 2.0 - sinkage))
+    }
+
+    /// (v/v_0)^m, of v^2.
+    fn factor_of_square(&self, penetration: S) -> S {
         let ratio =
             (penetration + self.slowest_speed * self.slowest_speed) / (self.reference_speed * self.reference_speed);
         ratio.power(self.exponent * 0.5)
@@ -36,10 +48,12 @@ impl<S: Scalar> Effect<S> for Rate<S> {
         Facts {
             seen_on_carriage: &["sinkage"],
             seen_on_rover: &["wheel[1].sinkage"],
+            seen_in_soil_test: &["force", "pressure"],
             advice: const {
                 &[
                     Advice::carriage("repeat a steady point at three wheel speeds that span a factor of ten"),
                     Advice::rover("repeat a level run at three speeds that span a factor of ten"),
+                    Advice::plate("press the same plate at three speeds that span a factor of ten"),
                 ]
             },
             ..Facts::USUAL

@@ -1,5 +1,6 @@
 //! An experiment folder, read and checked.
 
+use super::course::{average, repeats_of_equal_rigs};
 use super::doubts::Doubts;
 use super::error::{ExperimentError, Problem};
 use super::files::Files;
@@ -21,15 +22,36 @@ pub enum Kind {
     SingleWheel,
     /// A rover on a profile: every run is a time series.
     Traverse,
+    /// A plate that is pressed into the soil: every run is the way down of one plate.
+    PlateSinkage,
+    /// A shear ring or box: every run is the displacement under one normal stress.
+    Shear,
 }
 
 impl Kind {
+    /// All kinds; those that columns of unknown files identify most surely come first.
+    pub const ALL: [Self; 4] = [Self::SingleWheel, Self::Shear, Self::PlateSinkage, Self::Traverse];
+
+    /// The kind called `name` in `experiment.toml`.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+
+    /// Whether the soil alone is tested, without a wheel.
+    #[must_use]
+    pub fn is_soil_test(self) -> bool {
+        matches!(self, Self::PlateSinkage | Self::Shear)
+    }
+
     /// The name in `experiment.toml`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::SingleWheel => "single_wheel",
             Self::Traverse => "traverse",
+            Self::PlateSinkage => "plate_sinkage",
+            Self::Shear => "shear",
         }
     }
 }
@@ -122,7 +144,11 @@ impl Experiment {
     pub(super) fn read_from(files: &Files, planned: bool) -> Result<Self, ExperimentError> {
         let settings = Settings::read(files)?;
         let mut doubts = Doubts::default();
-        let runs = read_runs(files, &settings, planned, &mut doubts)?;
+        let mut runs = read_runs(files, &settings, planned, &mut doubts)?;
+        if let Some(course) = settings.kind.format().course().filter(|_| !planned) {
+            repeats_of_equal_rigs(&settings, course, &mut runs, &mut doubts);
+            average(&mut runs, course, &mut doubts)?;
+        }
         let mut experiment = Self {
             name: settings.name,
             kind: settings.kind,

@@ -5,7 +5,7 @@
 //!
 //! ```toml
 //! name = "sand box, wheel 2"
-//! kind = "single_wheel"            # or "traverse"
+//! kind = "single_wheel"            # or "traverse", "plate_sinkage", "shear"
 //! [columns]                        # columns that are not called as the model calls them, or are not in SI units
 //! "DP [kN]" = { signal = "drawbar_pull", unit = "kN" }
 //! [parameters]                     # what is known of the rig; the rest keeps the model's value or is calibrated
@@ -19,8 +19,9 @@
 //! A single wheel has the inputs `load` (N), `slip`, `wheel_speed` (rad/s) and any of `drawbar_pull` (N), `torque` (N m),
 //! `sinkage` (m), one steady point a row; a `condition` column of labels may replace `group`. A traverse has `time` (s),
 //! `wheel[k].speed_command` (rad/s) or `wheel[k].torque_command` (N m), or where none were recorded the measured
-//! `wheel[k].speed` of every wheel, and any of the rover's [signals](crate::signals), also sums of them over wheels. A missing
-//! measurement is an empty cell.
+//! `wheel[k].speed` of every wheel, and any of the rover's [signals](crate::signals), also sums of them over wheels. A plate test has
+//! `sinkage` (m) with `force` (N) or `pressure` (Pa), a shear test `displacement` (m) and `normal_stress` (Pa) with `shear_stress`
+//! (Pa). A missing measurement is an empty cell.
 //!
 //! Reading is strict: whatever cannot be right is an [`ExperimentError`] that names the file, the line and the column and says
 //! what was expected; what is unlikely is among [`Experiment::doubts`]. Nothing is repaired silently. The way of a file:
@@ -40,6 +41,7 @@ mod arrays;
 mod checker;
 mod columns;
 mod convert;
+mod course;
 mod derive;
 mod dialect;
 mod doubts;

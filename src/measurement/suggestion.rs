@@ -42,16 +42,6 @@ pub(super) const fn maybe(words: &'static [&'static str], meaning: &'static str)
     Rule { words, meaning: Cow::Borrowed(meaning), sure: false }
 }
 
-const PARAMETERS: &[Rule] = &[
-    sure(&["wheel", "radius"], "wheel.radius"),
-    maybe(&["radius"], "wheel.radius"),
-    sure(&["wheel", "width"], "wheel.width"),
-    maybe(&["width"], "wheel.width"),
-    sure(&["cohesion"], "soil.cohesion"),
-    sure(&["friction", "angle"], "soil.friction_angle"),
-    sure(&["shear", "modulus"], "soil.shear_modulus"),
-];
-
 /// What the effects say of headers that mean one of their parameters.
 fn parameters_of_effects() -> Vec<Rule> {
     let effects = Effects::<f64>::default();
@@ -83,7 +73,7 @@ pub(super) fn of(kind: Kind, name: &str) -> Option<Suggestion> {
         return None;
     }
     let signal = best(kind.format().rules(), &words).map(|rule| (rule, false));
-    let parameter = best(&[PARAMETERS, &parameters_of_effects()].concat(), &words).map(|rule| (rule, true));
+    let parameter = best(&[kind.format().parameter_rules(), &parameters_of_effects()].concat(), &words).map(|rule| (rule, true));
     // A parameter takes more words than a signal, or is none.
     let (rule, is_parameter) = match (signal, parameter) {
         (Some(signal), Some(parameter)) if parameter.0.words.len() < signal.0.words.len() => signal,

@@ -3,6 +3,7 @@
 use super::experiment::Kind;
 use crate::effects::EffectDefinition;
 use crate::model::Model;
+use crate::soil_test::TestRig;
 use bekker_modeldescription::{Lookup, Role, Unit, Variable, nearest};
 use std::borrow::Cow;
 
@@ -27,7 +28,8 @@ pub(super) fn parameter(name: &str, effects: &[EffectDefinition]) -> Result<Vari
 }
 
 fn parameters(effects: &[EffectDefinition]) -> Vec<Variable> {
-    let library = Model::preset(LARGEST).map(|mut model| model.list()).unwrap_or_default();
+    let mut library = Model::preset(LARGEST).map(|mut model| model.list()).unwrap_or_default();
+    library.extend(TestRig::default().list());
     let own = effects.iter().flat_map(|effect| {
         effect.parameters.iter().map(|(name, parameter)| Variable {
             name: format!("{}.{name}", effect.id),

@@ -1,13 +1,14 @@
 //! Effects of the user's own in a model.
 
 use super::{ContactAngleSource, ControlKind, Model, SoilSource};
-use crate::effects::{DefinitionError, EffectDefinition};
+use crate::effects::{DefinitionError, EffectDefinition, Facts};
 use crate::rover::Rover;
 use crate::signals::Signals;
+use crate::soil_test::TEST_EFFECTS;
 use bekker_modeldescription::Lookup;
 
 /// Groups of names that not every model has.
-const OTHER_GROUPS: [&str; 3] = ["terrain", "link", "obstacle"];
+const OTHER_GROUPS: [&str; 6] = ["terrain", "link", "obstacle", "plate", "soil_box", "shear_box"];
 
 impl Model {
     /// Adds effects of the user's own, all neutral, from TOML with `[[effect]]` tables; the form is described in
@@ -17,6 +18,14 @@ impl Model {
     /// [`DefinitionError`]; the model is unchanged then.
     pub fn add_effects(&mut self, text: &str) -> Result<(), DefinitionError> {
         self.define_effects(EffectDefinition::all_from_toml(text)?)
+    }
+
+    /// What there is to know of the effect `id`, be it of a wheel, a rover or a test of the soil; nothing where it is unknown or given
+    /// as an expression.
+    #[must_use]
+    pub fn facts_of(&self, id: &str) -> Option<Facts> {
+        let of_test = || self.test.as_ref()?.effects.facts().find(|(known, _)| *known == id).map(|(_, facts)| facts);
+        self.rover.effects.facts_of(id).or_else(of_test)
     }
 
     /// Adds effects of the user's own by their definitions.
@@ -68,7 +77,8 @@ pub(super) fn groups_of_names() -> Vec<String> {
         names.extend(model.list().into_iter().chain(model.inputs().list()).map(|(variable, _)| variable.name));
     }
     let group = |name: &String| name.split(['.', '[']).next().unwrap_or_default().to_owned();
-    let mut groups: Vec<String> = names.iter().map(group).chain(OTHER_GROUPS.map(str::to_owned)).collect();
+    let tests = TEST_EFFECTS.iter().map(|(id, _)| (*id).to_owned());
+    let mut groups: Vec<String> = names.iter().map(group).chain(OTHER_GROUPS.map(str::to_owned)).chain(tests).collect();
     groups.sort();
     groups.dedup();
     groups

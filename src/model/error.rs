@@ -53,8 +53,8 @@ pub enum ModelError {
         "{0} [[obstacle]] given, but the plant is in joint coordinates; expected simulation.plant = \"rigid_bodies\""
     )]
     Obstacles(usize),
-    /// A wheel on a carriage with something that only a rover has.
-    #[error("[rig]: a wheel on a carriage has no [{0}]; expected [parameters] and [[effect]] beside it")]
+    /// A wheel on a carriage or a test of a soil with something that only a rover has.
+    #[error("[rig]: a wheel on a carriage or a test of a soil has no [{0}]; expected [parameters] and [[effect]] beside it")]
     Rig(&'static str),
     /// A name of neither a file nor a built-in model.
     #[error("`{name}` is neither a file nor a built-in model ({})", preset_names())]

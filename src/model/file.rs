@@ -49,6 +49,8 @@
 //! wheel.radius = 0.058
 //! soil.cohesion = 170.0
 //! ```
+//!
+//! A test of the soil by a plate or by shear has `kind = "soil_test"` there, and states of the soil what was found.
 
 use super::obstacles::ObstacleSpec;
 use super::sections::{ControlSpec, File, RigKind, RigSpec, Vehicle};
@@ -86,10 +88,12 @@ impl Model {
             Some(preset) => Self::preset(preset)?,
             None => Self::new("rover", Rover::two_wheeled()),
         };
-        if file.rig.is_some() {
+        if let Some(rig) = &file.rig {
             file.refuse_rover()?;
-            model.kind = ModelKind::Carriage;
-            "wheel_on_carriage".clone_into(&mut model.name);
+            (model.kind, model.name) = match rig.kind {
+                RigKind::Carriage => (ModelKind::Carriage, "wheel_on_carriage".to_owned()),
+                RigKind::SoilTest => (ModelKind::SoilTest, "soil_test".to_owned()),
+            };
         }
         if let Some(name) = file.name {
             model.name = name;
@@ -166,10 +170,15 @@ impl Model {
                 parameters.insert(variable.name, toml::Value::Float(*value));
             }
         });
-        if self.kind == ModelKind::Carriage {
+        if self.kind != ModelKind::Rover {
+            let kind = if self.kind == ModelKind::Carriage { RigKind::Carriage } else { RigKind::SoilTest };
+            if self.kind == ModelKind::SoilTest && self.stated.names().next().is_some() {
+                // A test tells of a part of the soil; the rest stays open.
+                parameters.retain(|name, _| self.stated.contains(name));
+            }
             let file = File {
                 name: Some(self.name.clone()),
-                rig: Some(RigSpec { kind: RigKind::Carriage }),
+                rig: Some(RigSpec { kind }),
                 parameters,
                 effect: self.rover.effects.custom.iter().map(|effect| effect.definition().clone()).collect(),
                 ..File::default()

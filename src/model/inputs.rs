@@ -52,7 +52,8 @@ impl Inputs {
         if model.kind == ModelKind::Carriage {
             return Self::Carriage(SetPoint::default());
         }
-        let wheels = model.rover.wheels.len();
+        // A test of the soil has no inputs of its own: an experiment gives them.
+        let wheels = if model.kind == ModelKind::SoilTest { 0 } else { model.rover.wheels.len() };
         match model.control.kind {
             ControlKind::Torque => Self::Torque(vec![TorqueCommand::default(); wheels]),
             ControlKind::Speed | ControlKind::SpeedLoop => Self::Speed(vec![SpeedCommand::default(); wheels]),

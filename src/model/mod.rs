@@ -43,6 +43,7 @@ use crate::effects::{Facts, Needs};
 use crate::obstacle::{BodyContact, Obstacle};
 use crate::rover::Rover;
 use crate::sensors::Sensors;
+use crate::soil_test::TestRig;
 use bekker_modeldescription::{Parameters, Unit, Variable, join, parameters};
 use std::fmt;
 
@@ -74,7 +75,8 @@ impl Default for Stepping {
     }
 }
 
-/// A rover on its ground, its sensors and control, and how to run them; or a wheel on a carriage, see [`ModelKind`].
+/// A rover on its ground, its sensors and control, and how to run them; or a wheel on a carriage or a test of the soil, see
+/// [`ModelKind`].
 #[derive(Clone)]
 pub struct Model {
     /// Name for people.
@@ -95,6 +97,8 @@ pub struct Model {
     pub stepping: Stepping,
     /// Rigid obstacles; for the plant of rigid bodies only.
     pub obstacles: Vec<Obstacle>,
+    /// The rig of a soil test, of [`ModelKind::SoilTest`] alone.
+    pub test: Option<TestRig>,
     /// Friction of chassis and links on the ground; read by the plant of rigid bodies only.
     pub body_contact: BodyContact,
     /// The control law of another crate, see [`Model::drive_by`].
@@ -112,6 +116,9 @@ impl fmt::Debug for Model {
         text.field("obstacles", obstacles).field("body_contact", body_contact);
         if let Some(law) = &self.registered_law {
             text.field("registered_law", law);
+        }
+        if let Some(test) = &self.test {
+            text.field("test", test);
         }
         text.finish()
     }
@@ -131,6 +138,7 @@ impl Model {
             control: Control::default(),
             stepping: Stepping::default(),
             obstacles: Vec::new(),
+            test: None,
             body_contact: BodyContact::default(),
             registered_law: None,
         }
@@ -159,8 +167,10 @@ const LIMITS: [&str; 3] = ["motor.inverse_torque_limit", "motor.inverse_current_
 /// where the plant feels them.
 impl Parameters<f64> for Model {
     fn visit(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut f64)) {
-        if self.kind == ModelKind::Carriage {
-            return self.visit_rig(prefix, f);
+        match self.kind {
+            ModelKind::Carriage => return self.visit_rig(prefix, f),
+            ModelKind::SoilTest => return self.visit_soil_test(prefix, f),
+            ModelKind::Rover => {}
         }
         let limited = self.control.kind != ControlKind::Speed;
         let jointed = !self.rover.links.is_empty();
@@ -172,6 +182,9 @@ impl Parameters<f64> for Model {
                 f(Variable { name: join(prefix, &variable.name), ..variable }, place);
             }
         });
+        if let Some(test) = &mut self.test {
+            test.visit(prefix, f);
+        }
         self.start.visit(prefix, f);
         if self.stepping.plant == Plant::RigidBodies {
             self.body_contact.visit(&join(prefix, "rover"), f);

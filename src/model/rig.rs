@@ -4,7 +4,8 @@ use super::{Model, RunError};
 use crate::carriage::{Rig, SetPoint, SteadyError, SteadyPoint};
 use crate::effects::DefinitionError;
 use crate::simulation::{Event, Status};
-use bekker_modeldescription::{Parameters, Role};
+use crate::soil_test::{SoilTest, TestRig};
+use bekker_modeldescription::{Parameters, Role, Variable, join};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -15,6 +16,8 @@ pub enum ModelKind {
     /// A rover on its ground, which moves in time.
     #[default]
     Rover,
+    /// A test of the soil by a plate or by shear: soil, rig and effects on the test. What else a [`Model`] holds is not used.
+    SoilTest,
     /// A wheel on a carriage: gravity, wheel, soil and effects; a steady point for each load, slip and wheel speed. What
     /// else a [`Model`] holds is not used.
     Carriage,
@@ -66,13 +69,40 @@ impl Model {
         model
     }
 
+    /// A test of the soil.
+    #[must_use]
+    pub fn soil_test(name: &str, test: SoilTest) -> Self {
+        let mut model = Self::new(name, crate::rover::Rover::two_wheeled());
+        model.kind = ModelKind::SoilTest;
+        let SoilTest { soil, rate, moisture, rig } = test;
+        model.rover.soil = soil;
+        (model.rover.effects.rate, model.rover.effects.moisture) = (rate, moisture);
+        model.test = Some(rig);
+        model
+    }
+
+    /// The soil of this model in its test; in an ideal one where it has none.
+    #[must_use]
+    pub fn tested_soil(&self) -> SoilTest {
+        SoilTest::of(&self.rover, &self.test.clone().unwrap_or_default())
+    }
+
+    /// What a test of the soil has, as [`SoilTest`] lists it.
+    pub(super) fn visit_soil_test(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut f64)) {
+        self.rover.soil.visit(&join(prefix, "soil"), f);
+        self.rover.effects.rate.visit(&join(prefix, "rate"), f);
+        self.rover.effects.moisture.visit(&join(prefix, "moisture"), f);
+        self.test.get_or_insert_with(TestRig::default).visit(prefix, f);
+    }
+
     /// Gravity, wheel, soil and effects of this model, for steady points on a carriage.
     #[must_use]
     pub fn rig(&self) -> Rig {
         Rig::of(&self.rover)
     }
 
-    /// This rover with gravity, wheel, soil and effects of `tested`, which count as stated. Effects that `tested` has switched
+    /// This rover with gravity, wheel, soil and effects of `tested`, which count as stated; of a test of the soil with what it states of
+    /// the soil. Effects that `tested` has switched
     /// off stay as this rover has them: a carriage does not see all of them.
     ///
     /// # Errors
@@ -83,8 +113,10 @@ impl Model {
         let custom = &tested.rover.effects.custom;
         rover.define_effects(custom.iter().map(|effect| effect.definition().clone()).collect())?;
         let mut values = BTreeMap::new();
+        // A test of the soil tells of a few of its parameters, which it states, and nothing of a wheel.
+        let told = |name: &str| tested.kind != ModelKind::SoilTest || tested.stated.contains(name);
         tested.rig().visit("", &mut |variable, value| {
-            if variable.role != Role::Effect || *value != variable.default {
+            if told(&variable.name) && (variable.role != Role::Effect || *value != variable.default) {
                 values.insert(variable.name, *value);
             }
         });
@@ -96,12 +128,12 @@ impl Model {
     }
 
     /// Whether a rover comes to rest on its ground and is not at its end within its first second: belly on the ground,
-    /// stuck, sunk to an axle. Its inputs have their starting values. A wheel on a carriage always passes.
+    /// stuck, sunk to an axle. Its inputs have their starting values. What is no rover always passes.
     ///
     /// # Errors
     /// [`UnfitRover`] says what happens instead.
     pub fn check_drive(&self) -> Result<(), UnfitRover> {
-        if self.kind == ModelKind::Carriage {
+        if self.kind != ModelKind::Rover {
             return Ok(());
         }
         let name = || self.name.clone();

@@ -65,6 +65,12 @@ pub enum RunError {
         /// Name of the model.
         name: String,
     },
+    /// A test of a soil.
+    #[error("the model `{name}` is a test of a soil, which has no motion in time; expected a rover")]
+    SoilTest {
+        /// Name of the model.
+        name: String,
+    },
     /// A parameter that a run under way cannot change.
     #[error("`{name}` cannot change while a run is under way; expected a change of soil, effects, sensors or gains")]
     NotTunable {
@@ -376,8 +382,10 @@ fn command_of(inputs: &Inputs, controller: Option<&ActiveController>, command: &
 impl Model {
     /// Checks what [`Model::start`] needs: every parameter within its bounds, a vehicle that the control can drive.
     pub(crate) fn check_start(&self) -> Result<(), RunError> {
-        if self.kind == ModelKind::Carriage {
-            return Err(RunError::Carriage { name: self.name.clone() });
+        match self.kind {
+            ModelKind::Carriage => return Err(RunError::Carriage { name: self.name.clone() }),
+            ModelKind::SoilTest => return Err(RunError::SoilTest { name: self.name.clone() }),
+            ModelKind::Rover => {}
         }
         self.check_plant()?;
         self.clone().check()?;

@@ -113,6 +113,7 @@ pub(super) struct RigSpec {
 #[serde(rename_all = "snake_case")]
 pub(super) enum RigKind {
     Carriage,
+    SoilTest,
 }
 
 #[derive(Debug, Serialize, Deserialize)]

@@ -1,6 +1,7 @@
 //! Numbers in the units in which people read them.
 
 use crate::signals::{BodySignals, LinkSignals, WheelSignals};
+use crate::soil_test::SoilTestSignals;
 use bekker_modeldescription::{Lookup, Unit, Variable};
 
 /// How a quantity is written for people: its name in words, and the factor from SI to the unit in which it is read.
@@ -77,7 +78,8 @@ pub(super) fn of_column(name: &str) -> Shown {
         _ => {
             let (mut wheel, mut body, mut link) =
                 (WheelSignals::default(), BodySignals::default(), LinkSignals::default());
-            let mut listed = wheel.list().into_iter().chain(body.list()).chain(link.list());
+            let mut test = SoilTestSignals::default();
+            let mut listed = wheel.list().into_iter().chain(body.list()).chain(link.list()).chain(test.list());
             listed.find(|(variable, _)| variable.name == field).map_or(Unit::ONE, |(variable, _)| variable.unit)
         }
     };

@@ -136,7 +136,7 @@ fn effects(workbench: &Workbench) -> Vec<Value> {
     }
     let own = &workbench.experiment().effects;
     let about = |id: &String| {
-        let listed = EFFECTS.iter().find(|(known, _)| known == id).map(|(_, about)| (*about).trim().to_owned());
+        let listed = EFFECTS.iter().chain(TEST_EFFECTS).find(|(known, _)| known == id).map(|(_, about)| (*about).trim().to_owned());
         listed.or_else(|| own.iter().find(|own| own.id == *id).map(|own| own.about.clone())).unwrap_or_default()
     };
     let on_carriage = workbench.experiment().kind == Kind::SingleWheel;

@@ -79,6 +79,9 @@ pub fn load(folder: &Path) -> Result<Box<dyn FmuModel>, String> {
 /// A sentence where the text is no valid model, or has not what its kind needs.
 pub fn parse(text: &str) -> Result<Box<dyn FmuModel>, String> {
     let model = RoverModel::from_toml(text, None).map_err(|error| error.to_string())?;
+    if model.kind == ModelKind::SoilTest {
+        return Err(format!("`{}` is a test of a soil, which has no motion in time; expected a rover or a wheel on a carriage", model.name));
+    }
     let offer = Offer::of(text)?;
     let packed = Packed { text, kind: offer.kind.unwrap_or_else(|| Kind::usual(&model)), arrays: offer.arrays };
     if model.kind == ModelKind::Carriage && packed.kind != Kind::Carriage {

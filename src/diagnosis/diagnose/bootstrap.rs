@@ -73,6 +73,7 @@ impl Null<'_> {
             let Some(model) = self.noise.get(&block.signal) else { continue };
             model.draw(&mut rng, &mut noise[block.range.clone()]);
         }
+        noise.iter_mut().zip(&self.layout.scale).for_each(|(value, scale)| *value *= scale);
         for (value, measured) in noise.iter_mut().zip(&self.layout.measured) {
             if measured.is_nan() {
                 *value = f64::NAN;

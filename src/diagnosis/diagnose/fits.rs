@@ -36,13 +36,16 @@ pub struct Noise {
     /// Runs and rows that no fit counts, since they are odd.
     #[serde(default)]
     pub odd: Vec<(usize, usize)>,
+    /// Size of the noise of each value, relative to that of a usual one; none where all have the same.
+    #[serde(default)]
+    pub scale: Vec<f64>,
 }
 
 impl Noise {
     /// Of so large noise, over runs that are not cut into windows.
     #[must_use]
     pub fn new(models: BTreeMap<String, NoiseModel>) -> Self {
-        Self { models, robust: None, windows: Vec::new(), around: Vec::new(), refined: 0, odd: Vec::new() }
+        Self { models, robust: None, windows: Vec::new(), around: Vec::new(), refined: 0, odd: Vec::new(), scale: Vec::new() }
     }
 
     pub(crate) fn whitening(&self, problem: &Problem, keep: &dyn Fn(usize, usize) -> bool) -> Option<Whitening> {
@@ -167,6 +170,7 @@ pub fn fit_task(
     let mut problem = options.problem(given, experiment)?;
     problem.layout.leave_out(&task.unanswered);
     problem.layout.unsettle(noise.odd.iter().copied());
+    problem.layout.scale.clone_from(&noise.scale);
     (0..noise.refined).for_each(|_| _ = problem.refine_step());
     if problem.is_cut() && !noise.windows.is_empty() {
         problem.begin_windows(noise.windows.clone(), &noise.around)?;

@@ -83,6 +83,8 @@ pub(crate) fn calibrated_baseline(problem: &mut Problem) -> Result<Prepared, Com
             problem.refine_starts(&guess, &first.values())?;
             first = fitted_again(problem, &guess, &first, &mut unanswered)?;
         }
+        let of_first = modelled(problem, &first.values())?.values;
+        problem.layout.scale = problem.strategy().noise_scale(&problem.layout, &of_first);
         let found = noise_about(problem, &repeats, &first)?;
         if !is_coarse(problem, &found.noise, &first.values())? {
             break found;
@@ -118,6 +120,10 @@ pub(crate) fn calibrated_baseline(problem: &mut Problem) -> Result<Prepared, Com
     prepared.repeats = (prepared.source == FloorSource::Replicates).then_some(repeats);
     judge_noise(problem, &mut prepared, &decided);
     prepared.cautions.extend(of_unanswered(problem, &prepared.unanswered));
+    if let Some(whitening) = prepared.noise.whitening(problem, &|_, _| true) {
+        let remarks = problem.strategy().remarks(problem, &whitening, &prepared.baseline, &prepared.modelled);
+        prepared.cautions.extend(remarks);
+    }
     Ok(prepared)
 }
 
@@ -143,8 +149,10 @@ fn noise_about(problem: &Problem, repeats: &Repeats, first: &Calibration) -> Res
         smooth: &modulations,
         flexible: &flexible,
         calibrated: problem.base.len(),
+        assumed_scatter: problem.strategy().assumed_scatter(),
     });
     let mut noise = Noise::new(decided.models.clone());
+    noise.scale.clone_from(&problem.layout.scale);
     noise.robust = Some(threshold(problem, &noise, &residual));
     Ok(Found { noise, decided, flexible, modulations })
 }

@@ -1,10 +1,11 @@
 //! What a diagnosis does differently for each kind of experiment: one [`Strategy`] a kind, chosen once by [`strategy`] where a
 //! [`Problem`] is posed. All other code of the diagnosis is the same for all kinds.
 //!
-//! A further kind (a plate that sinks, a shear ring) is a folder beside these two, a line in [`strategy`], and a format of
-//! its files in [`measurement`](crate::measurement).
+//! A further kind is a folder beside these, a line in [`strategy`], and a format of its files in
+//! [`measurement`](crate::measurement).
 
 mod single_wheel;
+mod soil_test;
 mod traverse;
 
 #[cfg(test)]
@@ -18,6 +19,7 @@ use super::effort::Effort;
 use super::free::Free;
 use super::halt::Halt;
 use super::layout::Layout;
+use super::noise::Whitening;
 use super::precedence::Choice;
 use super::prediction::{Predict, PredictionError};
 use super::problem::Problem;
@@ -25,10 +27,12 @@ use super::separate::variation::Variation;
 use super::windows::Windows;
 use super::windows::free::FreeStart;
 use crate::measurement::{Experiment, Kind, Run};
-use crate::model::Model;
+use crate::effects::Facts;
+use crate::model::{Model, ModelKind};
 use std::fmt::Debug;
 
 pub use single_wheel::SingleWheelPlan;
+pub use soil_test::{PlatePlan, ShearPlan};
 pub(crate) use single_wheel::signal;
 pub use traverse::TraversePlan;
 
@@ -37,6 +41,8 @@ pub(crate) fn strategy(kind: Kind) -> &'static dyn Strategy {
     match kind {
         Kind::SingleWheel => &single_wheel::SingleWheel,
         Kind::Traverse => &traverse::Traverse,
+        Kind::PlateSinkage => &soil_test::PLATE,
+        Kind::Shear => &soil_test::SHEAR,
     }
 }
 
@@ -77,11 +83,56 @@ pub(crate) enum LeftOut {
 
 /// What depends on the kind of an experiment.
 pub(crate) trait Strategy: Debug + Sync {
-    /// Whether the model that is found is a wheel on a carriage, not a rover.
+    /// What the model that is found is of.
     ///
     /// # Errors
     /// [`CompareError::Vehicle`] where the chosen model cannot make such an experiment.
-    fn finds_carriage(&self, choice: &Choice) -> Result<bool, CompareError>;
+    fn finds(&self, choice: &Choice) -> Result<ModelKind, CompareError>;
+
+    /// Gives the chosen model the rig of such an experiment, where that is no part of every model.
+    fn prepare(&self, model: &mut Model) {
+        model.test = None;
+    }
+
+    /// Fails where what is known of a run does not describe its rig.
+    ///
+    /// # Errors
+    /// [`CompareError::Vehicle`] says what is missing.
+    fn check_rig(&self, _experiment: &Experiment, _models: &[Model]) -> Result<(), CompareError> {
+        Ok(())
+    }
+
+    /// Whether such an experiment can tell anything of a parameter that a calibration moves by default.
+    fn calibrates(&self, _name: &str) -> bool {
+        true
+    }
+
+    /// Whether runs differ in the width of the contact, so that k_c and k_phi do not act as one.
+    fn many_widths(&self, experiment: &Experiment, _models: &[Model]) -> bool {
+        let widths = experiment.runs.iter().filter_map(|run| run.parameters.get("wheel.width"));
+        widths.collect::<Vec<_>>().windows(2).any(|pair| pair[0] != pair[1])
+    }
+
+    /// Whether an effect with these facts (none of an effect that is given as an expression) is a candidate at all.
+    fn may_act(&self, _facts: Option<&Facts>) -> bool {
+        true
+    }
+
+    /// Size of the noise of each value in the layout's order, relative to that of a usual one; empty where all have the same.
+    fn noise_scale(&self, _layout: &Layout, _modelled: &[f64]) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// Standard deviation of a whole run as a share of what is measured, where no repeat tells it; `None` where runs count as exact
+    /// then.
+    fn assumed_scatter(&self) -> Option<f64> {
+        None
+    }
+
+    /// What such an experiment tells, or cannot tell, of the calibrated baseline, in words.
+    fn remarks(&self, _: &Problem, _: &Whitening, _: &Calibration, _modelled: &[f64]) -> Vec<String> {
+        Vec::new()
+    }
 
     /// Number of wheels that the commands name; 0 where nothing is commanded wheel by wheel.
     fn commanded_wheels(&self, experiment: &Experiment) -> usize;

@@ -29,6 +29,8 @@ pub(crate) struct FittedResidual<'a> {
     pub flexible: &'a [Vec<f64>],
     /// Number of calibrated parameters.
     pub calibrated: usize,
+    /// Standard deviation of a whole run, as a share of what is measured, where no repeat tells it.
+    pub assumed_scatter: Option<f64>,
 }
 
 /// The noise of all signals.
@@ -55,6 +57,11 @@ pub(crate) fn decide(fitted: &FittedResidual) -> Decided {
                 decided.unknown.push(signal.clone());
                 fitted.about_the_model(&signal)
             }),
+        };
+        let repeated = fitted.repeats.degrees_of_freedom(fitted.layout, &signal) > 0;
+        let model = match fitted.assumed_scatter.filter(|_| !repeated) {
+            Some(share) => fitted.with_scatter(&signal, model, share, &mut decided.cautions),
+            None => model,
         };
         decided.models.insert(signal, model);
     }
@@ -125,6 +132,17 @@ impl FittedResidual<'_> {
         Some(NoiseModel { deviation: noise.deviation.max(RESOLUTION * self.layout.scatter(signal)), ..noise })
     }
 
+    /// The same noise with runs that differ by a share of what is measured besides.
+    fn with_scatter(&self, signal: &str, own: NoiseModel, share: f64, cautions: &mut Vec<String>) -> NoiseModel {
+        cautions.push(format!(
+            "no test of {signal} is repeated: the soil is taken to resist {:.0} % more or less from one preparation to the next; repeats would tell",
+            100.0 * share
+        ));
+        let modelled: Vec<f64> = self.places(signal).map(|at| self.layout.measured[at] - self.residual[at]).collect();
+        let mean_square = modelled.iter().map(|value| value * value).sum::<f64>() / modelled.len().max(1) as f64;
+        own.with_runs_apart(share * mean_square.sqrt())
+    }
+
     /// What the calibrated model misses a signal by, which weighs the signals where nothing is known of their noise.
     fn about_the_model(&self, signal: &str) -> NoiseModel {
         let scatter = self.layout.scatter(signal);
@@ -158,11 +176,11 @@ impl FittedResidual<'_> {
         basis
     }
 
-    /// The values of one signal where it has a residual that counts; 0 elsewhere.
+    /// The values of one signal where it has a residual that counts, in units of the noise of each; 0 elsewhere.
     fn blank(&self, signal: &str, values: &[f64]) -> Vec<f64> {
         let mut all = vec![0.0; values.len()];
         self.places(signal).for_each(|at| all[at] = values[at]);
-        all
+        self.layout.by_scale(all)
     }
 
     /// Number of values of a signal.

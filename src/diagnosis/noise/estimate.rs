@@ -9,6 +9,7 @@ use super::labels::LabelContrasts;
 use crate::diagnosis::layout::Layout;
 use crate::diagnosis::thresholds::ENOUGH_REPEATS;
 use crate::measurement::{Experiment, Sample};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// Contrasts of fewer rows tell nothing of the correlation along a run.
@@ -91,11 +92,17 @@ fn helmert(k: usize, value: &dyn Fn(usize) -> f64) -> f64 {
 
 /// Noise of one signal from its repeats; `None` where there are none.
 pub(crate) fn estimate(repeats: &Repeats, layout: &Layout, signal: &str, residual: &[f64]) -> Option<NoiseModel> {
+    let residual = &scaled(layout, residual);
     Search::WIDE.run(&repeats.contrasts(layout, signal, residual), &repeats.labels(layout, signal, residual))
 }
 
-/// Noise of one signal from residuals themselves, where there are no repeats: all of them count as noise, `lost` degrees of
-/// freedom being spent on the model. There is no telling a run's own scatter from the model's error there.
+/// Values in units of the noise of each, where these differ.
+fn scaled<'r>(layout: &Layout, values: &'r [f64]) -> Cow<'r, [f64]> {
+    if layout.scale.is_empty() { Cow::Borrowed(values) } else { Cow::Owned(layout.by_scale(values.to_vec())) }
+}
+
+/// Noise of one signal from residuals themselves, in units of the noise of each, where there are no repeats: all of them count as noise,
+/// `lost` degrees of freedom being spent on the model. There is no telling a run's own scatter from the model's error there.
 pub(crate) fn estimate_alone(layout: &Layout, signal: &str, residual: &[f64], lost: f64) -> Option<NoiseModel> {
     let strands: Vec<Strand> = layout
         .blocks
@@ -123,6 +130,7 @@ pub(crate) fn estimate_near(
 ) -> Option<NoiseModel> {
     let search =
         Search { centre: [near.run_share, near.correlation], half: 0.3, points: 4, rounds: 3, with_share: true };
+    let residual = &scaled(layout, residual);
     search.run(&repeats.contrasts(layout, signal, residual), &repeats.labels(layout, signal, residual))
 }
 

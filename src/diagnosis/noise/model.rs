@@ -24,6 +24,18 @@ impl NoiseModel {
         Self { deviation, run_share: 0.0, correlation: 0.0 }
     }
 
+    /// The same noise with whole runs that differ by `between` besides.
+    #[must_use]
+    pub(crate) fn with_runs_apart(self, between: f64) -> Self {
+        let (within, between) = (self.deviation * self.deviation, between * between);
+        let variance = within + between;
+        if variance <= 0.0 {
+            return self;
+        }
+        let run_share = (self.run_share * within + between) / variance;
+        Self { deviation: variance.sqrt(), run_share, correlation: self.correlation }
+    }
+
     /// Makes the rows of one run white, in place: `values` holds the rows that are there, `rows` their indices.
     ///
     /// The AR(1) part goes by differences, the scatter common to the run by a rank-one root:

@@ -13,6 +13,8 @@ struct Strand {
     /// Rows of the block that are measured and kept.
     rows: Vec<usize>,
     noise: NoiseModel,
+    /// Of the layout, at these rows.
+    scale: Vec<f64>,
 }
 
 /// Takes values in the order of a [`Layout`] to whitened values of those that are measured and kept.
@@ -35,8 +37,11 @@ impl Whitening {
         let strand = |block: &Block| {
             let measured = &layout.measured[block.range.clone()];
             let counts = |row: &usize| !measured[*row].is_nan() && !layout.is_unsettled(block.run, *row);
-            let rows = (0..measured.len()).filter(|row| counts(row) && keep(block.run, *row)).collect();
-            Some(Strand { start: block.range.start, rows, noise: *noise.get(&block.signal)? })
+            let rows: Vec<usize> =
+                (0..measured.len()).filter(|row| counts(row) && keep(block.run, *row)).collect();
+            let start = block.range.start;
+            let scale = rows.iter().filter_map(|row| layout.scale.get(start + row).copied()).collect();
+            Some(Strand { start, rows, noise: *noise.get(&block.signal)?, scale })
         };
         let strands = layout.blocks.iter().map(strand).collect::<Option<Vec<_>>>()?;
         let len = strands.iter().map(|strand| strand.rows.len()).sum();
@@ -78,6 +83,7 @@ impl Whitening {
         for strand in &self.strands {
             let from = out.len();
             out.extend(strand.rows.iter().map(|row| values[strand.start + row]));
+            out[from..].iter_mut().zip(&strand.scale).for_each(|(value, scale)| *value /= scale);
             strand.noise.whiten(&strand.rows, &mut out[from..]);
         }
         out

@@ -17,8 +17,8 @@ use super::readings::{Readings, Sensors};
 use super::windows::Windows;
 use crate::carriage::Rig;
 use crate::measurement::Experiment;
-use crate::model::Model;
-use bekker_modeldescription::Parameters;
+use crate::model::{Model, ModelKind};
+use bekker_modeldescription::{Lookup, Parameters};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -59,8 +59,8 @@ pub(crate) struct Problem<'a> {
     sensitivities: Option<Arc<(Vec<f64>, Sensitivities)>>,
     /// What was taken from where, in words; see [`Given`].
     pub sources: Vec<String>,
-    /// Whether the model that is found is a wheel on a carriage: a single wheel was measured and no rover is named.
-    carriage: bool,
+    /// What the model that is found is of: of a single wheel that was measured without naming a rover a wheel on a carriage.
+    found: ModelKind,
     /// Values that were set by hand.
     set: BTreeMap<String, f64>,
 }
@@ -73,9 +73,13 @@ impl<'a> Problem<'a> {
     /// of the experiment cannot be found.
     pub fn new(given: impl Into<Given>, experiment: &'a Experiment, added: &[String]) -> Result<Self, CompareError> {
         let given = given.into();
-        let Resolved { mut known, runs: models, held, priors, carriage, sources } = resolve(&given, experiment)?;
-        let mut base = base_parameters(&mut known, experiment, &held, &priors);
-        let library = library(&mut known, &held, &base);
+        let Resolved { mut known, runs: models, held, priors, found, sources } = resolve(&given, experiment)?;
+        let strategy = strategy(experiment.kind);
+        let many_widths = strategy.many_widths(experiment, &models);
+        let mut base = base_parameters(&mut known, experiment, &held, &priors, many_widths);
+        base.retain(|free| strategy.calibrates(&free.variable.name));
+        let mut library = library(&mut known, &held, &base);
+        library.retain(|candidate| strategy.may_act(known.facts_of(&candidate.id).as_ref()));
         base.extend(Free::of_sensors(experiment));
         let mut kept = Vec::new();
         refuse_twice(added)?;
@@ -106,7 +110,7 @@ impl<'a> Problem<'a> {
             library: kept,
             sensitivities: None,
             sources,
-            carriage,
+            found,
             set: given.values().clone(),
         })
     }
@@ -127,7 +131,7 @@ impl<'a> Problem<'a> {
             library: self.library,
             sensitivities: self.sensitivities,
             sources: self.sources,
-            carriage: self.carriage,
+            found: self.found,
             set: self.set,
         }
     }
@@ -255,7 +259,7 @@ impl<'a> Problem<'a> {
             library: self.library.clone(),
             sensitivities: None,
             sources: self.sources.clone(),
-            carriage: self.carriage,
+            found: self.found,
             set: self.set.clone(),
         }
     }
@@ -294,12 +298,26 @@ impl<'a> Problem<'a> {
     }
 
     /// The model with fitted values as it is kept: of a single wheel that was measured without naming a
-    /// rover a wheel on a carriage, else the rover.
+    /// rover a wheel on a carriage, of a test of the soil that test, else the rover.
     pub fn saved(&self, free: &[Free], values: &[f64]) -> Model {
         let mut model = self.improved(free, values);
-        if self.carriage {
-            model = Model::carriage("wheel_on_carriage", model.rig());
-            model.state_all();
+        match self.found {
+            ModelKind::Carriage => {
+                model = Model::carriage("wheel_on_carriage", model.rig());
+                model.state_all();
+            }
+            ModelKind::SoilTest => {
+                model = Model::soil_test("soil_test", model.tested_soil());
+                // A test tells a few of the soil's parameters; the others are not stated.
+                let known = self.experiment.parameters.keys().chain(self.set.keys());
+                let told = known.chain(free.iter().map(|free| &free.variable.name));
+                let vocabulary: Vec<String> = model.list().into_iter().map(|(variable, _)| variable.name).collect();
+                model.stated = told.filter(|name| vocabulary.contains(name)).cloned().collect();
+            }
+            ModelKind::Rover => {
+                model.test = None;
+                model.state_all();
+            }
         }
         model
     }

@@ -24,9 +24,8 @@ pub(super) fn base_parameters(
     experiment: &Experiment,
     held: &BTreeSet<String>,
     priors: &BTreeMap<String, Prior>,
+    many_widths: bool,
 ) -> Vec<Free> {
-    let widths = experiment.runs.iter().filter_map(|run| run.parameters.get("wheel.width"));
-    let many_widths = widths.collect::<Vec<_>>().windows(2).any(|pair| pair[0] != pair[1]);
     let is_free = |name: &str, role: Role| {
         priors.contains_key(name)
             || (role == Role::Calibrated && !held.contains(name) && (name != "soil.k_c" || many_widths))

@@ -193,6 +193,7 @@ fn as_given(problem: &mut Problem) -> Result<Reference, CompareError> {
     let values: Vec<f64> = problem.base.iter().map(|free| free.start).collect();
     let modelled = problem.predict(&problem.base, |predict| predict.values(&values))??;
     let noise = planned_noise(problem, &modelled);
+    problem.layout.scale = problem.strategy().noise_scale(&problem.layout, &modelled);
     let invisible = prune(problem, &values)?;
     Ok((values, noise, invisible))
 }
@@ -213,7 +214,18 @@ pub(crate) fn planned_noise(problem: &Problem, modelled: &[f64]) -> BTreeMap<Str
         let blocks = problem.layout.blocks.iter().filter(|block| block.signal == signal);
         blocks.flat_map(|block| &modelled[block.range.clone()]).fold(0.0_f64, |most, value| most.max(value.abs()))
     };
-    let noise = |signal: String| (signal.clone(), planned(&problem.experiment, &signal, largest(&signal)));
+    let usual = |signal: &str| {
+        let blocks = problem.layout.blocks.iter().filter(|block| block.signal == signal);
+        let values: Vec<f64> = blocks.flat_map(|block| modelled[block.range.clone()].iter().copied()).collect();
+        (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt()
+    };
+    let noise = |signal: String| {
+        let mut assumed = planned(&problem.experiment, &signal, largest(&signal));
+        if let Some(share) = problem.strategy().assumed_scatter() {
+            assumed.model = assumed.model.with_runs_apart(share * usual(&signal));
+        }
+        (signal, assumed)
+    };
     problem.experiment.signals().into_iter().map(noise).collect()
 }
 

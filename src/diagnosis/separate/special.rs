@@ -2,8 +2,9 @@
 //! Each effect advises its own, see [`Advice`](crate::effects::Advice).
 
 use crate::diagnosis::problem::Problem;
-use crate::effects::{Advice, Effects, Equipment};
+use crate::effects::{Advice, Equipment};
 use crate::measurement::Kind;
+use crate::model::Model;
 use bekker_modeldescription::Role;
 
 /// What a rig can do, and the effects that may act on it.
@@ -13,7 +14,7 @@ pub(crate) struct Rig<'a> {
     pub joints: bool,
     /// Whether a test of the soil would tell something new.
     pub untested_soil: bool,
-    pub effects: &'a Effects,
+    pub model: &'a Model,
 }
 
 impl<'a> Rig<'a> {
@@ -25,8 +26,8 @@ impl<'a> Rig<'a> {
         Self {
             kind: problem.experiment.kind,
             joints: !problem.known.rover.links.is_empty(),
-            untested_soil: free && !tested,
-            effects: &problem.known.rover.effects,
+            untested_soil: free && !tested && !problem.experiment.kind.is_soil_test(),
+            model: &problem.known,
         }
     }
 
@@ -37,12 +38,14 @@ impl<'a> Rig<'a> {
             Equipment::Rover => self.kind == Kind::Traverse,
             Equipment::JointedRover => self.kind == Kind::Traverse && self.joints,
             Equipment::SoilTest => self.untested_soil,
+            Equipment::Plate => self.kind == Kind::PlateSinkage,
+            Equipment::ShearBox => self.kind == Kind::Shear,
         }
     }
 
     /// What an effect advises, whatever it takes; nothing where the effect is given as an expression.
     fn advice(&self, effect: &str) -> &'static [Advice] {
-        self.effects.facts_of(effect).map_or(&[], |facts| facts.advice)
+        self.model.facts_of(effect).map_or(&[], |facts| facts.advice)
     }
 }
 
@@ -60,19 +63,20 @@ pub(crate) fn special(rig: &Rig, effect: &str, other: Option<&str>) -> Option<&'
 mod tests {
     use super::*;
     use crate::effects::{EFFECTS, SOIL_TEST};
+    use crate::rover::Rover;
 
-    fn carriage(effects: &Effects) -> Rig<'_> {
-        Rig { kind: Kind::SingleWheel, joints: false, untested_soil: true, effects }
+    fn carriage(model: &Model) -> Rig<'_> {
+        Rig { kind: Kind::SingleWheel, joints: false, untested_soil: true, model }
     }
 
-    fn rover(effects: &Effects) -> Rig<'_> {
-        Rig { kind: Kind::Traverse, ..carriage(effects) }
+    fn rover(model: &Model) -> Rig<'_> {
+        Rig { kind: Kind::Traverse, ..carriage(model) }
     }
 
     #[test]
     fn property_a_rig_is_asked_for_nothing_that_it_cannot_do() {
-        let effects = Effects::default();
-        let (carriage, rover) = (carriage(&effects), rover(&effects));
+        let model = Model::new("", Rover::two_wheeled());
+        let (carriage, rover) = (carriage(&model), rover(&model));
         for (id, _) in EFFECTS {
             let words = special(&carriage, id, None).unwrap_or_default();
             assert!(!words.contains("rover") && !words.contains("wheel by wheel"), "{id}: {words}");
@@ -89,20 +93,20 @@ mod tests {
 
     #[test]
     fn property_a_tested_soil_is_not_tested_again() {
-        let effects = Effects::default();
-        let tested = Rig { untested_soil: false, ..carriage(&effects) };
+        let model = Model::new("", Rover::two_wheeled());
+        let tested = Rig { untested_soil: false, ..carriage(&model) };
         for (id, _) in EFFECTS {
             assert!(special(&tested, id, None).is_none_or(|words| words != SOIL_TEST.text), "{id}");
         }
-        assert_eq!(special(&carriage(&effects), "slip_sinkage", None), Some(SOIL_TEST.text));
+        assert_eq!(special(&carriage(&model), "slip_sinkage", None), Some(SOIL_TEST.text));
     }
 
     #[test]
     fn property_an_experiment_made_for_a_pair_comes_first() {
-        let effects = Effects::default();
-        let text = special(&rover(&effects), "centre_of_mass", Some("pitch_bias")).unwrap_or_default();
+        let model = Model::new("", Rover::two_wheeled());
+        let text = special(&rover(&model), "centre_of_mass", Some("pitch_bias")).unwrap_or_default();
         assert!(text.contains("heading reversed"), "{text}");
-        let text = special(&rover(&effects), "centre_of_mass", Some("drag")).unwrap_or_default();
+        let text = special(&rover(&model), "centre_of_mass", Some("drag")).unwrap_or_default();
         assert!(text.contains("weigh the rover"), "{text}");
     }
 }

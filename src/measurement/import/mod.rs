@@ -59,9 +59,9 @@ pub enum ImportError {
     /// A file cannot be read as columns.
     #[error(transparent)]
     File(#[from] ExperimentError),
-    /// The columns do not tell a wheel on a carriage from a rover on a profile.
+    /// The columns do not tell which kind of experiment they belong to.
     #[error(
-        "the columns tell neither a `single_wheel` experiment (a load or a drawbar pull) nor a `traverse` (a time); say which it is. Found are {found}"
+        "the columns tell neither a `single_wheel` experiment (a load or a drawbar pull) nor a `plate_sinkage` test (a pressure, or a sinkage with a force) nor a `shear` test (a shear stress) nor a `traverse` (a time); say which it is. Found are {found}"
     )]
     Kind {
         /// The columns.

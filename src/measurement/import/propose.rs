@@ -135,7 +135,7 @@ fn one_each(found: &mut Vec<(&FoundColumn, Entry)>, plan: &mut Plan) {
 /// What no column gives.
 pub(super) fn missing(kind: Kind, found: &[(&FoundColumn, Entry)]) -> Vec<String> {
     let parameter = |name: &str| found.iter().any(|(_, entry)| entry.target == To::Parameter(name.to_owned()));
-    let unknown = ["wheel.radius", "wheel.width"].into_iter().filter(|name| !parameter(name));
+    let unknown = kind.format().rig().iter().map(|(name, _)| name).filter(|name| !parameter(name));
     unknown.map(|name| format!("\"{name}\" under [parameters], m")).chain(kind.format().missing(found)).collect()
 }
 

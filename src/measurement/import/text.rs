@@ -35,8 +35,8 @@ pub(super) fn settings<'a>(survey: &Survey, kind: Kind, plan: &Plan, copies: imp
     lines.push(String::new());
     lines.extend(inputs(plan));
     lines.push("[parameters]".to_owned());
-    for (name, value) in [("wheel.radius", "0.1"), ("wheel.width", "0.1")] {
-        if let Some(value) = plan.filled.get(name) {
+    for (name, value) in kind.format().rig() {
+        if let Some(value) = plan.filled.get(*name) {
             lines.push(format!("{} = {value}", quoted(name)));
         } else if plan.missing.iter().any(|missing| missing.contains(name)) {
             lines.push(format!("# {} = {value}   # fill in, m", quoted(name)));
@@ -83,7 +83,12 @@ fn dialect(survey: &Survey) -> Vec<String> {
 
 /// Places for inputs that no column gives.
 fn inputs(plan: &Plan) -> Vec<String> {
-    let places = [("load", "50.0", "N"), ("slip", "0.2", "1"), ("wheel_speed", "0.1", "rad/s")];
+    let places = [
+        ("load", "50.0", "N"),
+        ("slip", "0.2", "1"),
+        ("wheel_speed", "0.1", "rad/s"),
+        ("normal_stress", "10000.0", "Pa"),
+    ];
     let wanted = |name: &str| plan.missing.iter().any(|missing| missing.starts_with(&format!("{name} under [inputs]")));
     let lines: Vec<String> = places
         .into_iter()

@@ -1,28 +1,30 @@
 //! What the files of each kind of experiment hold: one [`Format`] a kind, which [`Kind::format`] gives. All other
 //! code that reads files is the same for all kinds.
 
+mod plate_sinkage;
+mod shear;
 mod single_wheel;
 mod traverse;
 
 use super::columns::Column;
+use super::course::Course;
 use super::doubts::Doubts;
 use super::error::ExperimentError;
 use super::experiment::{Experiment, Kind};
 use super::grid::Grid;
 use super::import::{Entry, FoundColumn, Plan, Survey};
 use super::sheet::Sheet;
-use super::suggestion::Rule;
+use super::suggestion::{Rule, maybe, sure};
 use bekker_modeldescription::Unit;
 
 impl Kind {
-    /// All kinds; those that columns of unknown files identify most surely come first.
-    const ALL: [Self; 2] = [Self::SingleWheel, Self::Traverse];
-
     /// What its files hold.
     pub(super) fn format(self) -> &'static dyn Format {
         match self {
             Self::SingleWheel => &single_wheel::SingleWheel,
             Self::Traverse => &traverse::Traverse,
+            Self::PlateSinkage => &plate_sinkage::PlateSinkage,
+            Self::Shear => &shear::Shear,
         }
     }
 
@@ -36,6 +38,17 @@ impl Kind {
         first(|format| format.sure_signs()).or_else(|| first(|format| format.signs()))
     }
 }
+
+/// What a column of a wheel's or rover's experiment may mean beside a signal.
+const WHEEL_PARAMETERS: &[Rule] = &[
+    sure(&["wheel", "radius"], "wheel.radius"),
+    maybe(&["radius"], "wheel.radius"),
+    sure(&["wheel", "width"], "wheel.width"),
+    maybe(&["width"], "wheel.width"),
+    sure(&["cohesion"], "soil.cohesion"),
+    sure(&["friction", "angle"], "soil.friction_angle"),
+    sure(&["shear", "modulus"], "soil.shear_modulus"),
+];
 
 /// What depends on the kind of an experiment where files are read, checked and proposed.
 pub(super) trait Format: Sync {
@@ -82,6 +95,21 @@ pub(super) trait Format: Sync {
 
     /// What is said of `wheels = [..]` beside a field that no wheel has; `None` where it is merely unknown.
     fn no_wheels(&self) -> Option<&'static str>;
+
+    /// How the rows of a run follow each other where an input takes its course from row to row and its steps are those of a recorder.
+    fn course(&self) -> Option<&'static Course> {
+        None
+    }
+
+    /// Parameters of the rig that an experiment has to state, with an example in SI.
+    fn rig(&self) -> &'static [(&'static str, &'static str)] {
+        &[("wheel.radius", "0.1"), ("wheel.width", "0.1")]
+    }
+
+    /// What words in a column's name mean, where it gives a parameter.
+    fn parameter_rules(&self) -> &'static [Rule] {
+        WHEEL_PARAMETERS
+    }
 
     /// What words in a column's name mean.
     fn rules(&self) -> &'static [Rule];

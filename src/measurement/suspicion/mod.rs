@@ -52,6 +52,21 @@ pub(super) fn sinkage(grid: &Grid, name: &str) -> Result<(), ExperimentError> {
     Ok(())
 }
 
+/// Fails where a soil test is recorded upward or backward: all values of what presses or shears the soil are negative.
+pub(super) fn downward(grid: &Grid, names: &[&str]) -> Result<(), ExperimentError> {
+    for column in names.iter().filter_map(|name| grid.column(name)) {
+        let values: Vec<f64> = present(&column.values).collect();
+        if values.len() >= ALL_ROWS && median(&values) < 0.0 && values.iter().all(|value| *value <= 0.0) {
+            let problem = Problem::Suspicious(format!(
+                "no value is positive; what presses or shears the soil counts positive: write under [columns]: {}",
+                mend_sign(&column.source, &column.name)
+            ));
+            return Err(grid.error(problem).at_column(&column.source));
+        }
+    }
+    Ok(())
+}
+
 /// Fails where a parameter's value lies outside what the model allows, with the unit that would bring it inside. Unknown
 /// parameters are left to the model.
 pub(super) fn parameter(name: &str, value: f64, effects: &[EffectDefinition]) -> Result<(), String> {

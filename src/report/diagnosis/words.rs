@@ -2,6 +2,7 @@
 
 use crate::diagnosis::{Diagnosis, Step, Verdict};
 use crate::effects::EFFECTS;
+use crate::soil_test::TEST_EFFECTS;
 use crate::report::units::{digits, of_column, short, spoken};
 use crate::report::words::NOISE_ONLY;
 
@@ -10,7 +11,7 @@ const MOST_NAMED: usize = 3;
 
 /// What an effect is, in one line of the library; empty for one that it does not have.
 pub(super) fn meaning(effect: &str) -> String {
-    EFFECTS.iter().find(|(id, _)| *id == effect).map_or_else(String::new, |(_, meaning)| meaning.trim().to_owned())
+    EFFECTS.iter().chain(TEST_EFFECTS).find(|(id, _)| *id == effect).map_or_else(String::new, |(_, meaning)| meaning.trim().to_owned())
 }
 
 /// The effects of the final model that the verdict is about, and those that tie with them.

@@ -2,6 +2,7 @@
 //! code of a report is the same for all kinds.
 
 mod single_wheel;
+mod soil_test;
 mod traverse;
 
 use super::plots::{Condition, Panel, View};
@@ -12,6 +13,8 @@ pub(super) fn of(experiment: &Experiment) -> &'static dyn Presentation {
     match experiment.kind {
         Kind::SingleWheel => &single_wheel::SingleWheel,
         Kind::Traverse => &traverse::Traverse,
+        Kind::PlateSinkage => &soil_test::PLATE,
+        Kind::Shear => &soil_test::SHEAR,
     }
 }
 

@@ -18,7 +18,7 @@ pub use lines::{LinePlot, Series};
 pub(super) use map::map;
 pub(super) use overlay::steady::MOST_NAMED;
 pub(super) use overlay::stretches::REASONS;
-pub(super) use overlay::{Panel, controls, list, models, over_time, overlays, steady};
+pub(super) use overlay::{Panel, along, controls, list, models, over_time, overlays, steady};
 pub(super) use profile::profile;
 pub(super) use residuals::residuals;
 pub(super) use steps::steps;

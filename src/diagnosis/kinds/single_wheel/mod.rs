@@ -40,8 +40,9 @@ pub(super) struct SingleWheel;
 
 impl Strategy for SingleWheel {
     /// A rover that is named stays one, though a single wheel of it was measured.
-    fn finds_carriage(&self, choice: &Choice) -> Result<bool, CompareError> {
-        Ok(choice.rank == Rank::Nobody || choice.model.kind == ModelKind::Carriage)
+    fn finds(&self, choice: &Choice) -> Result<ModelKind, CompareError> {
+        let rover = choice.rank != Rank::Nobody && choice.model.kind == ModelKind::Rover;
+        Ok(if rover { ModelKind::Rover } else { ModelKind::Carriage })
     }
 
     fn commanded_wheels(&self, _: &Experiment) -> usize {

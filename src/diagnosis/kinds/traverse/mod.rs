@@ -48,14 +48,13 @@ const STARTS: [f64; 1] = [0.1];
 pub(super) struct Traverse;
 
 impl Strategy for Traverse {
-    fn finds_carriage(&self, choice: &Choice) -> Result<bool, CompareError> {
-        if choice.model.kind == ModelKind::Carriage {
-            let label = &choice.label;
-            return Err(CompareError::Vehicle(format!(
-                "a traverse needs a rover, and {label} is a wheel on a carriage"
-            )));
-        }
-        Ok(false)
+    fn finds(&self, choice: &Choice) -> Result<ModelKind, CompareError> {
+        let what = match choice.model.kind {
+            ModelKind::Rover => return Ok(ModelKind::Rover),
+            ModelKind::Carriage => "a wheel on a carriage",
+            ModelKind::SoilTest => "a test of a soil",
+        };
+        Err(CompareError::Vehicle(format!("a traverse needs a rover, and {} is {what}", choice.label)))
     }
 
     fn commanded_wheels(&self, experiment: &Experiment) -> usize {

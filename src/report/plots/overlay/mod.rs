@@ -1,5 +1,6 @@
 //! Measured beside modelled: against slip (or another input) by group of rows, or against time by group of repeats.
 
+pub(in crate::report) mod along;
 pub(in crate::report) mod over_time;
 pub(in crate::report) mod steady;
 pub(super) mod stretches;
