@@ -30,9 +30,9 @@
 //! | [`estimation`] | what a rover finds out from measurements: contact angles, soil | contact, control, linear, linear_stress, signals, soil, vehicle, wheel |
 //! | [`model`] | all of it in one value; TOML in and out; a run | all above |
 //! | `batch` | many runs stepped together (feature `batch`) | all above |
-//! | [`soil_class`], [`parallel`] | what is believable for a class of soil before anything is measured; work on all cores, with the same bits for any number of them | |
+//! | [`soil_class`], [`known_soil`], [`parallel`] | what is believable for a class of soil before anything is measured, and what was found of a soil; work on all cores, with the same bits for any number of them | |
 //! | [`measurement`] | experiments: folders, columns, units, import | contact, effects, model, signals, soil_class, soil_test, vehicle, wheel |
-//! | [`diagnosis`] | comparison, calibration, what physics is missing | batch, carriage, effects, measurement, model, parallel, rover, signals, simulation, soil_class, soil_test, terrain |
+//! | [`diagnosis`] | comparison, calibration, what physics is missing | batch, carriage, effects, known_soil, measurement, model, parallel, rover, signals, simulation, soil_class, soil_test, terrain |
 //! | [`report`] | pages | diagnosis, effects, measurement, signals |
 //!
 //! A module uses what stands in its row, what stands before it in its row, and the first row; `tests/rooms.rs` holds the
@@ -70,6 +70,8 @@ pub mod equations;
 pub mod estimation;
 mod integrator;
 mod linear;
+#[cfg(feature = "experiments")]
+pub mod known_soil;
 pub mod linear_stress;
 #[cfg(feature = "experiments")]
 pub mod measurement;

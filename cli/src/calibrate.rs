@@ -1,5 +1,6 @@
 //! `bekker calibrate`.
 
+use crate::soil_from::{SaveSoil, SoilFrom};
 use crate::compare::{print_errors, print_parameters};
 use crate::import;
 use crate::model::ModelArguments;
@@ -19,11 +20,15 @@ pub struct Calibrate {
     experiment: PathBuf,
     #[command(flatten)]
     model: ModelArguments,
+    #[command(flatten)]
+    soil: SoilFrom,
     /// Switch effects on, separated by commas; their parameters are calibrated too.
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     with: Vec<String>,
     #[command(flatten)]
     saving: Saving,
+    #[command(flatten)]
+    save_soil: SaveSoil,
     /// Write parameters and errors as JSON.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -32,9 +37,10 @@ pub struct Calibrate {
 impl Calibrate {
     pub fn run(self) -> Result<()> {
         let experiment = import::read(&self.experiment)?;
-        let given = self.model.given()?;
+        let given = self.soil.add_to(self.model.given()?)?;
         let saving = self.saving.prepare(&experiment)?;
         check_all_writable([&self.json])?;
+        self.save_soil.prepare()?;
         let reporter = Reporter::start("calibrating the model");
         let comparison = compare(given, &experiment, &CompareOptions { calibrate: true, added: self.with });
         drop(reporter);
@@ -50,6 +56,10 @@ impl Calibrate {
             let source = if source == "unknown" { "the signal's own scatter: noise unknown" } else { source };
             say!("  {signal:22} {weight:.4e} ({source})");
         }
+        for caution in &comparison.cautions {
+            say!("caution: {caution}");
+        }
+        self.save_soil.write(&comparison)?;
         if let Some(path) = &self.json {
             write_json(path, &as_json(&comparison, calibration))?;
         }
@@ -88,5 +98,7 @@ fn as_json(comparison: &Comparison, calibration: &Calibration) -> Value {
         "converged": calibration.converged,
         "searches": calibration.searches,
         "agreeing": calibration.agreeing,
+        "cautions": comparison.cautions,
+        "soil": comparison.soil,
     })
 }

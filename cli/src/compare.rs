@@ -1,5 +1,6 @@
 //! `bekker compare`.
 
+use crate::soil_from::SoilFrom;
 use crate::diagnosis_text::print_uncounted;
 use crate::import;
 use crate::model::ModelArguments;
@@ -21,6 +22,8 @@ pub struct Compare {
     experiment: PathBuf,
     #[command(flatten)]
     model: ModelArguments,
+    #[command(flatten)]
+    soil: SoilFrom,
     /// Calibrate the free parameters first, within their bounds.
     #[arg(long)]
     calibrate: bool,
@@ -37,7 +40,7 @@ pub struct Compare {
 impl Compare {
     pub fn run(self) -> Result<()> {
         let experiment = import::read(&self.experiment)?;
-        let given = self.model.given()?;
+        let given = self.soil.add_to(self.model.given()?)?;
         let saving = self.saving.prepare(&experiment)?;
         if let Some(path) = &self.html {
             check_writable(path)?;

@@ -1,5 +1,6 @@
 //! `bekker diagnose`.
 
+use crate::soil_from::SoilFrom;
 use crate::diagnosis_text::print;
 use crate::model::ModelArguments;
 use crate::output::{check_all_writable, write, write_json};
@@ -20,6 +21,8 @@ pub struct Diagnose {
     experiment: PathBuf,
     #[command(flatten)]
     model: ModelArguments,
+    #[command(flatten)]
+    soil: SoilFrom,
     /// Candidate effects, separated by commas; all if not given.
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     candidates: Option<Vec<String>>,
@@ -52,7 +55,7 @@ pub struct Diagnose {
 impl Diagnose {
     pub fn run(self) -> Result<()> {
         let experiment = import::read(&self.experiment)?;
-        let given = self.model.given()?;
+        let given = self.soil.add_to(self.model.given()?)?;
         let saving = self.saving.prepare(&experiment)?;
         check_all_writable([&self.json, &self.html])?;
         if let Some(threads) = self.threads {

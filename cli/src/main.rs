@@ -23,6 +23,7 @@ mod reproduce;
 mod saving;
 mod separate;
 mod simulate;
+mod soil_from;
 mod studio;
 
 use clap::{Parser, Subcommand};

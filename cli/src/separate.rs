@@ -1,5 +1,6 @@
 //! `bekker separate`.
 
+use crate::soil_from::SoilFrom;
 use crate::import;
 use crate::model::ModelArguments;
 use crate::output::{check_all_writable, say, write_json};
@@ -17,6 +18,8 @@ pub struct Separate {
     experiment: PathBuf,
     #[command(flatten)]
     model: ModelArguments,
+    #[command(flatten)]
+    soil: SoilFrom,
     /// Effects to look at, separated by commas; all if not given.
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     candidates: Option<Vec<String>>,
@@ -34,7 +37,7 @@ pub struct Separate {
 impl Separate {
     pub fn run(self) -> Result<()> {
         let experiment = import::read_plan(&self.experiment)?;
-        let given = self.model.given()?;
+        let given = self.soil.add_to(self.model.given()?)?;
         check_all_writable([&self.json])?;
         let options = SeparateOptions { candidates: self.candidates, added: self.with, calibrate: !self.as_given };
         let reporter = Reporter::start("looking at what the experiment can tell apart");

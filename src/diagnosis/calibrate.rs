@@ -213,7 +213,7 @@ fn finished(
         value: values[k],
         deviation: deviations[k],
         at_bound: at_bound[k],
-        prior: free.prior,
+        prior: free.prior.or(free.shared),
     });
     Calibration {
         parameters: parameters.collect(),
@@ -280,7 +280,7 @@ fn deviations(
     for (at, variance) in inner.iter().zip(variances) {
         let free = &weighted.free[*at];
         let deviation = (variance * scatter).sqrt() * free.slope(free.value(u[*at]));
-        let deviation = free.prior.map_or(deviation, |prior| deviation.min(prior.deviation));
+        let deviation = free.prior.or(free.shared).map_or(deviation, |prior| deviation.min(prior.deviation));
         all[*at] = Some(deviation).filter(|d| *d <= free.variable.max - free.variable.min);
     }
     all

@@ -2,9 +2,10 @@
 
 use super::calibrate::Calibration;
 use super::curves::{Curves, curves_of_calibration};
-use super::diagnose::calibrated_baseline;
+use super::diagnose::{calibrated_baseline, left_prior};
 use super::failure::{Failure, failures};
 use super::fit::Fit;
+use super::found_soil::{found_soil, moved};
 use super::given::Given;
 use super::noise::{NoiseFloor, noise_floors};
 use super::prediction::PredictionError;
@@ -12,6 +13,7 @@ use super::problem::Problem;
 use super::unanswered::{Answers, UnansweredRows, listed};
 use super::uncounted::{UncountedRows, uncounted};
 use crate::effects::DefinitionError;
+use crate::known_soil::KnownSoil;
 use crate::measurement::Experiment;
 use crate::model::Model;
 use bekker_modeldescription::ParameterError;
@@ -127,6 +129,9 @@ pub struct Comparison {
     /// errors. A wheel on a carriage where a single wheel was measured and no rover is named. What the experiment says of
     /// single runs is not part of it, nor are errors of its sensors.
     pub model: Model,
+    /// What a calibration found of the soil, with its covariance, for other experiments; `None` without one, or where no parameter of the
+    /// soil was free.
+    pub soil: Option<KnownSoil>,
     best: Fit,
 }
 
@@ -193,6 +198,7 @@ fn as_given(problem: &Problem, given: Answers) -> Result<Comparison, CompareErro
         cautions: Vec::new(),
         sources: problem.sources.clone(),
         model: problem.saved(&problem.base, &start),
+        soil: None,
         best,
     })
 }
@@ -202,7 +208,9 @@ fn calibrated(problem: Problem, given: Result<Answers, PredictionError>) -> Resu
     let mut posed = problem.clone();
     posed.coarsen();
     posed.cut();
-    let prepared = calibrated_baseline(&mut posed)?;
+    let mut prepared = calibrated_baseline(&mut posed)?;
+    prepared.cautions.extend(prepared.baseline.parameters.iter().filter_map(left_prior));
+    prepared.cautions.extend(moved(posed.joint.as_ref(), &prepared.baseline));
     let experiment = &*problem.experiment;
     let values = prepared.baseline.values();
     let best = Fit::new(experiment, &posed.layout, &prepared.modelled).in_motion(&posed, &[], &values)?;
@@ -224,6 +232,7 @@ fn calibrated(problem: Problem, given: Result<Answers, PredictionError>) -> Resu
         cautions: prepared.cautions,
         sources: problem.sources.clone(),
         model: problem.saved(&problem.base, &values),
+        soil: found_soil(&posed, &prepared.noise, &prepared.baseline),
         best,
     })
 }

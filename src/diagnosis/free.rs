@@ -16,13 +16,15 @@ pub(crate) struct Free {
     pub variable: Variable,
     pub start: f64,
     pub prior: Option<Prior>,
+    /// What a known soil says of it by itself; in a fit it counts with the others of that soil, see `prior_rows`.
+    pub shared: Option<Prior>,
 }
 
 impl Free {
     /// Errors of the sensors of an experiment, which every fit moves within their priors.
     pub fn of_sensors(experiment: &Experiment) -> impl Iterator<Item = Self> {
         let known = experiment.sensor_parameters().into_iter();
-        known.map(|(variable, prior)| Self { start: prior.mean, prior: Some(prior), variable })
+        known.map(|(variable, prior)| Self { start: prior.mean, prior: Some(prior), shared: None, variable })
     }
 
     /// Whether it is an error of a sensor rather than a parameter of the model.
@@ -30,7 +32,8 @@ impl Free {
         SensorError::is_named(&self.variable.name)
     }
 
-    fn logarithmic(&self) -> bool {
+    /// Whether its search coordinate is its logarithm.
+    pub fn is_logarithmic(&self) -> bool {
         self.variable.min > 0.0 && self.variable.max / self.variable.min >= DECADES
     }
 
@@ -47,19 +50,19 @@ impl Free {
 
     /// Coordinate of the search: ln p, or p over its range.
     pub fn coordinate(&self, value: f64) -> f64 {
-        if self.logarithmic() { value.ln() } else { value / (self.variable.max - self.variable.min) }
+        if self.is_logarithmic() { value.ln() } else { value / (self.variable.max - self.variable.min) }
     }
 
     /// Value at a coordinate, within the bounds.
     pub fn value(&self, coordinate: f64) -> f64 {
         let value =
-            if self.logarithmic() { coordinate.exp() } else { coordinate * (self.variable.max - self.variable.min) };
+            if self.is_logarithmic() { coordinate.exp() } else { coordinate * (self.variable.max - self.variable.min) };
         value.clamp(self.variable.min, self.variable.max)
     }
 
     /// dp/du.
     pub fn slope(&self, value: f64) -> f64 {
-        if self.logarithmic() { value } else { self.variable.max - self.variable.min }
+        if self.is_logarithmic() { value } else { self.variable.max - self.variable.min }
     }
 
     /// How far the coordinate may go from that of `value`.

@@ -3,6 +3,7 @@
 use super::compare::CompareError;
 use super::precedence;
 use crate::effects::EffectDefinition;
+use crate::known_soil::KnownSoil;
 use crate::measurement::Experiment;
 use crate::model::Model;
 use std::collections::BTreeMap;
@@ -25,6 +26,8 @@ pub struct Given {
     /// How the values that are set are called in messages.
     pub(super) set_by: &'static str,
     pub(super) effects: Vec<EffectDefinition>,
+    /// What is known of the soil from other experiments, and how it is called in messages.
+    pub(super) soil: Option<(KnownSoil, String)>,
 }
 
 /// A model and the name that it was given by.
@@ -39,7 +42,7 @@ pub(super) struct Named {
 
 impl Default for Given {
     fn default() -> Self {
-        Self { named: None, set: BTreeMap::new(), set_by: "--set", effects: Vec::new() }
+        Self { named: None, set: BTreeMap::new(), set_by: "--set", effects: Vec::new(), soil: None }
     }
 }
 
@@ -70,6 +73,21 @@ impl Given {
     pub fn with_effects(mut self, effects: Vec<EffectDefinition>) -> Self {
         self.effects.extend(effects);
         self
+    }
+
+    /// What is known of the soil from other experiments: a joint prior of its parameters. It goes before the priors of a class of soil and
+    /// after the experiment's own `[priors]`; a value that is set, or stands in `[parameters]`, is taken for known. `name` is how
+    /// it is called in messages, such as the name of a file.
+    #[must_use]
+    pub fn with_soil(mut self, soil: KnownSoil, name: &str) -> Self {
+        self.soil = Some((soil, name.to_owned()));
+        self
+    }
+
+    /// The known soil.
+    #[must_use]
+    pub fn soil(&self) -> Option<&KnownSoil> {
+        self.soil.as_ref().map(|(soil, _)| soil)
     }
 
     /// The values that are set.

@@ -3,11 +3,13 @@
 use super::compare::CompareError;
 use super::given::{Given, Named};
 use super::kinds::strategy;
+use super::prior_rows::JointPrior;
 use super::problem::class_priors;
+use super::thresholds::PRIOR_CONTRADICTED;
 use crate::measurement::{Experiment, Prior, Run};
 use crate::model::{ControlKind, Model, ModelError, ModelKind};
 use crate::rover::{MAX_WHEELS, Rover};
-use bekker_modeldescription::{Lookup, Role, Variable};
+use bekker_modeldescription::{Lookup, ParameterError, Role, Variable, nearest};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Places as they are called in messages and errors.
@@ -49,6 +51,8 @@ pub(super) struct Resolved {
     pub held: BTreeSet<String>,
     /// Priors of the experiment and of the soil's class.
     pub priors: BTreeMap<String, Prior>,
+    /// What is known of the soil from other experiments, as far as it is used.
+    pub joint: Option<JointPrior>,
     /// What the model that is found is of: of a single wheel that was measured without naming a rover a wheel on a carriage.
     pub found: ModelKind,
     /// What was taken from where, where two places disagree, and priors that come from a class of soil.
@@ -59,6 +63,8 @@ pub(super) struct Resolved {
 struct Layer {
     value: f64,
     place: String,
+    /// Whether it is the mean of a prior, which is not a value that is taken for known.
+    is_mean: bool,
 }
 
 /// Finds the model and the values of all parameters for each run of `experiment`.
@@ -75,12 +81,15 @@ pub(super) fn resolve(given: &Given, experiment: &Experiment) -> Result<Resolved
     let variables: BTreeMap<String, Variable> =
         model.list().into_iter().map(|(variable, _)| (variable.name.clone(), variable)).collect();
     let held = held(given, experiment);
-    let of_class = class_priors(experiment, &held);
+    let joint = used_soil(given, experiment, &held, &variables, &mut sources)?;
+    let mut of_class = class_priors(experiment, &held);
+    of_class.retain(|name, _| joint.as_ref().is_none_or(|joint| joint.of(name).is_none()));
     let mut priors = experiment.priors.clone();
     priors.extend(of_class.iter().map(|(name, prior)| (name.clone(), *prior)));
-    let places = Places { given, experiment, rank, label: &label, of_class: &of_class };
+    let places = Places { given, experiment, rank, label: &label, joint: joint.as_ref(), of_class: &of_class };
     let mut names: BTreeSet<&String> = given.set.keys().chain(experiment.parameters.keys()).collect();
     names.extend(priors.keys());
+    names.extend(joint.iter().flat_map(|joint| joint.soil.parameters.iter().map(|parameter| &parameter.name)));
     let stated = model.clone();
     for name in names {
         let layers = places.layers(name, &variables, &stated);
@@ -90,7 +99,8 @@ pub(super) fn resolve(given: &Given, experiment: &Experiment) -> Result<Resolved
         }
         let rig = variables.get(name).is_some_and(|variable| variable.role == Role::Rig);
         sources.extend(disagreement(name, &variables, &layers, rig && rank == Rank::Command));
-        sources.extend(prior_keeps(name, &variables, &layers, experiment.priors.get(name)));
+        let of_soil = joint.as_ref().and_then(|joint| joint.of(name));
+        sources.extend(prior_keeps(name, &variables, &layers, experiment.priors.get(name).copied().or(of_soil)));
     }
     sources.extend(places.of_runs(&variables, &stated));
     sources.extend(class_line(experiment, &of_class, &variables));
@@ -104,7 +114,8 @@ pub(super) fn resolve(given: &Given, experiment: &Experiment) -> Result<Resolved
     });
     let runs: Vec<Model> = runs.collect::<Result<_, CompareError>>()?;
     strategy.check_rig(experiment, &runs)?;
-    Ok(Resolved { known: model, runs, held, priors, found, sources })
+    sources.extend(joint.as_ref().and_then(|joint| other_width(joint, &strategy.contact_widths(&runs))));
+    Ok(Resolved { known: model, runs, held, priors, joint, found, sources })
 }
 
 fn set(model: &mut Model, name: &str, value: f64, place: &str) -> Result<(), CompareError> {
@@ -127,17 +138,21 @@ struct Places<'a> {
     experiment: &'a Experiment,
     rank: Rank,
     label: &'a str,
+    joint: Option<&'a JointPrior>,
     of_class: &'a BTreeMap<String, Prior>,
 }
 
 impl Places<'_> {
     /// All places that give `name` a value for the whole experiment, the one that holds first.
     fn layers(&self, name: &str, variables: &BTreeMap<String, Variable>, stated: &Model) -> Vec<Layer> {
-        let layer = |value: f64, place: &str| Layer { value, place: place.to_owned() };
+        let layer = |value: f64, place: &str| Layer { value, place: place.to_owned(), is_mean: false };
+        let mean = |prior: Prior, place: &str| Layer { is_mean: true, ..layer(prior.mean, place) };
         let by_hand = self.given.set.get(name).map(|value| layer(*value, self.given.set_by));
         let measured = self.experiment.parameters.get(name).map(|value| layer(*value, PARAMETERS));
-        let of_prior = |priors: &BTreeMap<String, Prior>, place| priors.get(name).map(|prior| layer(prior.mean, place));
-        let prior = of_prior(&self.experiment.priors, PRIORS).or_else(|| of_prior(self.of_class, CLASS));
+        let of_prior = |priors: &BTreeMap<String, Prior>, place| priors.get(name).map(|prior| mean(*prior, place));
+        let of_soil = || self.joint.and_then(|joint| joint.of(name).map(|prior| mean(prior, &joint.label)));
+        let prior = of_prior(&self.experiment.priors, PRIORS);
+        let prior = prior.or_else(of_soil).or_else(|| of_prior(self.of_class, CLASS));
         let model = Some(name).filter(|name| stated.stated.contains(name));
         let model = model.and_then(|name| stated.clone().get(name).ok()).map(|value| layer(value, self.label));
         let rig = variables.get(name).is_some_and(|variable| variable.role == Role::Rig);
@@ -190,7 +205,7 @@ fn disagreement(
     rig_holds: bool,
 ) -> Option<String> {
     let (first, others) = layers.split_first()?;
-    let differs = |layer: &&Layer| layer.value != first.value && layer.place != PRIORS && layer.place != CLASS;
+    let differs = |layer: &&Layer| layer.value != first.value && !layer.is_mean;
     let unit = unit_of(name, variables);
     let other: Vec<String> =
         others.iter().filter(differs).map(|l| format!("{}{unit} from {}", figure(l.value), l.place)).collect();
@@ -206,12 +221,92 @@ fn prior_keeps(
     name: &str,
     variables: &BTreeMap<String, Variable>,
     layers: &[Layer],
-    prior: Option<&Prior>,
+    prior: Option<Prior>,
 ) -> Option<String> {
     let (prior, first) = (prior?, layers.first()?);
     let (mean, value, unit) = (figure(prior.mean), figure(first.value), unit_of(name, variables));
     (first.value != prior.mean)
         .then(|| format!("{name}: starts at {value}{unit} from {}; its prior keeps the mean {mean}{unit}", first.place))
+}
+
+/// Share by which the width of a contact may differ from that at which a soil was found.
+const SAME_WIDTH: f64 = 0.1;
+
+/// The known soil as far as it is used: without what has a prior of its own, what this kind of experiment tells nothing of, and given
+/// what is taken for known. What is said of that goes to `sources`.
+fn used_soil(
+    given: &Given,
+    experiment: &Experiment,
+    held: &BTreeSet<String>,
+    variables: &BTreeMap<String, Variable>,
+    sources: &mut Vec<String>,
+) -> Result<Option<JointPrior>, CompareError> {
+    let Some((soil, label)) = &given.soil else { return Ok(None) };
+    for parameter in &soil.parameters {
+        let name = &parameter.name;
+        let refused = |source| CompareError::Parameter { place: label.clone(), source };
+        let Some(variable) = variables.get(name) else {
+            let suggestions = nearest(name, variables.keys().cloned());
+            return Err(refused(ParameterError::Unknown { name: name.clone(), suggestions }));
+        };
+        if !variable.allows(parameter.value) {
+            let (value, range) = (parameter.value, variable.range());
+            return Err(refused(ParameterError::OutOfRange { name: name.clone(), value, range }));
+        }
+    }
+    let words = |name: &str| {
+        let prior = soil.parameters.iter().find(|parameter| parameter.name == name);
+        prior.map_or_else(String::new, |p| {
+            format!("{} +- {}{}", figure(p.value), figure(p.sd), unit_of(name, variables))
+        })
+    };
+    let strategy = strategy(experiment.kind);
+    let listed = |name: &str| soil.parameters.iter().any(|parameter| parameter.name == name);
+    for (name, prior) in experiment.priors.iter().filter(|(name, _)| listed(name)) {
+        let (mean, deviation, unit) = (figure(prior.mean), figure(prior.deviation), unit_of(name, variables));
+        sources.push(format!("{name}: prior {mean} +- {deviation}{unit} from [priors], not {} from {label}", words(name)));
+    }
+    let mut left = soil.without(|name| experiment.priors.contains_key(name) || !strategy.calibrates(name));
+    let value = |name: &String| given.set.get(name).or_else(|| experiment.parameters.get(name)).copied();
+    for name in held.iter().filter(|name| left.parameters.iter().any(|parameter| parameter.name == **name)).cloned().collect::<Vec<_>>() {
+        let Some(value) = value(&name) else {
+            // Every run states its own.
+            left = left.without(|other| other == name);
+            continue;
+        };
+        let (conditional, shifts) = left.given(&[(name.clone(), value)]);
+        let shift = shifts.first().copied().unwrap_or(0.0);
+        let far = shift.abs() > PRIOR_CONTRADICTED;
+        let what = if far { "what it says of the others is used without it" } else { "the others follow it" };
+        sources.push(format!(
+            "{name}: {}{} is taken for known, {shift:+.1} standard deviations from {} in {label}; {what}",
+            figure(value),
+            unit_of(&name, variables),
+            words(&name)
+        ));
+        left = if far { left.without(|other| other == name) } else { conditional };
+    }
+    let list: Vec<String> = left.parameters.iter().map(|p| format!("{} {}", p.name, words(&p.name))).collect();
+    let list = if list.is_empty() { "nothing is left of it that could act".to_owned() } else { list.join(", ") };
+    sources.push(format!("priors of {label} (`{}`), with their covariance: {list}", soil.name));
+    Ok(JointPrior::new(left, label.clone()))
+}
+
+/// Says where k_phi stands for k_c too and was found under another width of contact.
+fn other_width(joint: &JointPrior, widths: &[f64]) -> Option<String> {
+    let has = |name: &str| joint.of(name).is_some();
+    let found = &joint.soil.contact_widths;
+    let near = |width: &f64| found.iter().any(|other| (width - other).abs() <= SAME_WIDTH * other);
+    if !has("soil.k_phi") || has("soil.k_c") || found.is_empty() || widths.iter().all(near) {
+        return None;
+    }
+    let list = |widths: &[f64]| widths.iter().map(|width| figure(*width)).collect::<Vec<_>>().join(", ");
+    Some(format!(
+        "{}: k_phi was found at a contact width of {} m and stands for k_c/b + k_phi there; here b is {} m, and the part of k_c is not known",
+        joint.label,
+        list(found),
+        list(widths)
+    ))
 }
 
 /// The priors of the soil's class that are used.

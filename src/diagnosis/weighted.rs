@@ -1,13 +1,13 @@
 //! The whitened residuals of a fit as a function of the search's coordinates, and their Jacobian.
 //!
-//! Rows: one a measured value, made white by the noise model, then one a prior, (p - p_0)/sigma_p. Beyond a threshold a
+//! Rows: one a measured value, made white by the noise model, then those of the [priors](super::prior_rows). Beyond a threshold a
 //! measured value counts as in Huber's loss, so that single bad samples do not lead; see [`Weighted::robust`].
 
 use super::free::Free;
 use super::layout::Layout;
 use super::noise::Whitening;
 use super::prediction::{Predict, PredictionError};
-use crate::measurement::Prior;
+use super::prior_rows::PriorRows;
 use nalgebra::DMatrix;
 
 /// A weighted least-squares problem over `free`.
@@ -16,6 +16,8 @@ pub(crate) struct Weighted<'a> {
     pub layout: &'a Layout,
     pub free: &'a [Free],
     pub whitening: &'a Whitening,
+    /// What is known of the free parameters.
+    pub priors: &'a PriorRows,
     /// Size of a whitened residual beyond which its weight falls (Huber 1964); infinite for plain least squares.
     pub robust: f64,
     /// Whether every row that counts must have an answer; not where rows are left out of the fit, which may be predicted badly.
@@ -34,13 +36,9 @@ impl Weighted<'_> {
         self.free.iter().zip(values).map(|(free, value)| free.coordinate(clamped(free, *value))).collect()
     }
 
-    fn priors(&self) -> impl Iterator<Item = (usize, Prior)> {
-        self.free.iter().enumerate().filter_map(|(k, free)| Some((k, free.prior?)))
-    }
-
     /// Number of rows.
     pub fn rows(&self) -> usize {
-        self.whitening.len() + self.priors().count()
+        self.whitening.len() + self.priors.len()
     }
 
     /// Rows less the directions that the starts of windows take.
@@ -52,7 +50,7 @@ impl Weighted<'_> {
     pub fn whitened(&self, modelled: &[f64], values: &[f64]) -> Vec<f64> {
         let difference: Vec<f64> = modelled.iter().zip(&self.layout.measured).map(|(m, y)| m - y).collect();
         let mut all = self.whitening.apply(&difference);
-        all.extend(self.priors().map(|(k, prior)| (values[k] - prior.mean) / prior.deviation));
+        all.extend(self.priors.residual(values));
         all
     }
 
@@ -117,7 +115,7 @@ impl Weighted<'_> {
             let scale = self.free[k].slope(values[k]);
             let scaled: Vec<f64> = slope.iter().map(|s| s * scale).collect();
             let mut column = self.whitening.apply(&scaled);
-            column.extend(self.priors().map(|(j, prior)| if j == k { scale / prior.deviation } else { 0.0 }));
+            column.extend(self.priors.column(self.free, values, k));
             column
         };
         slopes.iter().enumerate().map(column).collect()

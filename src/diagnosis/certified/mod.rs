@@ -79,7 +79,7 @@ impl Problem {
                 Logarithms | Values => (-largest, largest),
             }
         });
-        bounds.map(|(min, max)| Free { variable: parameter(min, max), start: 0.0, prior: None }).collect()
+        bounds.map(|(min, max)| Free { variable: parameter(min, max), start: 0.0, prior: None, shared: None }).collect()
     }
 
     /// Residuals, the first column, and their Jacobian in the parameters.

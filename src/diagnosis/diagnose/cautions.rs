@@ -1,6 +1,6 @@
 //! What to beware of in fitted parameters, in words.
 
-use crate::diagnosis::calibrate::Calibration;
+use crate::diagnosis::calibrate::{CalibratedParameter, Calibration};
 use crate::diagnosis::thresholds::{NAMED, PRIOR_CONTRADICTED};
 
 /// Parameters on a bound, and those that left their priors.
@@ -14,11 +14,15 @@ pub(crate) fn of_parameters(fit: &Calibration) -> Vec<String> {
                 "{name} sits on its bound ({value:.4} {unit}): the fit wanted to go further than is believable"
             ));
         }
-        if let Some(shift) = parameter.prior_shift().filter(|shift| shift.abs() > PRIOR_CONTRADICTED) {
-            cautions.push(format!("{name} moved by {shift:+.1} standard deviations of its prior"));
-        }
+        cautions.extend(left_prior(parameter));
     }
     cautions
+}
+
+/// A parameter that left its prior.
+pub(crate) fn left_prior(parameter: &CalibratedParameter) -> Option<String> {
+    let shift = parameter.prior_shift().filter(|shift| shift.abs() > PRIOR_CONTRADICTED)?;
+    Some(format!("{} moved by {shift:+.1} standard deviations of its prior", parameter.variable.name))
 }
 
 /// Draws too few to name anything.

@@ -11,6 +11,7 @@ use super::search::Search;
 use super::stage::Stage;
 use super::verdict::{Judgement, confused, left, misfit};
 use super::watch::Phase;
+use crate::diagnosis::found_soil::moved;
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::curves::curves_of_steps;
@@ -126,6 +127,7 @@ impl Finished<'_> {
         cautions.extend(self.prepared.cautions.clone());
         cautions.extend(judgement.cautions.clone());
         cautions.extend(super::cautions::of_parameters(self.fitted(chosen)));
+        cautions.extend(moved(problem.joint.as_ref(), self.fitted(chosen)));
         cautions.extend(super::cautions::of_draws(options.draws));
         cautions.extend(problem.strategy().unfit(improved));
         cautions

@@ -9,10 +9,12 @@ use crate::diagnosis::given::Given;
 use crate::diagnosis::least_squares::Pace;
 use crate::diagnosis::noise::{NoiseModel, Whitening};
 use crate::diagnosis::prediction::Predict;
+use crate::diagnosis::prior_rows::PriorRows;
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::weighted::Weighted;
 use crate::diagnosis::windows::Window;
 use crate::measurement::Experiment;
+use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -138,6 +140,7 @@ pub(super) fn with_problem<R>(
     for prior in of_model.filter_map(|free| free.prior.as_mut()) {
         prior.deviation *= task.prior_factor;
     }
+    let priors = &PriorRows::new(&free, problem.joint.as_ref(), task.prior_factor, None);
     let mut left_out = task.left_out.clone();
     left_out.sort_unstable();
     let whitening = noise.whitening(problem, &|run, row| left_out.binary_search(&(run, row)).is_err())?;
@@ -148,11 +151,27 @@ pub(super) fn with_problem<R>(
     }
     let fit = |predict: &dyn Predict| {
         f(
-            &Weighted { predict, layout: &problem.layout, free: &free, whitening: &whitening, robust, whole },
+            &Weighted { predict, layout: &problem.layout, free: &free, whitening: &whitening, priors, robust, whole },
             &noise.deviations(),
         )
     };
     posed.predict(&free, fit).ok()?
+}
+
+/// What the measurements tell of the baseline's parameters at these values, and what was known before: both as precisions of the
+/// search coordinates. `None` where the model gives nothing there.
+pub(crate) fn information(problem: &Problem, noise: &Noise, values: &[f64]) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
+    let task = problem.task(&[], vec![values.to_vec()]);
+    with_problem(problem, noise, &task, false, |weighted, _| {
+        let linear = weighted.linear(&weighted.coordinates(values));
+        let columns = linear.columns(1, values.len());
+        if columns.iter().any(|x| !x.is_finite()) {
+            return None;
+        }
+        let measured = weighted.whitening.len();
+        let of = |from: usize, count: usize| columns.rows(from, count).tr_mul(&columns.rows(from, count));
+        Some((of(0, measured), of(measured, columns.nrows() - measured)))
+    })
 }
 
 /// Makes one fit of a diagnosis, for a [`Spread`](super::Spread) on other machines: with the same model, experiment and

@@ -148,7 +148,9 @@ fn opened(problem: &Problem, noise: &Noise, effects: &[String], values: Vec<f64>
     let (_, slopes) = problem.predict(&free, |predict| predict.slopes_onward(&values)).ok()?.ok()?;
     let kept = |predict: &dyn crate::diagnosis::prediction::Predict| {
         let (layout, free, robust) = (&problem.layout, free.as_slice(), f64::INFINITY);
-        Weighted { predict, layout, free, whitening: &whitening, robust, whole: false }.columns(&slopes, &values)
+        let priors = &problem.prior_rows(free);
+        let whitening = &whitening;
+        Weighted { predict, layout, free, whitening, priors, robust, whole: false }.columns(&slopes, &values)
     };
     let precision = precision(&free, &problem.predict(&free, kept).ok()?);
     Some(Kept { columns: Rc::new(scaled(&free, &slopes, &values)), precision, values, promised: None })
@@ -168,11 +170,13 @@ fn stepped(problem: &Problem, noise: &Noise, effects: &[String], values: &[f64],
     let all = Rc::new(scaled(&free, &slopes, values));
     let fit = |predict: &dyn crate::diagnosis::prediction::Predict| {
         let (layout, free, robust) = (&problem.layout, free.as_slice(), f64::INFINITY);
-        let u = Weighted { predict, layout, free, whitening: &whole, robust, whole: true }.coordinates(values);
+        let priors = &problem.prior_rows(free);
+        let u = Weighted { predict, layout, free, whitening: &whole, priors, robust, whole: true }.coordinates(values);
         let kept = |fold: &Fold| {
             let inside: BTreeSet<_> = fold.iter().copied().collect();
             let whitening = noise.whitening(problem, &|run, row| !inside.contains(&(run, row)))?;
-            let weighted = Weighted { predict, layout, free, whitening: &whitening, robust, whole: false };
+            let whitening = &whitening;
+            let weighted = Weighted { predict, layout, free, whitening, priors, robust, whole: false };
             let residual = weighted.whitened(&modelled, values);
             let columns = weighted.columns(&slopes, values);
             let to = linear_optimum(free, &u, &residual, &columns)?;

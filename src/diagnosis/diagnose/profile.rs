@@ -3,6 +3,7 @@
 use super::result::FinalParameter;
 use super::search::Search;
 use super::untried::Untried;
+use crate::diagnosis::prior_rows::PriorRows;
 use crate::diagnosis::calibrate::calibrate_from;
 use crate::diagnosis::free::Free;
 use crate::diagnosis::thresholds::CHI_SQUARE_95;
@@ -71,7 +72,10 @@ fn refit(search: &Search, free: &[Free], start: &[f64], k: usize, at: f64) -> Op
     let fit = problem
         .predict(&others, |predict| {
             let whitening = search.context.whitening;
-            let weighted = Weighted { predict, layout: &problem.layout, free: &others, whitening, robust, whole: true };
+            let held = Some((free[k].variable.name.as_str(), at));
+            let priors = &PriorRows::new(&others, problem.joint.as_ref(), 1.0, held);
+            let (layout, free) = (&problem.layout, others.as_slice());
+            let weighted = Weighted { predict, layout, free, whitening, priors, robust, whole: true };
             calibrate_from(
                 &weighted,
                 &search.noise.deviations(),

@@ -202,7 +202,9 @@ impl Search<'_> {
         let free = self.problem.free(effects);
         self.problem.predict(&free, |predict| {
             let (layout, whitening) = (&self.problem.layout, self.context.whitening);
-            let weighted = Weighted { predict, layout, free: &free, whitening, robust: f64::INFINITY, whole: true };
+            let priors = &self.problem.prior_rows(&free);
+            let (free, robust) = (&free, f64::INFINITY);
+            let weighted = Weighted { predict, layout, free, whitening, priors, robust, whole: true };
             Ok(weighted.columns(&predict.slopes(values)?.1, values))
         })?
     }
@@ -216,7 +218,9 @@ impl Search<'_> {
         let modelled = self.modelled(effects)?.unwrap_or_else(|| vec![f64::NAN; self.problem.layout.len()]);
         self.problem.predict(&free, |predict| {
             let (layout, whitening) = (&self.problem.layout, self.context.whitening);
-            let weighted = Weighted { predict, layout, free: &free, whitening, robust: f64::INFINITY, whole: true };
+            let priors = &self.problem.prior_rows(&free);
+            let (free, robust) = (&free, f64::INFINITY);
+            let weighted = Weighted { predict, layout, free, whitening, priors, robust, whole: true };
             weighted.whitened(&modelled, values)
         })
     }

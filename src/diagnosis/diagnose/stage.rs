@@ -7,13 +7,11 @@ use super::gains::{Gains, Projected};
 use super::prepare::Prepared;
 use super::signature::{Sensitivities, sensitivities};
 use crate::diagnosis::calibrate::Calibration;
-use crate::diagnosis::free::Free;
 use crate::diagnosis::linear_algebra::{Basis, Directions, Reach, Span, dot, norm};
 use crate::diagnosis::noise::{Repeats, Whitening};
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::thresholds::DETECTABLE;
-use crate::measurement::Prior;
 use crate::parallel::map_in_order;
 use std::collections::BTreeMap;
 
@@ -90,17 +88,16 @@ impl Stage {
         let sensitivities = sensitivities(problem, effects, &values)?;
         let modelled = sensitivities.modelled.clone();
         let free = problem.free(effects);
-        let priors: Vec<_> = free.iter().enumerate().filter_map(|(k, free)| Some((k, free.prior?))).collect();
+        let priors = problem.prior_rows(&free);
         let difference: Vec<f64> = modelled.iter().zip(&problem.layout.measured).map(|(m, y)| m - y).collect();
         let whitened = context.whitening.apply(&difference);
         let mut residual = whitened.clone();
-        residual.extend(priors.iter().map(|(k, prior)| (values[*k] - prior.mean) / prior.deviation));
+        residual.extend(priors.residual(&values));
         let mut base = Vec::new();
         for (k, column) in sensitivities.base.iter().enumerate() {
             // What sits on a bound cannot follow the noise to either side.
             if !fit.parameters[k].at_bound {
-                let row = |prior| prior_row(&free, &values, k, prior);
-                base.push((column.clone(), priors.iter().map(row).collect()));
+                base.push((column.clone(), priors.column(&free, &values, k).collect()));
             }
         }
         let none = vec![0.0; priors.len()];
@@ -139,7 +136,7 @@ impl Stage {
             .filter(|k| fit.parameters[*k].at_bound)
             .map(|k| {
                 let mut column = context.whitening.apply(&sensitivities.base[k]);
-                column.extend(priors.iter().map(|prior| prior_row(&free, &values, k, prior)));
+                column.extend(priors.column(&free, &values, k));
                 (projected.base.outside(&column), free[k].reach(values[k]))
             })
             .collect();
@@ -228,11 +225,6 @@ fn sets_of_repeats(problem: &Problem, whitening: &Whitening) -> Vec<usize> {
             *numbers.entry(&names[at]).or_insert(next)
         })
         .collect()
-}
-
-/// Change of a prior's row, that of parameter `j`, with the search coordinate of parameter `k`.
-fn prior_row(free: &[Free], values: &[f64], k: usize, (j, prior): &(usize, Prior)) -> f64 {
-    if *j == k { free[k].slope(values[k]) / prior.deviation } else { 0.0 }
 }
 
 /// Largest cosine between directions of two spans.

@@ -107,6 +107,14 @@ pub(crate) trait Strategy: Debug + Sync {
         true
     }
 
+    /// Different widths of the contact, m, rising.
+    fn contact_widths(&self, models: &[Model]) -> Vec<f64> {
+        let mut all: Vec<f64> = models.iter().map(|model| model.rover.wheel.width).collect();
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        all
+    }
+
     /// Whether runs differ in the width of the contact, so that k_c and k_phi do not act as one.
     fn many_widths(&self, experiment: &Experiment, _models: &[Model]) -> bool {
         let widths = experiment.runs.iter().filter_map(|run| run.parameters.get("wheel.width"));

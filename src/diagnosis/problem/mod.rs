@@ -13,6 +13,7 @@ use super::kinds::{Strategy, strategy};
 use super::layout::Layout;
 use super::precedence::{Resolved, resolve};
 use super::prediction::{Predict, PredictionError};
+use super::prior_rows::{JointPrior, PriorRows};
 use super::readings::{Readings, Sensors};
 use super::windows::Windows;
 use crate::carriage::Rig;
@@ -51,6 +52,8 @@ pub(crate) struct Problem<'a> {
     pub guided: bool,
     /// When simulations end early.
     pub halt: Halt<'a>,
+    /// What is known of the soil from other experiments, its parameters together.
+    pub joint: Option<JointPrior>,
     /// Parameters of a baseline calibration.
     pub base: Vec<Free>,
     /// Effects that may be added, in the vocabulary's order.
@@ -73,10 +76,10 @@ impl<'a> Problem<'a> {
     /// of the experiment cannot be found.
     pub fn new(given: impl Into<Given>, experiment: &'a Experiment, added: &[String]) -> Result<Self, CompareError> {
         let given = given.into();
-        let Resolved { mut known, runs: models, held, priors, found, sources } = resolve(&given, experiment)?;
+        let Resolved { mut known, runs: models, held, priors, joint, found, sources } = resolve(&given, experiment)?;
         let strategy = strategy(experiment.kind);
         let many_widths = strategy.many_widths(experiment, &models);
-        let mut base = base_parameters(&mut known, experiment, &held, &priors, many_widths);
+        let mut base = base_parameters(&mut known, experiment, &held, &priors, joint.as_ref(), many_widths);
         base.retain(|free| strategy.calibrates(&free.variable.name));
         let mut library = library(&mut known, &held, &base);
         library.retain(|candidate| strategy.may_act(known.facts_of(&candidate.id).as_ref()));
@@ -106,6 +109,7 @@ impl<'a> Problem<'a> {
             windows: Windows::new(),
             guided: false,
             halt: Halt::default(),
+            joint,
             base,
             library: kept,
             sensitivities: None,
@@ -127,6 +131,7 @@ impl<'a> Problem<'a> {
             windows: self.windows,
             guided: self.guided,
             halt: Halt::default(),
+            joint: self.joint,
             base: self.base,
             library: self.library,
             sensitivities: self.sensitivities,
@@ -174,6 +179,11 @@ impl<'a> Problem<'a> {
     pub fn free(&self, effects: &[String]) -> Vec<Free> {
         let added = self.library.iter().filter(|candidate| effects.contains(&candidate.id));
         self.base.iter().cloned().chain(added.flat_map(|candidate| candidate.free.clone())).collect()
+    }
+
+    /// What is known of free parameters before the experiment.
+    pub fn prior_rows(&self, free: &[Free]) -> PriorRows {
+        PriorRows::new(free, self.joint.as_ref(), 1.0, None)
     }
 
     /// Names of the baseline's parameters, for a reader.
@@ -255,6 +265,7 @@ impl<'a> Problem<'a> {
             guided: self.guided,
             halt: self.halt,
             models: runs.iter().map(|run| self.models[*run].clone()).collect(),
+            joint: self.joint.clone(),
             base: self.base.clone(),
             library: self.library.clone(),
             sensitivities: None,

@@ -3,6 +3,7 @@
 use super::Candidate;
 use crate::diagnosis::bounds::believable;
 use crate::diagnosis::free::Free;
+use crate::diagnosis::prior_rows::JointPrior;
 use crate::measurement::{Experiment, Prior};
 use crate::model::Model;
 use crate::soil_class::SoilClass;
@@ -24,10 +25,12 @@ pub(super) fn base_parameters(
     experiment: &Experiment,
     held: &BTreeSet<String>,
     priors: &BTreeMap<String, Prior>,
+    joint: Option<&JointPrior>,
     many_widths: bool,
 ) -> Vec<Free> {
     let is_free = |name: &str, role: Role| {
         priors.contains_key(name)
+            || joint.is_some_and(|joint| joint.of(name).is_some())
             || (role == Role::Calibrated && !held.contains(name) && (name != "soil.k_c" || many_widths))
     };
     let class = experiment.soil_class.as_deref().and_then(SoilClass::find);
@@ -35,9 +38,10 @@ pub(super) fn base_parameters(
     chosen
         .map(|(mut variable, start)| {
             let prior = priors.get(&variable.name).copied();
+            let shared = joint.and_then(|joint| joint.of(&variable.name));
             if let Some((mut low, mut high)) = believable(&variable.name) {
                 // What the experiment or a model states stays reachable, and so does all that the soil's class allows.
-                for value in [start, prior.map_or(start, |prior| prior.mean)] {
+                for value in [start, prior.or(shared).map_or(start, |prior| prior.mean)] {
                     (low, high) = (low.min(value), high.max(value));
                 }
                 if let Some(allowed) = class.and_then(|class| class.allows(&variable.name)) {
@@ -46,7 +50,7 @@ pub(super) fn base_parameters(
                 variable.min = variable.min.max(low);
                 variable.max = variable.max.min(high);
             }
-            Free { prior, variable, start }
+            Free { prior, shared, variable, start }
         })
         .collect()
 }
@@ -60,7 +64,7 @@ pub(super) fn library(model: &mut Model, held: &BTreeSet<String>, base: &[Free])
             continue;
         }
         let id = effect_id(&variable).to_owned();
-        let free = Free { variable, start: value, prior: None };
+        let free = Free { variable, start: value, prior: None, shared: None };
         match library.iter_mut().find(|candidate| candidate.id == id) {
             Some(candidate) => candidate.free.push(free),
             None => library.push(Candidate { id, free: vec![free] }),

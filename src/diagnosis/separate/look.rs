@@ -24,18 +24,12 @@ impl Look {
     pub fn new(problem: &Problem, values: &[f64], noise: &BTreeMap<String, NoiseModel>) -> Result<Self, CompareError> {
         let whitening = Whitening::new(&problem.layout, noise, &|_, _| true).ok_or(CompareError::NoFit)?;
         let sensitivities = sensitivities(problem, &[], values)?;
-        let with_prior: Vec<usize> = (0..problem.base.len()).filter(|k| problem.base[*k].prior.is_some()).collect();
-        let rows = |k: usize| -> Vec<f64> {
-            let row = |j: &usize| match problem.base[*j].prior {
-                Some(prior) if *j == k => problem.base[k].slope(values[k]) / prior.deviation,
-                _ => 0.0,
-            };
-            with_prior.iter().map(row).collect()
-        };
+        let priors = problem.prior_rows(&problem.base);
+        let rows = |k: usize| -> Vec<f64> { priors.column(&problem.base, values, k).collect() };
         let base: Vec<(Vec<f64>, Vec<f64>)> =
             sensitivities.base.iter().enumerate().map(|(k, column)| (column.clone(), rows(k))).collect();
         let projected = Projected::new(&whitening, &base, &sensitivities.signatures);
-        Ok(Self { sensitivities, projected, whitening, priors: with_prior.len() })
+        Ok(Self { sensitivities, projected, whitening, priors: priors.len() })
     }
 
     fn index(&self, id: &str) -> Option<usize> {

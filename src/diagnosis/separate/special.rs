@@ -22,7 +22,7 @@ impl<'a> Rig<'a> {
     pub fn of(problem: &'a Problem) -> Self {
         let soil = |name: &str| name.starts_with("soil.");
         let free = problem.base.iter().any(|free| free.variable.role == Role::Calibrated && soil(&free.variable.name));
-        let tested = problem.experiment.priors.keys().any(|name| soil(name));
+        let tested = problem.joint.is_some() || problem.experiment.priors.keys().any(|name| soil(name));
         Self {
             kind: problem.experiment.kind,
             joints: !problem.known.rover.links.is_empty(),

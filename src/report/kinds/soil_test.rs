@@ -9,6 +9,7 @@ pub(super) struct SoilTest {
     what: &'static str,
     /// The input that takes its course, then others.
     inputs: &'static [&'static str],
+    /// Columns over which residuals are mapped; a plate has one input and no map.
     map: (&'static str, &'static str),
 }
 
@@ -16,7 +17,7 @@ pub(super) struct SoilTest {
 pub(super) static PLATE: SoilTest = SoilTest {
     what: "A plate that is pressed into the soil, every run one way down",
     inputs: &["sinkage"],
-    map: ("sinkage", "sinkage"),
+    map: ("sinkage", "normal_stress"),
 };
 
 /// A shear ring or box.

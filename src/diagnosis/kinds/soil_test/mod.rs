@@ -87,6 +87,10 @@ impl Strategy for SoilTest {
         !name.starts_with("soil.") || self.soil.contains(&name)
     }
 
+    fn contact_widths(&self, models: &[Model]) -> Vec<f64> {
+        plates::widths(models)
+    }
+
     fn many_widths(&self, _: &Experiment, models: &[Model]) -> bool {
         plates::widths(models).len() > 1
     }
