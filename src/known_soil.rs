@@ -155,11 +155,16 @@ impl KnownSoil {
             }
             if parameter.covariance.len() != count {
                 let found = parameter.covariance.len();
-                return Err(format!("`{name}` has {found} numbers under `covariance`, expected {count}: one a parameter"));
+                return Err(format!(
+                    "`{name}` has {found} numbers under `covariance`, expected {count}: one a parameter"
+                ));
             }
             let finite = parameter.value.is_finite() && parameter.covariance.iter().all(|c| c.is_finite());
             if !finite || (parameter.scale == Scale::Logarithm && parameter.value <= 0.0) {
-                return Err(format!("`{name}` = {}: expected finite numbers, above 0 for a logarithm", parameter.value));
+                return Err(format!(
+                    "`{name}` = {}: expected finite numbers, above 0 for a logarithm",
+                    parameter.value
+                ));
             }
         }
         let covariance = self.covariance();
@@ -209,7 +214,8 @@ impl KnownSoil {
             parameter.scale.coordinate(*value) - parameter.scale.coordinate(parameter.value)
         };
         let shifts = known.iter().map(|at| off(at) / covariance[(at.0, at.0)].sqrt()).collect();
-        let open: Vec<usize> = (0..self.parameters.len()).filter(|k| known.iter().all(|(other, _)| other != k)).collect();
+        let open: Vec<usize> =
+            (0..self.parameters.len()).filter(|k| known.iter().all(|(other, _)| other != k)).collect();
         let fixed: Vec<usize> = known.iter().map(|(k, _)| *k).collect();
         let part = |rows: &[usize], columns: &[usize]| {
             DMatrix::from_fn(rows.len(), columns.len(), |i, j| covariance[(rows[i], columns[j])])
@@ -242,5 +248,85 @@ impl KnownSoil {
             (parameter.name.clone(), parameter.scale.value(at))
         };
         Some(self.parameters.iter().enumerate().map(of).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+
+    use super::*;
+
+    /// Rounding of a few products.
+    const ROUNDING: f64 = 1e-12;
+
+    /// Two parameters that hang together, one of them by its logarithm.
+    fn soil() -> KnownSoil {
+        let parameter = |name: &str, value: f64, scale: Scale, sd: f64, covariance: [f64; 2]| KnownParameter {
+            name: name.to_owned(),
+            value,
+            unit: "1".to_owned(),
+            scale,
+            sd,
+            at_bound: false,
+            covariance: covariance.to_vec(),
+        };
+        KnownSoil {
+            name: "two".to_owned(),
+            contact_widths: vec![0.05],
+            parameters: vec![
+                parameter("soil.k_phi", 2e6, Scale::Logarithm, 0.3 * 2e6, [0.09, 0.024]),
+                parameter("soil.exponent", 1.1, Scale::Linear, 0.1, [0.024, 0.01]),
+            ],
+        }
+    }
+
+    #[test]
+    fn property_a_file_keeps_all_bits() {
+        let soil = soil();
+        assert_eq!(KnownSoil::from_toml(&soil.to_toml().unwrap()).unwrap(), soil);
+    }
+
+    #[test]
+    fn property_a_file_that_is_no_soil_is_refused_in_words() {
+        let text = soil().to_toml().unwrap();
+        for (changed, words) in [
+            (text.replace("soil.exponent", "wheel.radius"), "no parameter of a soil"),
+            (text.replace("soil.exponent", "soil.k_phi"), "twice"),
+            (text.replace("[0.024, 0.01]", "[0.024]"), "expected 2"),
+            (text.replace("[0.024, 0.01]", "[0.02, 0.01]"), "is not that of"),
+            (text.replace("0.024", "0.05"), "eigenvalues"),
+            ("name = \"empty\"\nparameter = []".to_owned(), "no [[parameter]]"),
+            (text.replace("2000000.0", "-1.0"), "above 0"),
+        ] {
+            let error = KnownSoil::from_toml(&changed).unwrap_err().to_string();
+            assert!(error.contains(words), "{error}");
+        }
+    }
+
+    #[test]
+    fn analytic_what_is_known_moves_the_others_as_in_a_normal_distribution() {
+        // x given y: mean m_x + s_xy/s_yy (y - m_y), variance s_xx - s_xy^2/s_yy.
+        let (left, shifts) = soil().given(&[("soil.exponent".to_owned(), 1.25)]);
+        assert!((shifts[0] - 1.5).abs() < ROUNDING);
+        let only = &left.parameters[0];
+        assert!((only.value.ln() - (2e6_f64.ln() + 2.4 * 0.15)).abs() < ROUNDING);
+        assert!((only.covariance[0] - (0.09 - 0.024 * 2.4)).abs() < ROUNDING);
+        assert!((only.sd / only.value - only.covariance[0].sqrt()).abs() < ROUNDING);
+        let marginal = soil().without(|name| name == "soil.exponent");
+        assert_eq!(marginal.parameters[0].covariance, [0.09]);
+    }
+
+    #[test]
+    fn analytic_draws_have_the_covariance() {
+        let at = |normal: [f64; 2]| {
+            let drawn = soil().drawn(&normal).unwrap();
+            [drawn[0].1.ln() - 2e6_f64.ln(), drawn[1].1 - 1.1]
+        };
+        // Columns of a root R of the covariance: R R^T gives it back.
+        let (a, b) = (at([1.0, 0.0]), at([0.0, 1.0]));
+        for (i, j, expected) in [(0, 0, 0.09), (0, 1, 0.024), (1, 1, 0.01)] {
+            assert!((a[i] * a[j] + b[i] * b[j] - expected).abs() < 1e-9, "{i} {j}");
+        }
     }
 }

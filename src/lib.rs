@@ -33,7 +33,7 @@
 //! | [`soil_class`], [`known_soil`], [`parallel`] | what is believable for a class of soil before anything is measured, and what was found of a soil; work on all cores, with the same bits for any number of them | |
 //! | [`measurement`] | experiments: folders, columns, units, import | contact, effects, model, signals, soil_class, soil_test, vehicle, wheel |
 //! | [`diagnosis`] | comparison, calibration, what physics is missing | batch, carriage, effects, known_soil, measurement, model, parallel, rover, signals, simulation, soil_class, soil_test, terrain |
-//! | [`report`] | pages | diagnosis, effects, measurement, signals |
+//! | [`report`] | pages | diagnosis, effects, measurement, signals, soil_test |
 //!
 //! A module uses what stands in its row, what stands before it in its row, and the first row; `tests/rooms.rs` holds the
 //! imports to that, so no circle runs through modules.
@@ -69,9 +69,9 @@ pub mod effects;
 pub mod equations;
 pub mod estimation;
 mod integrator;
-mod linear;
 #[cfg(feature = "experiments")]
 pub mod known_soil;
+mod linear;
 pub mod linear_stress;
 #[cfg(feature = "experiments")]
 pub mod measurement;

@@ -1,12 +1,12 @@
 //! `bekker calibrate`.
 
-use crate::soil_from::{SaveSoil, SoilFrom};
 use crate::compare::{print_errors, print_parameters};
 use crate::import;
 use crate::model::ModelArguments;
 use crate::output::{check_all_writable, say, write_json};
 use crate::progress::Reporter;
 use crate::saving::{Saving, print_sources};
+use crate::soil_from::{SaveSoil, SoilFrom};
 use anyhow::{Context, Result};
 use bekker::diagnosis::{Calibration, CompareOptions, Comparison, compare};
 use serde_json::{Map, Value, json};

@@ -1,12 +1,12 @@
 //! `bekker compare`.
 
-use crate::soil_from::SoilFrom;
 use crate::diagnosis_text::print_uncounted;
 use crate::import;
 use crate::model::ModelArguments;
 use crate::output::{check_writable, say};
 use crate::progress::Reporter;
 use crate::saving::{Saving, print_sources};
+use crate::soil_from::SoilFrom;
 use anyhow::{Context, Result};
 use bekker::diagnosis::{
     Calibration, CompareOptions, Comparison, STANDARD_ERROR, UnansweredRows, Uncounted, UncountedRows, compare,

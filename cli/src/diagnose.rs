@@ -1,11 +1,11 @@
 //! `bekker diagnose`.
 
-use crate::soil_from::SoilFrom;
 use crate::diagnosis_text::print;
 use crate::model::ModelArguments;
 use crate::output::{check_all_writable, write, write_json};
 use crate::progress::Reporter;
 use crate::saving::{Saving, print_sources};
+use crate::soil_from::SoilFrom;
 use crate::{import, interrupt};
 use anyhow::{Context, Result, bail};
 use bekker::diagnosis::{CompareError, Control, DiagnoseOptions, diagnose};

@@ -5,7 +5,7 @@ use crate::output::say;
 use crate::progress::Reporter;
 use crate::separate;
 use anyhow::{Result, bail};
-use bekker::diagnosis::{SeparateOptions, SingleWheelPlan, TraversePlan};
+use bekker::diagnosis::{PlatePlan, SeparateOptions, ShearPlan, SingleWheelPlan, TraversePlan};
 use bekker::measurement;
 use bekker::model::Model;
 use std::path::PathBuf;
@@ -18,7 +18,7 @@ pub struct Experiment {
     folder: PathBuf,
     #[command(flatten)]
     model: ModelArguments,
-    /// What to do: a wheel on a carriage, or a rover on a profile.
+    /// What to do: a wheel on a carriage, a rover on a profile, or a test of the soil by plates or by shear.
     #[arg(long, value_enum, default_value_t = Kind::SingleWheel)]
     kind: Kind,
     /// Single wheel: loads in N, separated by commas.
@@ -45,6 +45,15 @@ pub struct Experiment {
     /// Traverse: time between rows in s.
     #[arg(long, value_name = "S")]
     every: Option<f64>,
+    /// Plates: diameters in m.
+    #[arg(long, value_delimiter = ',', value_name = "M,..")]
+    diameters: Option<Vec<f64>>,
+    /// Shear: normal stresses in Pa.
+    #[arg(long, value_delimiter = ',', value_name = "PA,..")]
+    stresses: Option<Vec<f64>>,
+    /// Plates: deepest sinkage; shear: longest displacement; in m.
+    #[arg(long, value_name = "M")]
+    depth: Option<f64>,
     /// How often each run is made.
     #[arg(long, value_name = "N")]
     repeats: Option<usize>,
@@ -59,14 +68,31 @@ enum Kind {
     #[value(name = "single_wheel", alias = "single-wheel")]
     SingleWheel,
     Traverse,
+    #[value(name = "plate_sinkage", alias = "plate-sinkage")]
+    PlateSinkage,
+    Shear,
+}
+
+impl Kind {
+    fn name(self) -> &'static str {
+        match self {
+            Self::SingleWheel => "single_wheel",
+            Self::Traverse => "traverse",
+            Self::PlateSinkage => "plate_sinkage",
+            Self::Shear => "shear",
+        }
+    }
 }
 
 impl Experiment {
     pub fn run(self) -> Result<()> {
         let model = self.model.load()?;
+        self.refuse_others()?;
         let experiment = match self.kind {
             Kind::SingleWheel => self.single_wheel(&model)?,
             Kind::Traverse => self.traverse(&model)?,
+            Kind::PlateSinkage => self.plates()?,
+            Kind::Shear => self.shear()?,
         };
         experiment.write(&self.folder)?;
         // What the program has written it must be able to read: the reader checks signals and units.
@@ -80,15 +106,46 @@ impl Experiment {
         separate::print(&separation?)
     }
 
-    fn single_wheel(&self, model: &Model) -> Result<measurement::Experiment> {
-        let strange = [
-            ("--slopes", self.slopes.is_some()),
-            ("--masses", self.masses.is_some()),
-            ("--and-back", self.and_back),
-            ("--duration", self.duration.is_some()),
-            ("--every", self.every.is_some()),
+    /// Refuses options that are for another kind of experiment.
+    fn refuse_others(&self) -> Result<()> {
+        use Kind::{PlateSinkage, Shear, SingleWheel, Traverse};
+        let options: [(&str, bool, &[Kind]); 11] = [
+            ("--loads", self.loads.is_some(), &[SingleWheel]),
+            ("--slips", self.slips.is_some(), &[SingleWheel]),
+            ("--wheel-speeds", self.wheel_speeds.is_some(), &[SingleWheel, Traverse]),
+            ("--slopes", self.slopes.is_some(), &[Traverse]),
+            ("--masses", self.masses.is_some(), &[Traverse]),
+            ("--and-back", self.and_back, &[Traverse]),
+            ("--duration", self.duration.is_some(), &[Traverse]),
+            ("--every", self.every.is_some(), &[Traverse]),
+            ("--diameters", self.diameters.is_some(), &[PlateSinkage]),
+            ("--stresses", self.stresses.is_some(), &[Shear]),
+            ("--depth", self.depth.is_some(), &[PlateSinkage, Shear]),
         ];
-        refuse("traverse", &strange)?;
+        match options.iter().find(|(_, given, kinds)| *given && !kinds.contains(&self.kind)) {
+            Some((option, _, kinds)) => bail!("{option} is for `--kind {}`", kinds[0].name()),
+            None => Ok(()),
+        }
+    }
+
+    fn plates(&self) -> Result<measurement::Experiment> {
+        let mut plan = PlatePlan::default();
+        put(&mut plan.diameters, &self.diameters);
+        put(&mut plan.sinkage, &self.depth);
+        put(&mut plan.repeats, &self.repeats);
+        put(&mut plan.signals, &self.signals);
+        Ok(plan.experiment()?)
+    }
+
+    fn shear(&self) -> Result<measurement::Experiment> {
+        let mut plan = ShearPlan::default();
+        put(&mut plan.normal_stresses, &self.stresses);
+        put(&mut plan.displacement, &self.depth);
+        put(&mut plan.repeats, &self.repeats);
+        Ok(plan.experiment()?)
+    }
+
+    fn single_wheel(&self, model: &Model) -> Result<measurement::Experiment> {
         let mut plan = SingleWheelPlan::of(model);
         put(&mut plan.loads, &self.loads);
         put(&mut plan.slips, &self.slips);
@@ -99,7 +156,6 @@ impl Experiment {
     }
 
     fn traverse(&self, model: &Model) -> Result<measurement::Experiment> {
-        refuse("single_wheel", &[("--loads", self.loads.is_some()), ("--slips", self.slips.is_some())])?;
         let mut plan = TraversePlan::of(model);
         let speeds = |speeds: &Vec<f64>| speeds.iter().map(|speed| speed * plan.radius).collect();
         let speeds: Option<Vec<f64>> = self.wheel_speeds.as_ref().map(speeds);
@@ -120,13 +176,5 @@ impl Experiment {
 fn put<T: Clone>(place: &mut T, given: &Option<T>) {
     if let Some(given) = given {
         place.clone_from(given);
-    }
-}
-
-/// Refuses options that are for the other kind of experiment.
-fn refuse(kind: &str, given: &[(&str, bool)]) -> Result<()> {
-    match given.iter().find(|(_, given)| *given) {
-        Some((option, _)) => bail!("{option} is for `--kind {kind}`"),
-        None => Ok(()),
     }
 }

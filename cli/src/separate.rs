@@ -1,11 +1,11 @@
 //! `bekker separate`.
 
-use crate::soil_from::SoilFrom;
 use crate::import;
 use crate::model::ModelArguments;
 use crate::output::{check_all_writable, say, write_json};
 use crate::progress::Reporter;
 use crate::saving::print_sources;
+use crate::soil_from::SoilFrom;
 use anyhow::Result;
 use bekker::diagnosis::{EffectSight, NoiseSource, SeparateOptions, Separation, SmallestStrength, separate};
 use std::path::PathBuf;

@@ -19,7 +19,8 @@ impl SoilFrom {
     /// The same with the known soil.
     pub fn add_to(&self, given: Given) -> Result<Given> {
         let Some(path) = &self.soil_from else { return Ok(given) };
-        let name = path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned());
+        let name =
+            path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned());
         Ok(given.with_soil(KnownSoil::read(path)?, &name))
     }
 }
@@ -41,7 +42,8 @@ impl SaveSoil {
     /// Writes what was found, where that is asked for.
     pub fn write(&self, comparison: &Comparison) -> Result<()> {
         let Some(path) = &self.save_soil else { return Ok(()) };
-        let soil = comparison.soil.as_ref().context("no parameter of the soil was calibrated: there is nothing to save")?;
+        let soil =
+            comparison.soil.as_ref().context("no parameter of the soil was calibrated: there is nothing to save")?;
         write(path, &soil.to_toml()?)?;
         let names: Vec<&str> = soil.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
         say!("  it is {} with their covariance", names.join(", "));

@@ -1,6 +1,6 @@
 //! Comparing the model with measurements; the result leaves as JSON, from which Python builds its classes.
 
-use crate::error::{self, ModelError, SimulationError, UnknownNameError};
+use crate::error::{self, InputError, ModelError, SimulationError, UnknownNameError};
 use crate::experiment::Source;
 use crate::finding::text;
 use crate::model::PyModel;
@@ -8,6 +8,7 @@ use bekker::diagnosis::{
     Calibration, CompareError, CompareOptions, Comparison, Curves, Failure, Fit, Given, NoiseFloor, UnansweredRows,
     UncountedRows, compare as core_compare,
 };
+use bekker::known_soil::KnownSoil;
 use bekker::modeldescription::ParameterError;
 use pyo3::prelude::*;
 use serde::Serialize;
@@ -16,14 +17,32 @@ use std::collections::BTreeMap;
 /// A model and the name that it was asked for by.
 pub type Asked = Option<(Py<PyModel>, String)>;
 
-/// What is given beside an experiment: a model, and values that are set by hand.
-pub fn given(py: Python<'_>, model: &Asked, values: &BTreeMap<String, f64>) -> Given {
+/// The text of a known soil and how messages call it.
+pub type SoilAsked = Option<(String, String)>;
+
+/// What is given beside an experiment: a model, values that are set by hand, and what is known of the soil.
+pub fn given(py: Python<'_>, model: &Asked, values: &BTreeMap<String, f64>, soil: &SoilAsked) -> PyResult<Given> {
     let given = Given::default().values_by("parameters");
     let given = match model {
         Some((model, name)) => given.with_model(model.borrow(py).core.clone(), name),
         None => given,
     };
-    values.iter().fold(given, |given, (name, value)| given.with_value(name, *value))
+    let given = values.iter().fold(given, |given, (name, value)| given.with_value(name, *value));
+    Ok(match soil {
+        Some((text, name)) => given.with_soil(read_soil(text)?, name),
+        None => given,
+    })
+}
+
+/// A known soil from the text of its file.
+pub fn read_soil(text: &str) -> PyResult<KnownSoil> {
+    KnownSoil::from_toml(text).map_err(|refused| InputError::new_err(refused.to_string()))
+}
+
+/// A known soil as JSON.
+#[pyfunction]
+pub fn known_soil(soil: &str) -> PyResult<String> {
+    text(&read_soil(soil)?)
 }
 
 /// Runs a model on the inputs of an experiment, with effects added and calibrated on request, and compares. Returns the
@@ -36,10 +55,11 @@ pub fn compare(
     values: BTreeMap<String, f64>,
     calibrate: bool,
     added: Vec<String>,
+    soil: SoilAsked,
 ) -> PyResult<(String, PyModel)> {
     let (experiment, _) = experiment.read(py)?;
     let options = CompareOptions { calibrate, added };
-    let given = given(py, &model, &values);
+    let given = given(py, &model, &values, &soil)?;
     let comparison = py
         .detach(|| error::fenced(|| core_compare(given, &experiment, &options)))?
         .map_err(|refused| failed(&refused))?;
@@ -77,6 +97,7 @@ struct Described<'a> {
     uncounted: &'a [UncountedRows],
     cautions: &'a [String],
     sources: &'a [String],
+    soil: Option<String>,
 }
 
 impl<'a> Described<'a> {
@@ -95,6 +116,7 @@ impl<'a> Described<'a> {
             uncounted: &core.uncounted,
             cautions: &core.cautions,
             sources: &core.sources,
+            soil: core.soil.as_ref().and_then(|soil| soil.to_toml().ok()),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The diagnosis. It works in a thread of its own, without Python; the calling thread passes fits to the executor, calls
 //! `progress` and checks for Ctrl-C.
 
-use crate::compare::{Asked, failed, given};
+use crate::compare::{Asked, SoilAsked, failed, given, read_soil};
 use crate::error::{self, InputError, Panic, SimulationError};
 use crate::experiment::{Material, Source};
 use crate::finding::NativeDiagnosis;
@@ -33,6 +33,8 @@ struct Payload {
     by_experiment: bool,
     /// Parameters that are set by hand.
     values: BTreeMap<String, f64>,
+    /// What is known of the soil.
+    soil: SoilAsked,
     experiment: Material,
     candidates: Option<Vec<String>>,
     added: Vec<String>,
@@ -103,15 +105,16 @@ pub fn diagnose<'py>(
     spread: Option<Bound<'py, PyAny>>,
     progress: Option<Bound<'py, PyAny>>,
     time_budget: Option<f64>,
+    soil: SoilAsked,
 ) -> PyResult<Ended<'py>> {
     let refused = |_| InputError::new_err("time_budget: expected a positive number of seconds");
     let budget = time_budget.map(Duration::try_from_secs_f64).transpose().map_err(refused)?;
     let (read, material) = experiment.read(py)?;
     let options = DiagnoseOptions { candidates, added, max_effects, draws };
     let material = spread.as_ref().map(|_| material.portable()).transpose()?;
-    let given = given(py, &model, &values);
+    let given = given(py, &model, &values, &soil)?;
     let chosen = spread.as_ref().map(|_| given.chosen(&read)).transpose().map_err(|refused| failed(&refused))?;
-    let caller = Caller { spread, progress, chosen, values, material, options: &options };
+    let caller = Caller { spread, progress, chosen, values, soil, material, options: &options };
     let stop = Arc::new(AtomicBool::new(false));
     let mut events = begin(given, read, options.clone(), caller.spread.is_some(), budget, Arc::clone(&stop));
     let (done, raised) = caller.attend(py, &mut events, &stop);
@@ -155,6 +158,7 @@ struct Caller<'a, 'py> {
     /// The model and whether the experiment names it, where fits are made elsewhere.
     chosen: Option<(Model, bool)>,
     values: BTreeMap<String, f64>,
+    soil: SoilAsked,
     /// What the experiment is made of, where fits are made elsewhere.
     material: Option<Material>,
     options: &'a DiagnoseOptions,
@@ -212,6 +216,7 @@ impl Caller<'_, '_> {
                 stated: stated.clone(),
                 by_experiment: *by_experiment,
                 values: self.values.clone(),
+                soil: self.soil.clone(),
                 experiment: material.clone(),
                 candidates: self.options.candidates.clone(),
                 added: self.options.added.clone(),
@@ -245,6 +250,10 @@ fn fitted(payload: &[u8]) -> PyResult<Option<Outcome>> {
     let mut model = Model::from_toml(&payload.model, None).map_err(|error| error::model(&error))?;
     model.stated = payload.stated.into_iter().collect();
     let given = Given::again(model, payload.by_experiment, payload.values);
+    let given = match &payload.soil {
+        Some((text, name)) => given.with_soil(read_soil(text)?, name),
+        None => given,
+    };
     let experiment = payload.experiment.read().map_err(|error| InputError::new_err(error.to_string()))?;
     let options =
         DiagnoseOptions { candidates: payload.candidates, added: payload.added, ..DiagnoseOptions::default() };

@@ -105,9 +105,9 @@ pub fn import_experiment(py: Python<'_>, files: Vec<PathBuf>, folder: PathBuf, k
     let kind = match kind {
         None => None,
         Some(name) => {
-            let found = [Kind::SingleWheel, Kind::Traverse].into_iter().find(|kind| kind.name() == name);
-            let message = || format!("kind is `{name}`, expected single_wheel, traverse or None");
-            Some(found.ok_or_else(|| InputError::new_err(message()))?)
+            let all = Kind::ALL.map(Kind::name).join(", ");
+            let message = || format!("kind is `{name}`, expected {all} or None");
+            Some(Kind::named(name).ok_or_else(|| InputError::new_err(message()))?)
         }
     };
     let proposal = py.detach(|| error::fenced(|| Proposal::of(&files, kind)))?;

@@ -34,6 +34,8 @@ mod _bekker {
     #[pymodule_export]
     use super::compare::compare;
     #[pymodule_export]
+    use super::compare::known_soil;
+    #[pymodule_export]
     use super::controller::PyController;
     #[pymodule_export]
     use super::diagnose::diagnose;
@@ -69,6 +71,12 @@ mod _bekker {
     #[pyfunction]
     fn effects() -> Vec<(&'static str, &'static str)> {
         bekker::effects::EFFECTS.iter().map(|(id, doc)| (*id, doc.trim())).collect()
+    }
+
+    /// Ids and meanings of the effects on tests of a soil.
+    #[pyfunction]
+    fn test_effects() -> Vec<(&'static str, &'static str)> {
+        bekker::soil_test::TEST_EFFECTS.iter().map(|(id, doc)| (*id, doc.trim())).collect()
     }
 
     #[pymodule_init]

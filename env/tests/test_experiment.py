@@ -141,7 +141,7 @@ def test_property_a_folder_is_proposed(tmp_path: Path) -> None:
     assert '"z" = { signal = "sinkage", unit = "mm", sign = -1 }' in settings
     with pytest.raises(FileExistsError):
         bekker.import_experiment([file], tmp_path / "made")
-    with pytest.raises(bekker.InputError, match="expected single_wheel, traverse"):
+    with pytest.raises(bekker.InputError, match="expected single_wheel, shear, plate_sinkage, traverse"):
         bekker.import_experiment(file, tmp_path / "other", kind="boat")  # type: ignore[arg-type]
     with pytest.raises(bekker.InputError, match="cannot be read"):
         bekker.import_experiment(tmp_path / "absent.csv", tmp_path / "other")

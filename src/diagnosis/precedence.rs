@@ -264,11 +264,17 @@ fn used_soil(
     let listed = |name: &str| soil.parameters.iter().any(|parameter| parameter.name == name);
     for (name, prior) in experiment.priors.iter().filter(|(name, _)| listed(name)) {
         let (mean, deviation, unit) = (figure(prior.mean), figure(prior.deviation), unit_of(name, variables));
-        sources.push(format!("{name}: prior {mean} +- {deviation}{unit} from [priors], not {} from {label}", words(name)));
+        sources
+            .push(format!("{name}: prior {mean} +- {deviation}{unit} from [priors], not {} from {label}", words(name)));
     }
     let mut left = soil.without(|name| experiment.priors.contains_key(name) || !strategy.calibrates(name));
     let value = |name: &String| given.set.get(name).or_else(|| experiment.parameters.get(name)).copied();
-    for name in held.iter().filter(|name| left.parameters.iter().any(|parameter| parameter.name == **name)).cloned().collect::<Vec<_>>() {
+    for name in held
+        .iter()
+        .filter(|name| left.parameters.iter().any(|parameter| parameter.name == **name))
+        .cloned()
+        .collect::<Vec<_>>()
+    {
         let Some(value) = value(&name) else {
             // Every run states its own.
             left = left.without(|other| other == name);

@@ -93,11 +93,12 @@ impl PriorRows {
             let place = |name: &str| free.iter().position(|free| free.variable.name == name);
             let places: Vec<Option<usize>> = joint.soil.parameters.iter().map(|p| place(&p.name)).collect();
             for i in 0..joint.root.nrows() {
-                let terms = joint.soil.parameters.iter().zip(&places).enumerate().filter_map(|(j, (parameter, place))| {
-                    let weight = joint.root[(i, j)] / factor;
-                    let mean = parameter.scale.coordinate(parameter.value);
-                    (weight != 0.0).then_some(Term { free: (*place)?, scale: parameter.scale, mean, weight })
-                });
+                let terms =
+                    joint.soil.parameters.iter().zip(&places).enumerate().filter_map(|(j, (parameter, place))| {
+                        let weight = joint.root[(i, j)] / factor;
+                        let mean = parameter.scale.coordinate(parameter.value);
+                        (weight != 0.0).then_some(Term { free: (*place)?, scale: parameter.scale, mean, weight })
+                    });
                 let constant = held.map_or(0.0, |(name, value)| joint.off(i, name, value) / factor);
                 rows.push(Row::Joint(terms.collect(), constant));
             }
@@ -125,7 +126,13 @@ impl PriorRows {
     pub fn column<'a>(&'a self, free: &'a [Free], values: &'a [f64], k: usize) -> impl Iterator<Item = f64> + 'a {
         let slope = free[k].slope(values[k]);
         self.0.iter().map(move |row| match row {
-            Row::Own(j, prior) => if *j == k { slope / prior.deviation } else { 0.0 },
+            Row::Own(j, prior) => {
+                if *j == k {
+                    slope / prior.deviation
+                } else {
+                    0.0
+                }
+            }
             Row::Joint(terms, _) => {
                 let own = terms.iter().filter(|term| term.free == k);
                 own.map(|term| term.weight * term.scale.slope(values[k]) * slope).sum()

@@ -284,5 +284,11 @@ impl Workbench {
 }
 
 fn adjustable(free: &Free, effect: Option<String>, typical: f64) -> Adjustable {
-    Adjustable { variable: free.variable.clone(), start: free.start, prior: free.prior.or(free.shared), effect, typical }
+    Adjustable {
+        variable: free.variable.clone(),
+        start: free.start,
+        prior: free.prior.or(free.shared),
+        effect,
+        typical,
+    }
 }

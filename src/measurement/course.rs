@@ -21,6 +21,9 @@ const LEAST_STEPS: usize = 5;
 /// Share of the largest value by which an input may go back: play and resolution of a sensor.
 const GOES_BACK: f64 = 0.02;
 
+/// Share of its range by which the input of rows that pair may differ: the model's own slope is taken off such differences.
+const PAIRS: f64 = 0.05;
+
 /// Share of the largest by which other inputs of tests that repeat each other may differ.
 const SAME: f64 = 0.02;
 
@@ -113,7 +116,7 @@ fn pair(runs: &[Run], members: &[usize], input: &str) -> bool {
     let range = first.last().copied().unwrap_or(0.0) - first.first().copied().unwrap_or(0.0);
     let alike = |k: &usize| {
         let own = column(k);
-        own.len() == first.len() && own.iter().zip(first).all(|(a, b)| (a - b).abs() <= SAME * range)
+        own.len() == first.len() && own.iter().zip(first).all(|(a, b)| (a - b).abs() <= PAIRS * range)
     };
     first.len() <= MOST_ROWS && members.iter().all(alike)
 }
@@ -122,7 +125,8 @@ fn pair(runs: &[Run], members: &[usize], input: &str) -> bool {
 fn steps(runs: &[Run], members: &[usize], input: &str) -> Result<Vec<f64>, ExperimentError> {
     let columns: Vec<&[f64]> = members.iter().map(|k| runs[*k].data.column(input).unwrap_or_default()).collect();
     let low = columns.iter().map(|c| c.iter().copied().fold(f64::INFINITY, f64::min)).fold(f64::NEG_INFINITY, f64::max);
-    let high = columns.iter().map(|c| c.iter().copied().fold(f64::NEG_INFINITY, f64::max)).fold(f64::INFINITY, f64::min);
+    let high =
+        columns.iter().map(|c| c.iter().copied().fold(f64::NEG_INFINITY, f64::max)).fold(f64::INFINITY, f64::min);
     let mut ends = vec![low];
     for k in 1..=MOST_ROWS {
         let share = k as f64 / MOST_ROWS as f64;

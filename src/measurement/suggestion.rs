@@ -73,7 +73,8 @@ pub(super) fn of(kind: Kind, name: &str) -> Option<Suggestion> {
         return None;
     }
     let signal = best(kind.format().rules(), &words).map(|rule| (rule, false));
-    let parameter = best(&[kind.format().parameter_rules(), &parameters_of_effects()].concat(), &words).map(|rule| (rule, true));
+    let parameter =
+        best(&[kind.format().parameter_rules(), &parameters_of_effects()].concat(), &words).map(|rule| (rule, true));
     // A parameter takes more words than a signal, or is none.
     let (rule, is_parameter) = match (signal, parameter) {
         (Some(signal), Some(parameter)) if parameter.0.words.len() < signal.0.words.len() => signal,

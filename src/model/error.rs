@@ -54,7 +54,9 @@ pub enum ModelError {
     )]
     Obstacles(usize),
     /// A wheel on a carriage or a test of a soil with something that only a rover has.
-    #[error("[rig]: a wheel on a carriage or a test of a soil has no [{0}]; expected [parameters] and [[effect]] beside it")]
+    #[error(
+        "[rig]: a wheel on a carriage or a test of a soil has no [{0}]; expected [parameters] and [[effect]] beside it"
+    )]
     Rig(&'static str),
     /// A name of neither a file nor a built-in model.
     #[error("`{name}` is neither a file nor a built-in model ({})", preset_names())]

@@ -94,8 +94,9 @@ parameters! {
 
 impl<S: Scalar> TestEffect<S> for Seating<S> {
     fn facts(&self) -> Facts {
-        const ADVICE: &[Advice] =
-            &[Advice::plate("find the first touch by the force on an unloaded plate, and level the soil before each test")];
+        const ADVICE: &[Advice] = &[Advice::plate(
+            "find the first touch by the force on an unloaded plate, and level the soil before each test",
+        )];
         Facts { seen_in_soil_test: PRESSED, typical: &[("offset", 0.001)], advice: ADVICE, ..Facts::USUAL }
     }
 
@@ -140,7 +141,8 @@ parameters! {
 
 impl<S: Scalar> TestEffect<S> for BoxFriction<S> {
     fn facts(&self) -> Facts {
-        const ADVICE: &[Advice] = &[Advice::shear("shear once without soil: what is measured then is friction of the box")];
+        const ADVICE: &[Advice] =
+            &[Advice::shear("shear once without soil: what is measured then is friction of the box")];
         Facts { seen_in_soil_test: SHEARED, typical: &[("stress", 500.0)], advice: ADVICE, ..Facts::USUAL }
     }
 
@@ -161,7 +163,8 @@ parameters! {
 
 impl<S: Scalar> TestEffect<S> for ShearPlay<S> {
     fn facts(&self) -> Facts {
-        const ADVICE: &[Advice] = &[Advice::shear("record the displacement at the soil, or from the first rise of the stress on")];
+        const ADVICE: &[Advice] =
+            &[Advice::shear("record the displacement at the soil, or from the first rise of the stress on")];
         Facts { seen_in_soil_test: SHEARED, typical: &[("displacement", 0.001)], advice: ADVICE, ..Facts::USUAL }
     }
 

@@ -13,6 +13,8 @@ mod effect;
 mod effects;
 mod rig;
 mod table;
+#[cfg(test)]
+mod tests;
 
 pub use effect::{Pressing, Shearing, TestEffect};
 pub use effects::{BoxBottom, BoxFriction, BoxWalls, PlateSize, Seating, ShearPlay, ShearRate, Softening};
@@ -108,7 +110,12 @@ impl<S: Scalar> SoilTest<S> {
     /// Pressure (Pa) under the plate at a sinkage (m) from the first touch.
     pub fn pressure(&self, sinkage: f64) -> S {
         let TestRig { plate, soil_box, effects, .. } = &self.rig;
-        let mut at = Pressing { sinkage: S::from(sinkage), width: plate.contact_width(), size: plate.size(), factor: S::from(1.0) };
+        let mut at = Pressing {
+            sinkage: S::from(sinkage),
+            width: plate.contact_width(),
+            size: plate.size(),
+            factor: S::from(1.0),
+        };
         effects.press(soil_box, &mut at);
         let depth = at.sinkage.larger(S::from(0.0));
         self.soil.pressure(depth, at.width) * at.factor * self.rate.factor_of(plate.speed)

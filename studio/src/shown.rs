@@ -7,6 +7,7 @@ use bekker::diagnosis::{
 use bekker::effects::{EFFECTS, Effects};
 use bekker::measurement::{Experiment, Kind, Run, Table};
 use bekker::report::{column_for_people, parameter_for_people};
+use bekker::soil_test::TEST_EFFECTS;
 use serde::ser::SerializeSeq;
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
@@ -136,7 +137,11 @@ fn effects(workbench: &Workbench) -> Vec<Value> {
     }
     let own = &workbench.experiment().effects;
     let about = |id: &String| {
-        let listed = EFFECTS.iter().chain(TEST_EFFECTS).find(|(known, _)| known == id).map(|(_, about)| (*about).trim().to_owned());
+        let listed = EFFECTS
+            .iter()
+            .chain(TEST_EFFECTS)
+            .find(|(known, _)| known == id)
+            .map(|(_, about)| (*about).trim().to_owned());
         listed.or_else(|| own.iter().find(|own| own.id == *id).map(|own| own.about.clone())).unwrap_or_default()
     };
     let on_carriage = workbench.experiment().kind == Kind::SingleWheel;

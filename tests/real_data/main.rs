@@ -5,6 +5,7 @@
 
 mod diagnosis;
 mod import;
+mod plates;
 mod smooth_wheel;
 
 use libtest_mimic::{Arguments, Completion, Trial};
@@ -14,6 +15,7 @@ use std::process::ExitCode;
 /// Files of the folder of measurements.
 const CMU: &str = "cmu_smooth_189trials.csv";
 const CMU_FOLDER: &str = "cmu_smooth";
+const PLATES: &str = "cmu_plates/indentation.csv";
 const DING: &str = "ding2011_single_wheel.csv";
 const CUADRIGA: &str = "cuadriga_2019/2019_01_29_10_53_36.csv";
 const ASPHALT: &str = "husky/borealtc_asphalt.csv";
@@ -34,6 +36,8 @@ fn main() -> ExitCode {
         trial!(smooth_wheel::agreement_experiment_folder_gives_the_same_as_the_trials, [CMU, CMU_FOLDER]),
         trial!(diagnosis::agreement_the_smooth_wheel_lacks_slip_sinkage_as_an_expert_says, [CMU_FOLDER]),
         trial!(diagnosis::agreement_rows_of_ding_have_no_floor_and_no_confident_name, [DING]),
+        trial!(plates::agreement_k_of_the_cmu_sand_grows_with_the_plate_as_its_notes_say, [PLATES]),
+        trial!(plates::regress_the_cmu_sand_as_a_prior_of_the_smooth_wheel, [PLATES, CMU_FOLDER]),
     ];
     libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
 }

@@ -65,6 +65,7 @@ from .importing import Imported, import_experiment
 from .models import effects, export_fmu, presets
 from .registration import register
 from .simulation import Result, simulate, steady_points
+from .soil import Soil
 from .tasks import TASKS, Task
 from .vector_env import RoverVectorEnv
 
@@ -88,6 +89,7 @@ __all__ = [
     "RoverVectorEnv",
     "Run",
     "Script",
+    "Soil",
     "SimulationError",
     "TASKS",
     "Task",

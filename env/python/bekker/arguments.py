@@ -14,6 +14,7 @@ from .errors import InputError
 from .goals import Goal
 from .models import ModelLike, as_model
 from .randomise import Distribution, Randomise, distribution
+from .soil import Soil, as_soil
 from .rewards import Term, Terms, terms
 from .scales import Observer, action_scale
 from .simulation import whole
@@ -37,7 +38,8 @@ class Arguments(TypedDict, total=False):
     parameters: Mapping[str, float]
     """Values by the vocabulary's names: soil, vehicle, effects, ``sensor.*``, ``terrain.*``, ``terrain.seed``, ``x0``."""
     randomise: Randomise
-    """Distributions by name, drawn at every reset; they replace the task's."""
+    """Distributions by name, drawn at every reset; they replace the task's. ``"soil"`` names a known soil (:class:`bekker.Soil`, or the
+    path of its file), whose parameters are drawn together."""
     level: float
     """Level of the curriculum, 0 to 1; default 1."""
     target_velocity: float
@@ -130,8 +132,9 @@ class Setup:
 
         self.grades = {name: ends for name, ends in self.task.grades.items() if kept(name)}
         if "randomise" in given:
-            self.randomise = {name: distribution(name, d) for name, d in given["randomise"].items()}
+            self.randomise, self.soil = parted(given["randomise"])
         else:
+            self.soil = None
             self.randomise = {name: d for name, d in self.task.randomise.items() if kept(name)}
         trial = self.model.copy()
         for name, ends in self.grades.items():
@@ -164,7 +167,8 @@ class Setup:
         for name, (easy, hard) in self.grades.items():
             nominal[name] = easy + level * (hard - easy)
             assign(model, name, nominal[name])
-        drawn = {}
+        soil = options.soil or self.soil
+        drawn = {} if soil is None else soil.draw(random, model, level)
         for name, scatter in randomise.items():
             if name != TERRAIN_SEED:
                 own = nominal.get(name)
@@ -185,6 +189,7 @@ class Options:
     parameters: dict[str, float]
     level: float | None
     randomise: dict[str, Distribution]
+    soil: Soil | None = None
 
     @classmethod
     def of(cls, options: Mapping[str, Any] | None, setup: Setup) -> "Options":
@@ -195,9 +200,17 @@ class Options:
                 raise unknown("option", name, known)
         direct = {name: given[name] for name in ("x0", TARGET) if name in given}
         level = given.get("level")
-        scatter = {name: distribution(name, d) for name, d in given.get("randomise", {}).items()}
+        scatter, soil = parted(given.get("randomise", {}))
         setup.check_ends(scatter)
-        return cls(dict(given.get("parameters", {})) | direct, None if level is None else checked_level(level), scatter)
+        level = None if level is None else checked_level(level)
+        return cls(dict(given.get("parameters", {})) | direct, level, scatter, soil)
+
+
+def parted(randomise: Randomise) -> tuple[dict[str, Distribution], Soil | None]:
+    """Distributions of single parameters, and the known soil whose parameters are drawn together."""
+    soil = randomise.get("soil")
+    single = {name: distribution(name, d) for name, d in randomise.items() if name != "soil"}
+    return single, None if soil is None else as_soil(soil)
 
 
 class Levelled:

@@ -16,6 +16,7 @@ from .errors import InputError
 from .experiment import ExperimentLike, source
 from .from_json import built
 from .models import ModelLike, given, names_of, save_model
+from .soil import Soil, SoilLike, passed
 from .vocabulary import unknown
 
 __all__ = [
@@ -192,6 +193,9 @@ class Comparison:
     """The model of ``fit``: with what is known of the rig and, after a calibration, with what that found; compared with the
     same experiment it gives the same errors. A wheel on a carriage (``model.kind``) where a single wheel was measured and no
     rover is named. What the experiment says of single runs is not part of it."""
+    soil: Soil | None
+    """What a calibration found of the soil, with its covariance, for other experiments; None without one, or where no parameter of
+    the soil was free."""
 
     def save_model(self, path: str | os.PathLike[str]) -> None:
         """Writes the model of ``fit`` as TOML, which ``simulate``, the FMU builder and the environment take.
@@ -233,6 +237,7 @@ def compare(
     calibrate: bool = False,
     added: Iterable[str] | None = None,
     parameters: Mapping[str, float] | None = None,
+    soil_from: SoilLike | None = None,
 ) -> Comparison:
     """Runs a model on the inputs of an experiment and compares it with what was measured.
 
@@ -253,6 +258,8 @@ def compare(
         added: ids of effects (:func:`bekker.effects`) whose parameters a calibration frees too.
         parameters: values by name that go before the model and the experiment's ``parameters``, though not before a run's own;
             a calibration leaves them as they are unless they have a prior.
+        soil_from: what another experiment found of the soil (:class:`bekker.Soil`, or the path of its file): a prior of its
+            parameters together. It goes before the priors of a class of soil and after the experiment's own priors.
 
     Raises:
         UnknownNameError, ModelError: as :func:`bekker.models.as_model`; a ModelError too where the folder is refused
@@ -264,8 +271,11 @@ def compare(
     effects = names_of("added", added or ())
     if effects and not calibrate:
         raise InputError(f"added = {effects}: expected calibrate=True; an effect is neutral until it is calibrated")
-    found, fitted = _bekker.compare(source(experiment), *given(model, parameters), calibrate, effects)
-    return built(Comparison, json.loads(found), model=fitted)
+    arguments = (*given(model, parameters), calibrate, effects, passed(soil_from))
+    found, fitted = _bekker.compare(source(experiment), *arguments)
+    data = json.loads(found)
+    soil = data.pop("soil")
+    return built(Comparison, data, model=fitted, soil=None if soil is None else Soil(soil))
 
 
 def calibrate(
@@ -274,11 +284,13 @@ def calibrate(
     *,
     added: Iterable[str] | None = None,
     parameters: Mapping[str, float] | None = None,
+    soil_from: SoilLike | None = None,
 ) -> Comparison:
     """Finds the soil (and what has a prior, and the parameters of the effects ``added``) that brings a model closest to
     an experiment.
 
-    The result's ``calibration`` says how well each parameter is determined; its ``model`` is the calibrated model.
+    The result's ``calibration`` says how well each parameter is determined; its ``model`` is the calibrated model, its ``soil`` what
+    other experiments may take as ``soil_from``.
     Arguments and errors are those of :func:`compare`.
     """
-    return compare(experiment, model, calibrate=True, added=added, parameters=parameters)
+    return compare(experiment, model, calibrate=True, added=added, parameters=parameters, soil_from=soil_from)

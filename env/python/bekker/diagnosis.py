@@ -31,6 +31,7 @@ from .findings import (
 )
 from .from_json import built, json_key, merged
 from .models import ModelLike, given, names_of, save_model
+from .soil import SoilLike, passed
 from .spread import through
 from .vocabulary import unknown
 
@@ -83,7 +84,7 @@ class Diagnosis:
     """What a diagnosis found. SI units throughout."""
 
     experiment: str
-    kind: Literal["single_wheel", "traverse"]
+    kind: Literal["single_wheel", "traverse", "plate_sinkage", "shear"]
     runs: list[RunData]
     verdict: Literal["explained", "effect_missing", "unexplained", "undetermined"]
     """``explained``: the calibrated model leaves only noise. ``effect_missing``: the listed effects account for the
@@ -292,6 +293,7 @@ def diagnose(
     model: ModelLike | None = None,
     *,
     parameters: Mapping[str, float] | None = None,
+    soil_from: SoilLike | None = None,
     candidates: Iterable[str] | None = None,
     added: Iterable[str] | None = None,
     max_effects: int = 3,
@@ -317,6 +319,7 @@ def diagnose(
             names, or else a plain wheel, or a rover with as many wheels as the commands name.
         parameters: values by name that go before the model and the experiment's ``parameters``, though not before a run's own;
             a calibration leaves them as they are unless they have a prior.
+        soil_from: what another experiment found of the soil, as in :func:`bekker.compare`.
         candidates: ids of the effects to try (:func:`bekker.effects`); all where None.
         added: ids of effects that are part of the baseline, with free parameters.
         max_effects: most effects that are added.
@@ -351,6 +354,7 @@ def diagnose(
         None if executor is None else through(executor),
         None if progress is None else _telling(progress),
         _seconds(time_budget),
+        passed(soil_from),
     )
     if isinstance(raised, KeyboardInterrupt):
         raise DiagnosisInterrupted(None if native is None else _diagnosis(native)) from raised

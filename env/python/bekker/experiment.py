@@ -63,7 +63,7 @@ class Experiment:
         InputError: names run, row (from 0) and column, and what was expected.
     """
 
-    kind: Literal["single_wheel", "traverse"]
+    kind: Literal["single_wheel", "traverse", "plate_sinkage", "shear"]
     runs: Sequence[MeasuredRun | Columns]
     """Runs, or their columns alone."""
     name: str = "experiment"

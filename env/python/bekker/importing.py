@@ -16,7 +16,7 @@ class Imported:
     """What :func:`import_experiment` made."""
 
     folder: Path
-    kind: Literal["single_wheel", "traverse"]
+    kind: Literal["single_wheel", "traverse", "plate_sinkage", "shear"]
     unsure: tuple[str, ...]
     """What is a guess: to be checked."""
     missing: tuple[str, ...]
@@ -30,7 +30,7 @@ class Imported:
 def import_experiment(
     files: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
     folder: str | os.PathLike[str],
-    kind: Literal["single_wheel", "traverse"] | None = None,
+    kind: Literal["single_wheel", "traverse", "plate_sinkage", "shear"] | None = None,
 ) -> Imported:
     """Proposes an experiment folder for CSV files: which column is which signal, in which unit, as ``bekker import`` does.
 

@@ -126,7 +126,8 @@ class Mechanics:
                 run = self._begun(draw.model)
                 break
             except SimulationError:
-                if not randomise or attempt == TRIES - 1:
+                scattered = randomise or self.setup.soil or chosen.soil
+                if not scattered or attempt == TRIES - 1:
                     raise
         self._put(index, run)
         numbers = self._numbers

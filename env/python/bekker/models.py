@@ -25,9 +25,13 @@ def presets() -> dict[str, str]:
     return dict(_bekker.presets())
 
 
-def effects() -> dict[str, str]:
-    """Ids and meanings of the effects. Every model has them all; their parameters are neutral by default."""
-    return dict(_bekker.effects())
+def effects(*, soil_tests: bool = False) -> dict[str, str]:
+    """Ids and meanings of the effects. Every model has them all; their parameters are neutral by default.
+
+    Args:
+        soil_tests: those of tests of a soil, by plates and by shear, instead; a rover has none of them.
+    """
+    return dict(_bekker.test_effects() if soil_tests else _bekker.effects())
 
 
 def as_model(model: ModelLike, parameters: Mapping[str, float] | None = None) -> Model:

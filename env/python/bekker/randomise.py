@@ -19,7 +19,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from statistics import NormalDist
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from numpy.random import Generator
 
@@ -145,8 +145,8 @@ class Choice(Distribution):
         return self.values[min(int(share * len(self.values)), len(self.values) - 1)]
 
 
-Randomise: TypeAlias = Mapping[str, Distribution | Sequence[float] | Mapping[str, Sequence[float]]]
-"""Distributions by the parameter's name."""
+Randomise: TypeAlias = Mapping[str, Any]
+"""Distributions, or their data, by the parameter's name; under ``soil`` a known soil (:class:`bekker.Soil`) or the path of its file."""
 
 _KINDS: dict[str, type[Uniform] | type[LogUniform] | type[Normal]] = {
     "uniform": Uniform,

@@ -80,7 +80,10 @@ pub fn load(folder: &Path) -> Result<Box<dyn FmuModel>, String> {
 pub fn parse(text: &str) -> Result<Box<dyn FmuModel>, String> {
     let model = RoverModel::from_toml(text, None).map_err(|error| error.to_string())?;
     if model.kind == ModelKind::SoilTest {
-        return Err(format!("`{}` is a test of a soil, which has no motion in time; expected a rover or a wheel on a carriage", model.name));
+        return Err(format!(
+            "`{}` is a test of a soil, which has no motion in time; expected a rover or a wheel on a carriage",
+            model.name
+        ));
     }
     let offer = Offer::of(text)?;
     let packed = Packed { text, kind: offer.kind.unwrap_or_else(|| Kind::usual(&model)), arrays: offer.arrays };

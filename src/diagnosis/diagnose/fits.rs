@@ -47,7 +47,15 @@ impl Noise {
     /// Of so large noise, over runs that are not cut into windows.
     #[must_use]
     pub fn new(models: BTreeMap<String, NoiseModel>) -> Self {
-        Self { models, robust: None, windows: Vec::new(), around: Vec::new(), refined: 0, odd: Vec::new(), scale: Vec::new() }
+        Self {
+            models,
+            robust: None,
+            windows: Vec::new(),
+            around: Vec::new(),
+            refined: 0,
+            odd: Vec::new(),
+            scale: Vec::new(),
+        }
     }
 
     pub(crate) fn whitening(&self, problem: &Problem, keep: &dyn Fn(usize, usize) -> bool) -> Option<Whitening> {

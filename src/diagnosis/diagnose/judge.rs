@@ -100,7 +100,9 @@ fn beats_noise(search: &Search, stage: &Stage, chosen: &[String]) -> bool {
 
 /// Whether the naming holds with the priors all but removed; `None` without priors.
 fn without_priors(search: &Search, stage: &Stage, chosen: &[String]) -> Option<bool> {
-    if search.watch.stopped() || search.problem.base.iter().all(|free| free.prior.or(free.shared).is_none() || free.is_of_a_sensor()) {
+    if search.watch.stopped()
+        || search.problem.base.iter().all(|free| free.prior.or(free.shared).is_none() || free.is_of_a_sensor())
+    {
         return None;
     }
     let (base, with) = (search.without_priors(&[]), search.without_priors(chosen));

@@ -53,13 +53,13 @@ mod verdict;
 mod views;
 mod watch;
 
+pub(crate) use cautions::left_prior;
 pub use control::{Control, Progress, Spread, Threads};
 pub(crate) use discrepancy::{Condition, Shape, hats, powers, product, recorded, run_order};
 pub use drive::WholeDrive;
 pub use engine::{DiagnoseOptions, diagnose};
-pub(crate) use cautions::left_prior;
-pub(crate) use fits::{information, run as run_fit};
 pub use fits::{Noise, Outcome, Task, fit_task};
+pub(crate) use fits::{information, run as run_fit};
 pub(crate) use gains::Projected;
 pub(crate) use prepare::{calibrated_baseline, prepare};
 pub use result::{

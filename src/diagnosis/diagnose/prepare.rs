@@ -83,8 +83,6 @@ pub(crate) fn calibrated_baseline(problem: &mut Problem) -> Result<Prepared, Com
             problem.refine_starts(&guess, &first.values())?;
             first = fitted_again(problem, &guess, &first, &mut unanswered)?;
         }
-        let of_first = modelled(problem, &first.values())?.values;
-        problem.layout.scale = problem.strategy().noise_scale(&problem.layout, &of_first);
         let found = noise_about(problem, &repeats, &first)?;
         if !is_coarse(problem, &found.noise, &first.values())? {
             break found;
@@ -136,8 +134,10 @@ struct Found {
 }
 
 /// The noise as repeats, statements and the residual of a first fit tell it.
-fn noise_about(problem: &Problem, repeats: &Repeats, first: &Calibration) -> Result<Found, CompareError> {
+fn noise_about(problem: &mut Problem, repeats: &Repeats, first: &Calibration) -> Result<Found, CompareError> {
     let predicted = modelled(problem, &first.values())?.values;
+    problem.layout.scale = problem.strategy().noise_scale(&problem.layout, &predicted);
+    let problem = &*problem;
     let residual = minus(&problem.layout.measured, &predicted);
     let flexible = discrepancy::columns(problem, &predicted);
     let modulations = problem.strategy().modulations(&problem.experiment, &problem.layout, &predicted);

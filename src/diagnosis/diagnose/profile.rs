@@ -3,9 +3,9 @@
 use super::result::FinalParameter;
 use super::search::Search;
 use super::untried::Untried;
-use crate::diagnosis::prior_rows::PriorRows;
 use crate::diagnosis::calibrate::calibrate_from;
 use crate::diagnosis::free::Free;
+use crate::diagnosis::prior_rows::PriorRows;
 use crate::diagnosis::thresholds::CHI_SQUARE_95;
 use crate::diagnosis::weighted::Weighted;
 

@@ -26,14 +26,14 @@ use super::problem::Problem;
 use super::separate::variation::Variation;
 use super::windows::Windows;
 use super::windows::free::FreeStart;
-use crate::measurement::{Experiment, Kind, Run};
 use crate::effects::Facts;
+use crate::measurement::{Experiment, Kind, Run};
 use crate::model::{Model, ModelKind};
 use std::fmt::Debug;
 
 pub use single_wheel::SingleWheelPlan;
-pub use soil_test::{PlatePlan, ShearPlan};
 pub(crate) use single_wheel::signal;
+pub use soil_test::{PlatePlan, ShearPlan};
 pub use traverse::TraversePlan;
 
 /// The strategy for a kind of experiment.

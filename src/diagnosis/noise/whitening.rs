@@ -37,8 +37,7 @@ impl Whitening {
         let strand = |block: &Block| {
             let measured = &layout.measured[block.range.clone()];
             let counts = |row: &usize| !measured[*row].is_nan() && !layout.is_unsettled(block.run, *row);
-            let rows: Vec<usize> =
-                (0..measured.len()).filter(|row| counts(row) && keep(block.run, *row)).collect();
+            let rows: Vec<usize> = (0..measured.len()).filter(|row| counts(row) && keep(block.run, *row)).collect();
             let start = block.range.start;
             let scale = rows.iter().filter_map(|row| layout.scale.get(start + row).copied()).collect();
             Some(Strand { start, rows, noise: *noise.get(&block.signal)?, scale })

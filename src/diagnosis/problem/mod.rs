@@ -305,6 +305,10 @@ impl<'a> Problem<'a> {
     /// What another experiment with this rig is given: the model with fitted values, and what was set by hand.
     pub fn again(&self, free: &[Free], values: &[f64]) -> Given {
         let given = Given::from(&self.improved(free, values));
+        let given = match &self.joint {
+            Some(joint) => given.with_soil(joint.soil.clone(), &joint.label),
+            None => given,
+        };
         self.set.iter().fold(given, |given, (name, value)| given.with_value(name, *value))
     }
 

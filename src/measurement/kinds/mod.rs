@@ -29,13 +29,12 @@ impl Kind {
     }
 
     /// The kind of unknown files: the first kind for which `means` finds a column of its [`sure_signs`](Format::sure_signs),
-    /// else the first with a column of its [`signs`](Format::signs). `means` says whether a column is one of the listed
+    /// or what else [tells](Format::is_told_by) it, else the first with a column of its [`signs`](Format::signs). `means` says whether a column is one of the listed
     /// signals of a kind.
     pub(super) fn told_by(means: impl Fn(Self, &[&str]) -> bool) -> Option<Self> {
-        let first = |signs: fn(&dyn Format) -> &'static [&'static str]| {
-            Self::ALL.into_iter().find(|kind| means(*kind, signs(kind.format())))
-        };
-        first(|format| format.sure_signs()).or_else(|| first(|format| format.signs()))
+        let surely = |kind: &Self| kind.format().is_told_by(&|signals| means(*kind, signals));
+        let first = || Self::ALL.into_iter().find(|kind| means(*kind, kind.format().signs()));
+        Self::ALL.into_iter().find(surely).or_else(first)
     }
 }
 
@@ -116,6 +115,11 @@ pub(super) trait Format: Sync {
 
     /// Signals that only this kind of experiment has: one such column identifies the kind.
     fn sure_signs(&self) -> &'static [&'static str];
+
+    /// Whether the columns identify the kind; `means` says whether one of them is one of the listed signals.
+    fn is_told_by(&self, means: &dyn Fn(&[&str]) -> bool) -> bool {
+        means(self.sure_signs())
+    }
 
     /// Signals that identify the kind where no column is a sure sign of another kind.
     fn signs(&self) -> &'static [&'static str];

@@ -122,11 +122,16 @@ impl Format for PlateSinkage {
     }
 
     fn sure_signs(&self) -> &'static [&'static str] {
-        &["pressure"]
+        &[]
+    }
+
+    /// A sinkage beside a force or a pressure, in files without a wheel.
+    fn is_told_by(&self, means: &dyn Fn(&[&str]) -> bool) -> bool {
+        means(&["sinkage"]) && means(&MEASURED)
     }
 
     fn signs(&self) -> &'static [&'static str] {
-        &["force"]
+        &MEASURED
     }
 
     /// Pressures under plates are kilopascals, forces newtons to kilonewtons.

@@ -35,7 +35,8 @@ impl Format for Shear {
     }
 
     fn columns(&self, _: &[String], _: f64) -> Vec<Column> {
-        let pressed = Limits { range: 0.0..=f64::MAX, words: "a normal stress in Pa, not negative".to_owned(), likely: None };
+        let pressed =
+            Limits { range: 0.0..=f64::MAX, words: "a normal stress in Pa, not negative".to_owned(), likely: None };
         vec![
             column("condition", Use::Condition, None),
             column("time", Use::Time, None),

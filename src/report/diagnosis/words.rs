@@ -2,16 +2,20 @@
 
 use crate::diagnosis::{Diagnosis, Step, Verdict};
 use crate::effects::EFFECTS;
-use crate::soil_test::TEST_EFFECTS;
 use crate::report::units::{digits, of_column, short, spoken};
 use crate::report::words::NOISE_ONLY;
+use crate::soil_test::TEST_EFFECTS;
 
 /// Signals that a sentence names at most.
 const MOST_NAMED: usize = 3;
 
 /// What an effect is, in one line of the library; empty for one that it does not have.
 pub(super) fn meaning(effect: &str) -> String {
-    EFFECTS.iter().chain(TEST_EFFECTS).find(|(id, _)| *id == effect).map_or_else(String::new, |(_, meaning)| meaning.trim().to_owned())
+    EFFECTS
+        .iter()
+        .chain(TEST_EFFECTS)
+        .find(|(id, _)| *id == effect)
+        .map_or_else(String::new, |(_, meaning)| meaning.trim().to_owned())
 }
 
 /// The effects of the final model that the verdict is about, and those that tie with them.

@@ -77,7 +77,9 @@ impl Strategy for SoilTest {
             let plate = model.tested_soil().rig.plate;
             plate.check().map_err(|source| {
                 let name = &run.name;
-                CompareError::Vehicle(format!("run {name}: {source} (under [parameters], the run's `parameters`, or as a column)"))
+                CompareError::Vehicle(format!(
+                    "run {name}: {source} (under [parameters], the run's `parameters`, or as a column)"
+                ))
             })?;
         }
         Ok(())

@@ -39,7 +39,11 @@ pub(super) fn remarks(problem: &Problem, whitening: &Whitening, fit: &Calibratio
     let widths = widths(&problem.models);
     let [one] = widths.as_slice() else {
         let moduli = moduli(problem, whitening, fit, modelled, &widths);
-        return line_over_widths(&moduli).map(|line| line.words(&moduli, free("soil.k_c"))).into_iter().flatten().collect();
+        return line_over_widths(&moduli)
+            .map(|line| line.words(&moduli, free("soil.k_c")))
+            .into_iter()
+            .flatten()
+            .collect();
     };
     vec![format!(
         "all plates have the contact width b = {}: k_c and k_phi cannot be told apart, only their sum k = k_c/b + k_phi at this width is measured; k_phi stands for it, and plates of two or more clearly different sizes would part them",
@@ -48,7 +52,13 @@ pub(super) fn remarks(problem: &Problem, whitening: &Whitening, fit: &Calibratio
 }
 
 /// The modulus of each width: what the model says there, times the factor that brings it nearest to the measurements.
-fn moduli(problem: &Problem, whitening: &Whitening, fit: &Calibration, modelled: &[f64], widths: &[f64]) -> Vec<Modulus> {
+fn moduli(
+    problem: &Problem,
+    whitening: &Whitening,
+    fit: &Calibration,
+    modelled: &[f64],
+    widths: &[f64],
+) -> Vec<Modulus> {
     let mut soil = problem.known.clone();
     for parameter in &fit.parameters {
         // A parameter of the fit is one of the model.
@@ -136,7 +146,9 @@ impl Line {
 
 /// Each modulus in words.
 fn listed(moduli: &[Modulus]) -> String {
-    let one = |m: &Modulus| format!("k = {} +- {} kN/m^(n+2) at b = {}", kilo(m.value), kilo(m.deviation), millimetres(m.width));
+    let one = |m: &Modulus| {
+        format!("k = {} +- {} kN/m^(n+2) at b = {}", kilo(m.value), kilo(m.deviation), millimetres(m.width))
+    };
     moduli.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 

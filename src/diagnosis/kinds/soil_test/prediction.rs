@@ -45,11 +45,14 @@ impl<'a> SoilTestPrediction<'a> {
             let input = |name: &str, row: usize| data.data.value(name, row).unwrap_or(f64::NAN);
             for Block { signal, range, .. } in self.layout.of_run(run) {
                 for (row, at) in range.clone().enumerate() {
-                    store(at, match signal.as_str() {
-                        "force" => test.force(input("sinkage", row)),
-                        "pressure" => test.pressure(input("sinkage", row)),
-                        _ => test.shear_stress(input("displacement", row), input("normal_stress", row)),
-                    });
+                    store(
+                        at,
+                        match signal.as_str() {
+                            "force" => test.force(input("sinkage", row)),
+                            "pressure" => test.pressure(input("sinkage", row)),
+                            _ => test.shear_stress(input("displacement", row), input("normal_stress", row)),
+                        },
+                    );
                 }
             }
         }

@@ -42,7 +42,8 @@ pub(super) fn modulations(experiment: &Experiment, layout: &Layout, inputs: &[&s
 
 /// What the model says of the first signal of each run, over its largest size.
 fn of_the_model(experiment: &Experiment, layout: &Layout, modelled: &[f64]) -> Shape {
-    let largest = modelled.iter().copied().filter(|value| value.is_finite()).fold(f64::MIN_POSITIVE, |a, b| a.max(b.abs()));
+    let largest =
+        modelled.iter().copied().filter(|value| value.is_finite()).fold(f64::MIN_POSITIVE, |a, b| a.max(b.abs()));
     let value = |run: usize, row: usize| {
         let block = layout.of_run(run).next();
         block.map_or(0.0, |block| modelled[block.range.start + row] / largest)

@@ -32,7 +32,10 @@ pub(super) fn variations(experiment: &Experiment, pressed: bool) -> Vec<Variatio
         add(faster("shear_box.speed"), with_parameter(experiment, "shear_box.speed", FASTER, 0.001));
     }
     let input = if pressed { "sinkage" } else { "displacement" };
-    let deeper = Experiment { runs: experiment.runs.iter().map(|run| scaled(run, input, LARGER)).collect(), ..experiment.clone() };
+    let deeper = Experiment {
+        runs: experiment.runs.iter().map(|run| scaled(run, input, LARGER)).collect(),
+        ..experiment.clone()
+    };
     let end = handy(LARGER * largest(experiment, input));
     all.push(Variation { text: format!("{input} up to {end} m"), experiment: deeper, cost: 1 });
     all

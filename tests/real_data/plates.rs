@@ -1,0 +1,54 @@
+//! The 18 plate tests of the CMU sand (Pavlov and Johnson), read whole, and what they say of the wheel trials in the same sand.
+
+use bekker::diagnosis::{CompareOptions, Comparison, Given, compare};
+use bekker::measurement::Experiment;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// The notes beside the data: n = 1.31 +- 0.09 by a power law for each test.
+const N: (f64, f64) = (1.31, 0.09);
+
+/// All plate tests: three plates in two boxes of unknown size, three times each.
+fn plates(csv: &Path) -> Experiment {
+    let mut toml = "name = \"CMU sand\"\nkind = \"plate_sinkage\"\nignore = [\"test\", \"tool\", \"box\"]\n\
+                    columns.diameter = { parameter = \"plate.diameter\" }\n"
+        .to_owned();
+    for (k, diameter) in [0.06, 0.1, 0.08].into_iter().enumerate() {
+        for soil_box in ["large", "small"] {
+            for test in 1..=3 {
+                let number = 3 * k + test;
+                write!(toml, "[[run]]\nfile = \"indentation.csv\"\nname = \"{soil_box}_{number}\"\ngroup = \"{soil_box} {diameter}\"\nwhere = {{ test = \"{soil_box}_{number}\" }}\n").unwrap();
+            }
+        }
+    }
+    let text = std::fs::read_to_string(csv).unwrap();
+    Experiment::from_texts(&[("experiment.toml".to_owned(), toml), ("indentation.csv".to_owned(), text)].into())
+        .unwrap()
+}
+
+fn calibrated(given: Given, experiment: &Experiment) -> Comparison {
+    compare(given, experiment, &CompareOptions { calibrate: true, ..CompareOptions::default() }).unwrap()
+}
+
+pub fn agreement_k_of_the_cmu_sand_grows_with_the_plate_as_its_notes_say([csv]: [PathBuf; 1]) {
+    let experiment = plates(&csv);
+    assert_eq!(experiment.runs.len(), 18);
+    let comparison = calibrated(Given::default(), &experiment);
+    let (calibration, _) = comparison.calibrated.as_ref().unwrap();
+    let parameter = |name: &str| calibration.parameters.iter().find(|p| p.variable.name == name).unwrap();
+    let n = parameter("soil.exponent").value;
+    assert!((n - N.0).abs() < 2.0 * N.1, "n = {n}");
+    assert!(parameter("soil.k_c").at_bound, "a pair that follows k would need a negative k_c");
+    let grows =
+        |caution: &String| caution.contains("k grows with the plate") && caution.contains("no pair (k_c, k_phi)");
+    assert!(comparison.cautions.iter().any(grows), "{:?}", comparison.cautions);
+}
+
+pub fn regress_the_cmu_sand_as_a_prior_of_the_smooth_wheel([csv, folder]: [PathBuf; 2]) {
+    let soil = calibrated(Given::default(), &plates(&csv)).soil.unwrap();
+    let given = Given::default().with_soil(soil, "cmu_plates");
+    let wheel = calibrated(given, &Experiment::read(folder).unwrap());
+    // The baseline lacks slip-sinkage and wants another soil than the plates found: the reader is told so.
+    let said = |words: &str| wheel.cautions.iter().any(|caution| caution.contains(words));
+    assert!(said("moved"), "{:?}", wheel.cautions);
+}
