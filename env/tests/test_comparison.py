@@ -105,3 +105,42 @@ def test_agreement_a_calibration_is_the_baseline_of_the_diagnosis() -> None:
     diagnosis = bekker.diagnose(SAND, candidates=["slip_sinkage"], draws=100)
     assert comparison.fit.rmse == diagnosis.steps[0].rmse
     assert diagnosis.unanswered == comparison.unanswered == []
+
+
+def plates(diameters: tuple[float, ...] = (0.04, 0.08, 0.2)) -> "bekker.Experiment":
+    """Plates on a soil with k_c = 30 kN/m^(n+1), k_phi = 2 MN/m^(n+2), n = 0.9; three tests each, which scatter by 4 %."""
+    runs = []
+    for diameter in diameters:
+        for repeat, factor in enumerate((0.96, 1.0, 1.04)):
+            z = np.linspace(0.0015, 0.03, 20)
+            force = factor * (30e3 / (0.5 * diameter) + 2e6) * z**0.9 * np.pi * diameter**2 / 4
+            run = bekker.MeasuredRun(
+                {"sinkage": z, "force": force},
+                f"plate{1e3 * diameter:.0f}_{repeat}",
+                group=f"{diameter}",
+                parameters={"plate.diameter": diameter},
+            )
+            runs.append(run)
+    return bekker.Experiment("plate_sinkage", runs, name="plates")
+
+
+def test_property_a_found_soil_is_a_prior_and_a_randomisation(tmp_path: Path) -> None:
+    found = bekker.calibrate(plates())
+    soil = found.soil
+    assert soil is not None and [p.name for p in soil.parameters] == ["soil.k_c", "soil.k_phi", "soil.exponent"]
+    assert found.model.kind == "soil_test"
+    soil.save(tmp_path / "soil.toml")
+    read = bekker.Soil.read(tmp_path / "soil.toml")
+    assert read.toml == soil.toml and np.array_equal(read.covariance, soil.covariance)
+    # One plate alone does not tell k_c from k_phi; with the soil it does.
+    one = bekker.calibrate(plates((0.08,)), soil_from=tmp_path / "soil.toml")
+    assert one.calibration is not None
+    values = {p.name: p.value for p in one.calibration.parameters}
+    assert abs(values["soil.k_phi"] / 2e6 - 1.0) < 0.1
+    assert any("priors of soil.toml" in line for line in one.sources)
+    env = bekker.RoverEnv(randomise={"soil": read})
+    drawn = [env.reset(seed=seed)[1]["drawn"] for seed in (1, 1, 2)]
+    assert drawn[0] == drawn[1] != drawn[2]
+    assert set(drawn[0]) == {"soil.k_c", "soil.k_phi", "soil.exponent"}
+    with pytest.raises(bekker.InputError, match="no known soil"):
+        bekker.Soil("name = 'nothing'\nparameter = []")

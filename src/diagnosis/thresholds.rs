@@ -43,7 +43,7 @@ pub(crate) const SOIL_SCATTER: f64 = 0.1;
 /// Smallest noise of a row of a soil test, as a share of that of a usual row: load cells have noise where nothing is pressed.
 pub(crate) const SMALLEST_SCALE: f64 = 0.05;
 /// Share of k that the standard error of k_c/b may reach while k_c and k_phi count as told apart.
-pub(crate) const TOLD_APART: f64 = 0.5;
+pub(crate) const TOLD_APART: f64 = 0.1;
 /// Standard errors from which a sign is that of the value.
 pub(crate) const CONTRADICTED: f64 = 2.0;
 
