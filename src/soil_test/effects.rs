@@ -178,7 +178,7 @@ impl<S: Scalar> TestEffect<S> for ShearPlay<S> {
 parameters! {
     /// Dense soil loosens as it is sheared, and the stress falls behind its peak: tau is multiplied by
     /// 1 - s (1 - exp(-(j/L)^2)). An empirical form; Wong 2008, 2.4.3 shows curves of this shape.
-    pub struct Softening {
+    pub struct ShearSoftening {
         /// Share s of the strength that is lost in the end.
         drop: [Unit::ONE] = 0.0, 0.0..=0.9, Effect, "empirical: dense sand 0.1-0.3";
         /// Displacement L over which it is lost.
@@ -186,7 +186,7 @@ parameters! {
     }
 }
 
-impl<S: Scalar> TestEffect<S> for Softening<S> {
+impl<S: Scalar> TestEffect<S> for ShearSoftening<S> {
     fn facts(&self) -> Facts {
         const ADVICE: &[Advice] = &[Advice::shear("shear to ten times the displacement at which the stress peaks")];
         const TYPICAL: &[(&str, f64)] = &[("drop", 0.2), ("displacement", 0.03)];

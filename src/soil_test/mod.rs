@@ -13,11 +13,9 @@ mod effect;
 mod effects;
 mod rig;
 mod table;
-#[cfg(test)]
-mod tests;
 
 pub use effect::{Pressing, Shearing, TestEffect};
-pub use effects::{BoxBottom, BoxFriction, BoxWalls, PlateSize, Seating, ShearPlay, ShearRate, Softening};
+pub use effects::{BoxBottom, BoxFriction, BoxWalls, PlateSize, Seating, ShearPlay, ShearRate, ShearSoftening};
 pub use rig::{Plate, PlateError, ShearBox, SoilBox};
 pub use table::{TEST_EFFECTS, TestEffects};
 
@@ -154,3 +152,6 @@ impl<S: Scalar> Parameters<S> for SoilTest<S> {
         self.rig.values(f);
     }
 }
+
+#[cfg(test)]
+mod tests;

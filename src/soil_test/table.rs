@@ -1,6 +1,6 @@
 //! The library of what may be wrong with a soil test: one line an effect.
 
-use super::effects::{BoxBottom, BoxFriction, BoxWalls, PlateSize, Seating, ShearPlay, ShearRate, Softening};
+use super::effects::{BoxBottom, BoxFriction, BoxWalls, PlateSize, Seating, ShearPlay, ShearRate, ShearSoftening};
 use super::{Pressing, ShearBox, Shearing, SoilBox, TestEffect};
 use crate::effects::Facts;
 use crate::scalar::{MapScalar, Scalar};
@@ -69,5 +69,5 @@ test_effects! {
     /// Play of the shear box: the first displacement shears nothing.
     shear_play: ShearPlay,
     /// Softening: the shear stress falls again behind its peak.
-    softening: Softening,
+    shear_softening: ShearSoftening,
 }

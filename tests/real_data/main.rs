@@ -37,7 +37,10 @@ fn main() -> ExitCode {
         trial!(diagnosis::agreement_the_smooth_wheel_lacks_slip_sinkage_as_an_expert_says, [CMU_FOLDER]),
         trial!(diagnosis::agreement_rows_of_ding_have_no_floor_and_no_confident_name, [DING]),
         trial!(plates::agreement_k_of_the_cmu_sand_grows_with_the_plate_as_its_notes_say, [PLATES]),
-        trial!(plates::regress_the_cmu_sand_as_a_prior_of_the_smooth_wheel, [PLATES, CMU_FOLDER]),
+        trial!(
+            plates::agreement_with_the_plates_as_a_prior_the_smooth_wheel_lacks_slip_sinkage_on_their_soil,
+            [PLATES, CMU_FOLDER]
+        ),
     ];
     libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
 }
