@@ -41,7 +41,11 @@ pub(crate) fn offer(problem: &Problem) -> Option<String> {
     let class = &SOIL_CLASSES[0];
     let prior =
         |(name, mean, deviation): &(&str, f64, f64)| format!("{name} {} +- {}", rounded(*mean), rounded(*deviation));
-    let priors: Vec<String> = class.priors.iter().map(prior).collect();
+    let free = |(name, ..): &&(&str, f64, f64)| problem.base.iter().any(|free| free.variable.name == *name);
+    let priors: Vec<String> = class.priors.iter().filter(free).map(prior).collect();
+    if priors.is_empty() {
+        return None;
+    }
     Some(format!(
         "no prior of the soil is used; `soil.class = \"{}\"` at the top of experiment.toml would add {} (SI, mean and standard deviation; {}); the classes are {}",
         class.name,
