@@ -40,7 +40,7 @@ pub(crate) const PRIOR_CONTRADICTED: f64 = 2.0;
 /// Standard deviation of what a soil resists from one preparation to the next, as a share, where no test is repeated: repeated plate tests
 /// in one laboratory scatter by 10 to 20 % (Wong 2008, 2.4; the 18 public tests of `tests/real_data` by 5 to 20 %).
 pub(crate) const SOIL_SCATTER: f64 = 0.1;
-/// Smallest noise of a row of a soil test, as a share of that of a usual row: load cells have noise where nothing is pressed.
+/// Smallest noise of a row of a soil test, as a share of that of a usual row of its run: load cells have noise where nothing is pressed.
 pub(crate) const SMALLEST_SCALE: f64 = 0.05;
 /// Share of k that the standard error of k_c/b may reach while k_c and k_phi count as told apart.
 pub(crate) const TOLD_APART: f64 = 0.1;

@@ -126,21 +126,18 @@ impl Strategy for SoilTest {
     }
 
     /// Soils differ from one preparation to the next by a share of what they resist, and so does what is measured of one along a
-    /// test: noise grows with the stress.
+    /// test: noise grows with the stress, in a run under a small plate as in one under a large plate.
     fn noise_scale(&self, layout: &Layout, modelled: &[f64]) -> Vec<f64> {
         let mut scale = vec![1.0; layout.len()];
         for signal in self.signals {
-            let places: Vec<usize> = layout
-                .blocks
-                .iter()
-                .filter(|block| block.signal == *signal)
-                .flat_map(|block| block.range.clone())
-                .filter(|at| modelled[*at].is_finite())
-                .collect();
-            let mean_square = places.iter().map(|at| modelled[*at].powi(2)).sum::<f64>() / places.len().max(1) as f64;
-            let (size, smallest) = (mean_square.sqrt(), SMALLEST_SCALE);
-            if size > 0.0 {
-                places.iter().for_each(|at| scale[*at] = (modelled[*at] / size).hypot(smallest));
+            let blocks = || layout.blocks.iter().filter(|block| block.signal == *signal);
+            let usual = root_mean_square(blocks().flat_map(|block| &modelled[block.range.clone()]));
+            for block in blocks().filter(|_| usual > 0.0) {
+                let own = &modelled[block.range.clone()];
+                let smallest = SMALLEST_SCALE * root_mean_square(own) / usual;
+                for (place, value) in scale[block.range.clone()].iter_mut().zip(own).filter(|(_, v)| v.is_finite()) {
+                    *place = (value / usual).hypot(smallest).max(f64::MIN_POSITIVE.sqrt());
+                }
             }
         }
         scale
@@ -217,4 +214,13 @@ impl Strategy for SoilTest {
     fn variations(&self, _: &Model, experiment: &Experiment, _: Halt) -> Vec<Variation> {
         variations::variations(experiment, self.pressed)
     }
+}
+
+/// Root mean square of the values that are there; 0 of none.
+fn root_mean_square<'v>(values: impl IntoIterator<Item = &'v f64>) -> f64 {
+    let (sum, count) = values
+        .into_iter()
+        .filter(|value| value.is_finite())
+        .fold((0.0, 0_usize), |(sum, count), value| (sum + value * value, count + 1));
+    (sum / count.max(1) as f64).sqrt()
 }
