@@ -201,7 +201,7 @@ def test_property_without_copies_observations_are_overwritten() -> None:
     assert np.array_equal(kept, before)
 
 
-def test_property_a_thread_that_comes_during_a_step_is_told_so() -> None:
+def test_property_a_second_thread_during_a_step_is_refused() -> None:
     env = vector(num_envs=64, period=0.2)
     env.reset(seed=0)
     still, told = np.zeros((64, 2)), []
@@ -218,7 +218,7 @@ def test_property_a_thread_that_comes_during_a_step_is_told_so() -> None:
         thread.start()
     for thread in threads:
         thread.join()
-    # A step of 64 rovers over 0.2 s takes milliseconds, in which the other thread comes.
+    # A step of 64 rovers over 0.2 s takes milliseconds, so that the steps of the two threads overlap.
     assert told and all("another thread steps these rovers" in message for message in told)
 
 

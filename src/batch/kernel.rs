@@ -3,8 +3,8 @@
 #[cfg(target_arch = "x86_64")]
 use crate::scalar::{Arch, Avx2, Avx512};
 
-/// Whether the kernels that only the feature `every-kernel` adds are built in. Unit tests go without them, since they are a second
-/// compilation of this crate and each kernel is most of it; `tests/batch_agreement.rs` compares all.
+/// Whether the kernels that only the feature `every-kernel` adds are built in. The unit tests, for which this crate is compiled a second
+/// time, go without them; `tests/batch_agreement.rs` compares all.
 const EVERY: bool = cfg!(all(feature = "every-kernel", not(test)));
 
 /// How many runs are stepped at once, and with which instructions. A choice of speed alone: the bits are the same.

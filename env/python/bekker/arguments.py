@@ -112,8 +112,8 @@ class Setup:
         terrain = given.get("terrain", self.task.terrain)
         if terrain is not None:
             if not isinstance(terrain, Mapping):
-                raise InputError(f"terrain = {terrain!r}: expected the keys of the section [terrain] of a model file, such as "
-                                 '{"preset": "slope", "slope": 0.1}')
+                keys = '{"preset": "slope", "slope": 0.1}'
+                raise InputError(f"terrain = {terrain!r}: expected the keys of the section [terrain] of a model file, such as {keys}")
             own.set_terrain(json.dumps(_plain(terrain)))
         # The task's values belong to its own vehicle.
         for name, value in {**(self.task.parameters if model is None else {}), **given.get("parameters", {})}.items():
