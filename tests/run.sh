@@ -13,18 +13,29 @@ skipped() {
     if [ -z "$names" ]; then echo "no test skipped"; else printf '%d tests skipped:\n%s\n' "$(wc -l <<<"$names")" "$names"; fi
 }
 trap skipped EXIT
+cargo test --workspace --no-run
+python_package() {
+    python3 -m venv .venv
+    # In the profile of the Rust tests and with their features, so that what they have compiled serves here too.
+    MATURIN_PEP517_ARGS="--profile dev --features as-tested" .venv/bin/python -m pip install --quiet --disable-pip-version-check --upgrade "./env[test]"
+    .venv/bin/python -m mypy --strict env/python/bekker
+    .venv/bin/python -m mypy.stubtest bekker._bekker
+    # FMUs in the Rust crate `fmi`, whose bindings need libclang at build time; the wheel has it, the headers are the C compiler's.
+    .venv/bin/python -m pip install --quiet --disable-pip-version-check libclang || echo "no wheel of libclang"
+    LIBCLANG_PATH=$(.venv/bin/python -c "import clang, pathlib; print(pathlib.Path(clang.__path__[0]) / 'native')" || true) \
+    BINDGEN_EXTRA_CLANG_ARGS="-I$(cc -print-file-name=include)" \
+        cargo build --quiet --locked --manifest-path fmu/judge/Cargo.toml --target-dir target/judge || echo "fmu/judge is not built"
+}
+# It is built while the Rust tests run, many of which keep only one core busy; in a shell of its own, so that it stops at its first failure.
+export -f python_package
+bash -euo pipefail -c python_package >target/python_package.log 2>&1 &
+packaging=$!
 cargo test --workspace | tee -a "$log"
 python3 fmu/scripts/third_party.py --check
-python3 -m venv .venv
-# In the profile of the Rust tests and with their features, so that what they have compiled serves here too.
-MATURIN_PEP517_ARGS="--profile dev --features as-tested" .venv/bin/python -m pip install --quiet --disable-pip-version-check --upgrade "./env[test]"
-.venv/bin/python -m mypy --strict env/python/bekker
-.venv/bin/python -m mypy.stubtest bekker._bekker
-# FMUs in the Rust crate `fmi`, whose bindings need libclang at build time; the wheel has it, the headers are the C compiler's.
-.venv/bin/python -m pip install --quiet --disable-pip-version-check libclang || echo "no wheel of libclang"
-LIBCLANG_PATH=$(.venv/bin/python -c "import clang, pathlib; print(pathlib.Path(clang.__path__[0]) / 'native')" || true) \
-BINDGEN_EXTRA_CLANG_ARGS="-I$(cc -print-file-name=include)" \
-    cargo build --quiet --locked --manifest-path fmu/judge/Cargo.toml --target-dir target/judge || echo "fmu/judge is not built"
+packaged=0
+wait "$packaging" || packaged=$?
+cat target/python_package.log
+[ "$packaged" = 0 ]
 export BEKKER_FMU_JUDGE="$PWD/target/judge/debug/bekker-fmu-judge"
 # `cargo test` has built the examples with which the Python tests compare.
 BEKKER_EXAMPLES="$PWD/target/debug/examples" .venv/bin/python -m pytest --quiet -rs --no-fold-skipped -n auto env/tests | tee -a "$log"
