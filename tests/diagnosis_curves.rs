@@ -2,12 +2,16 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 #![cfg(feature = "report")]
 
+#[path = "support/saved_page.rs"]
+#[allow(dead_code, reason = "tests use parts of it")]
+mod saved_page;
+
 use bekker::diagnosis::{Axis, CompareOptions, Comparison, CurveGroup, Curves, Rig, compare, steady_point};
 use bekker::measurement::Experiment;
 use bekker::model::Model;
 use bekker::modeldescription::Lookup;
 use bekker::report::comparison_page;
-use serde_json::Value;
+use saved_page::{data, figures, numbers};
 use std::path::Path;
 
 /// Inputs that went through a division and back.
@@ -139,71 +143,31 @@ fn property_places_without_an_answer_are_left_out_of_the_curve() {
     }
 }
 
-/// The traces of the plots of a page whose y axis has this title.
-fn traces(page: &str, title: &str) -> Vec<Value> {
-    let plots = page.split("data-plot=\"").skip(1).map(|rest| {
-        let json = &rest[rest.find('>').unwrap() + 1..rest.find("</script>").unwrap()];
-        serde_json::from_str::<Value>(json).unwrap()
-    });
-    let own = plots.filter(|plot| plot["layout"]["yaxis"]["title"]["text"] == title);
-    own.flat_map(|plot| plot["data"].as_array().unwrap().clone()).collect()
-}
-
 #[test]
 fn agreement_the_page_draws_the_curves_and_the_noise_in_force() {
     let comparison = carriage("noise", "[noise]\ndrawbar_pull = 0.3");
     let page = comparison_page(&comparison);
-    let drawn = traces(&page, "drawbar pull (N)");
-    let line = drawn.iter().find(|t| t["mode"] == "lines" && t["name"] == "as given" && t["fill"].is_null()).unwrap();
+    let saved = data(&page);
+    let drawn = &saved["models"][0]["curves"]["slip"]["groups"][0]["signals"]["drawbar_pull"];
     let curve = &over(&comparison.curves, Axis::Slip)[0].models[0].signals["drawbar_pull"];
-    for (value, drawn) in curve.value.iter().zip(line["y"].as_array().unwrap()) {
-        // A page has five digits.
-        assert!((drawn.as_f64().unwrap() - value).abs() <= 1e-4 * value.abs(), "{drawn} {value}");
+    let largest = curve.high.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let ends = [(&curve.value, &drawn["value"]), (&curve.low, &drawn["band"][0]), (&curve.high, &drawn["band"][1])];
+    for (values, drawn) in ends {
+        for (value, drawn) in values.iter().zip(numbers(drawn)) {
+            // Words of two bytes.
+            assert!((drawn - value).abs() <= 1e-4 * largest, "{drawn} {value}");
+        }
     }
-    assert!(drawn.iter().any(|trace| trace["fill"] == "toself"), "no band");
-    let measured = drawn.iter().find(|trace| trace["name"] == "measured").unwrap();
-    assert_eq!(measured["error_y"]["value"], 0.6);
-    // Without noise no bars.
+    // The page draws twice the noise in force; without noise no bars.
+    assert_eq!(saved["experiment"]["noise"]["drawbar_pull"]["value"], 0.3);
+    assert!(page.contains("two standard deviations of the noise of one sample (drawbar pull 0.600 N)"));
     let silent = comparison_page(&carriage("silent", ""));
-    let drawn = traces(&silent, "drawbar pull (N)");
-    assert!(drawn.iter().all(|trace| trace["error_y"].is_null()));
+    assert!(data(&silent)["experiment"]["noise"]["drawbar_pull"]["value"].is_null());
     assert!(silent.contains("there are no error bars"));
     // Accidental loads have a smooth instead of a line from level to level, set-points of slip have means.
-    let against = |page: &str, title: &str, symbol: &str| {
-        let drawn = traces(page, title);
-        drawn.iter().filter(|trace| trace["marker"]["symbol"] == symbol && trace["error_y"]["type"] == "data").count()
+    let of = |mark: &str| {
+        let own = figures(&page).into_iter().filter(|figure| figure["y"]["label"] == "drawbar pull residual (N)");
+        own.filter(|figure| figure["traces"].as_array().unwrap().iter().any(|trace| trace["mark"] == mark)).count()
     };
-    assert_eq!(against(&page, "drawbar pull residual (N)", "diamond"), 2, "slip and wheel speed");
-}
-
-#[test]
-fn property_wheels_of_a_traverse_share_a_plot_with_a_colour_each() {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("diagnosis_curves").join("wheels");
-    std::fs::create_dir_all(&folder).unwrap();
-    let mut csv = "time,wheel[1].speed_command,wheel[2].speed_command,wheel[1].torque,wheel[2].torque\n".to_owned();
-    for row in 0..20 {
-        csv += &format!("{},1.0,1.0,0.{row:02},0.{:02}\n", 0.1 * f64::from(row), 40 - row);
-    }
-    std::fs::write(folder.join("drive.csv"), csv).unwrap();
-    let noise = "\"wheel[1].torque\" = 0.05\n\"wheel[2].torque\" = 0.05";
-    let toml = format!("name = \"wheels\"\nkind = \"traverse\"\n[noise]\n{noise}\n[[run]]\nfile = \"drive.csv\"\n");
-    std::fs::write(folder.join("experiment.toml"), toml).unwrap();
-    let model = Model::preset("two_wheeled_speed").unwrap();
-    let comparison = compare(&model, &Experiment::read(&folder).unwrap(), &CompareOptions::default()).unwrap();
-    assert!(comparison.curves.is_empty());
-    let page = comparison_page(&comparison);
-    assert!(page.contains("<figcaption>torque of the wheels</figcaption>"));
-    let drawn = traces(&page, "torque (N.m)");
-    let colour = |wheel: &str| {
-        let points = drawn.iter().find(|trace| trace["name"] == wheel && trace["mode"] == "markers").unwrap();
-        points["marker"]["color"].clone()
-    };
-    assert_ne!(colour("wheel 1"), colour("wheel 2"));
-    // A band about each wheel's measurements, two standard deviations to either side.
-    let is_band = |trace: &&Value| trace["fill"] == "toself" && trace["yaxis"] != "y2"; // on the second axis: what does not count
-    let bands: Vec<_> = drawn.iter().filter(is_band).collect();
-    assert_eq!(bands.len(), 2);
-    let heights = bands[0]["y"].as_array().unwrap().iter().filter_map(Value::as_f64);
-    assert_eq!(heights.clone().fold(f64::INFINITY, f64::min), -0.1);
-    assert!((heights.fold(f64::NEG_INFINITY, f64::max) - 0.29).abs() < 1e-4);
+    assert_eq!((of("means"), of("line")), (2, 1), "means over slip and wheel speed");
 }

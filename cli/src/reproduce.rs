@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail};
 use bekker_reproduction::{Finding, STUDIES, Study, plot_csv, reproduction_page, rows_csv};
 use std::path::{Path, PathBuf};
 
-/// Compute the thesis's results (sections 2.4, 2.6 and 4.4) and write them beside the published ones.
+/// Compute the thesis's results (sections 2.3, 2.4, 2.6, 3.3, 3.5 and 4.4) and write them beside the published ones.
 #[derive(clap::Args)]
 pub struct Reproduce {
     /// Folder to write to: reproduction.html, reproduction.csv, and one CSV a figure.

@@ -10,6 +10,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 pyo3::import_exception!(bekker.errors, InputError);
 pyo3::import_exception!(bekker.errors, ModelError);
+pyo3::import_exception!(bekker.errors, PlanningError);
 pyo3::import_exception!(bekker.errors, SimulationError);
 pyo3::import_exception!(bekker.errors, UnknownNameError);
 

@@ -15,9 +15,11 @@ mod export;
 mod finding;
 mod model;
 mod observation;
+mod planning;
 mod record;
 mod render;
 mod run;
+mod studio;
 mod vocabulary;
 
 use pyo3::pymodule;
@@ -52,11 +54,17 @@ mod _bekker {
     #[pymodule_export]
     use super::observation::PyObservedSignals;
     #[pymodule_export]
+    use super::planning::{plan, planning_settings, pose, robots};
+    #[pymodule_export]
     use super::record::record;
     #[pymodule_export]
     use super::render::Renderer;
     #[pymodule_export]
     use super::run::PyRun;
+    #[pymodule_export]
+    use super::studio::NativeStudio;
+    #[pymodule_export]
+    use super::studio::open_studio;
     use pyo3::prelude::*;
 
     /// Names and meanings of the built-in models.

@@ -4,9 +4,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a benchmark may fail by panicking")]
 
-use bekker_planning::anisotropic::{GroundEnergy, SlopeEnergy, arrival};
+use bekker_planning::anisotropic::{GroundEnergy, Open, SlopeEnergy, arrival, path_from};
 use bekker_planning::force::{Assumptions, Load, Programme, Shear};
-use bekker_planning::map::{Difficulty, GroundShape, Interpolation, Surface, generated};
+use bekker_planning::map::{Difficulty, GroundShape, Interpolation, Surface, generated, rocky};
 use bekker_planning::plan::{CostField, Evaluator, PerformanceIndex};
 use bekker_planning::pose::Placing;
 use bekker_planning::reconfigure::{Reconfiguration, Stance};
@@ -19,7 +19,7 @@ fn main() {
 }
 
 fn moderate() -> Surface {
-    Surface::new(generated(&ground_shape(Difficulty::Moderate), 1).unwrap(), Interpolation::Smooth)
+    Surface::new(rocky(&ground_shape(Difficulty::Moderate), 1).unwrap(), Interpolation::Smooth)
 }
 
 /// A pose of the rocker-bogie from level.
@@ -80,14 +80,15 @@ fn stance(bencher: Bencher) {
 /// Nodes along a side: 147,000 and 344,000 in all, and the 2000 x 2000.
 const SIDES: [usize; 3] = [383, 586, 2000];
 
-/// Any-angle field over a cost by direction that is given as a formula.
+/// Any-angle field and path from corner to corner over a cost by direction that is given as a formula.
 #[divan::bench(args = SIDES, sample_count = 3, sample_size = 1)]
 fn any_angle_given_cost(bencher: Bencher, side: usize) {
-    let cost = |_: [f64; 2], d: [f64; 2]| 1.0 + 0.6 * (0.8 * d[0] + 0.6 * d[1]);
-    bencher.bench(|| arrival(&cost, [side, side], 1.0, [0.0, 0.0], [5.0, 5.0]));
+    let cost = Open(|_: [f64; 2], d: [f64; 2]| 1.0 + 0.6 * (0.8 * d[0] + 0.6 * d[1]));
+    let goal = [side as f64 - 6.0; 2];
+    bencher.bench(|| path_from(&arrival(&cost, [side, side], 1.0, [0.0, 0.0], [5.0, 5.0]).unwrap(), &cost, goal));
 }
 
-/// The same on energy from the wheel-soil model over a map.
+/// The field alone on energy from the wheel-soil model over a map.
 #[divan::bench(args = [383, 586], sample_count = 3, sample_size = 1)]
 fn any_angle_energy(bencher: Bencher, side: usize) {
     let shape = GroundShape { nodes: side, cell: 0.1, feature: 0.8, roughness: 0.05, swell: 0.1 };
@@ -99,7 +100,7 @@ fn any_angle_energy(bencher: Bencher, side: usize) {
 }
 
 /// Peer: `pathfinding`'s Dijkstra over the same nodes, eight directions, costs in whole numbers as it needs them.
-#[divan::bench(args = [383, 586], sample_count = 3, sample_size = 1)]
+#[divan::bench(args = SIDES, sample_count = 3, sample_size = 1)]
 fn peer_pathfinding_dijkstra(bencher: Bencher, side: usize) {
     let next = |&(c, r): &(i32, i32)| {
         let steps = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];

@@ -1,20 +1,44 @@
-//! Table 3.1 again: `cargo run --release -p bekker-planning --example table_3_1 -- TRIALS [drive]`, as JSON lines, a
-//! trial each; with `drive` the core's planar rover drives every path, which takes longer than planning it.
+//! Table 3.1 again: `cargo run --release -p bekker-planning --example table_3_1 -- FILE [TRIALS [FIRST]]` writes JSON lines, a trial each, every
+//! path driven by the core's planar rover. What the file has already is not done again.
 
 use bekker_planning::map::Difficulty;
-use bekker_planning::trial::trial;
+use bekker_planning::trial::{FRICTION, trial};
+use std::collections::HashSet;
+use std::error::Error;
+use std::fs::OpenOptions;
+use std::io::Write;
 
-/// Coefficient of friction of the ground, which the thesis does not give.
-const FRICTION: f64 = 0.6;
+/// Trials of each ground, three times the thesis's.
+const TRIALS: u64 = 30;
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let trials: u64 = std::env::args().nth(1).map_or(Ok(30), |text| text.parse())?;
-    let drive = std::env::args().nth(2).is_some_and(|word| word == "drive");
-    for seed in 0..trials {
-        for difficulty in Difficulty::ALL {
-            let done = trial(difficulty, seed, FRICTION, drive)?;
-            println!("{}", serde_json::json!({ "ground": difficulty, "trial": done }));
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut arguments = std::env::args().skip(1);
+    let file = arguments.next().ok_or("expected the file to write to")?;
+    let trials = arguments.next().map_or(Ok(TRIALS), |text| text.parse())?;
+    let first = arguments.next().map_or(Ok(0), |text| text.parse())?;
+    let done = done(&file)?;
+    let mut out = OpenOptions::new().create(true).append(true).open(&file)?;
+    for seed in first..first + trials {
+        for ground in Difficulty::ALL {
+            if done.contains(&(serde_json::to_string(&ground)?, seed)) {
+                continue;
+            }
+            let trial = trial(ground, seed, FRICTION, true)?;
+            writeln!(out, "{}", serde_json::json!({ "ground": ground, "trial": trial }))?;
         }
     }
     Ok(())
+}
+
+/// Ground and seed of the trials in a file; none where there is no file.
+fn done(file: &str) -> Result<HashSet<(String, u64)>, Box<dyn Error>> {
+    let text = match std::fs::read_to_string(file) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(HashSet::new()),
+        text => text?,
+    };
+    let key = |line: &str| -> Result<(String, u64), Box<dyn Error>> {
+        let row: serde_json::Value = serde_json::from_str(line)?;
+        Ok((row["ground"].to_string(), row["trial"]["seed"].as_u64().ok_or("a trial without a seed")?))
+    };
+    text.lines().map(key).collect()
 }

@@ -11,7 +11,8 @@
 //! | [`incremental`] | replanning where the map changes, D* Lite | suggested in 5.2 |
 //! | [`anisotropic`] | costs by direction of travel from the core's wheel on its soil, any-angle paths | beyond the thesis |
 //! | [`reconfigure`] | active joints put where the robot stands safest | 3.4, (3.23)-(3.24) |
-//! | [`drive`] | a planned path driven by the core's planar rover | |
+//! | [`traction`] | the same for the largest thrust | suggested in 5.2 |
+//! | [`drive`] | a path driven by half of the robot as the core's planar rover | |
 //! | [`trial`] | the comparison with a binary planner | 3.3, table 3.1 |
 //! | [`site`], [`answer`], [`page`] | all of it in one value, answers and a page as every door gives them | |
 //!
@@ -42,4 +43,5 @@ pub mod reconfigure;
 pub mod robot;
 pub mod site;
 pub mod stability;
+pub mod traction;
 pub mod trial;

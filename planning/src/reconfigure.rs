@@ -16,7 +16,7 @@ pub const MAX_ACTIVE: usize = 8;
 const STEPS: usize = 60;
 
 /// The descent ends where the projected gradient times the step is below this share of the index.
-const SETTLED: f64 = 1e-9;
+const SETTLED: f64 = 1e-7;
 
 /// Halvings of a step before it counts as none.
 const HALVINGS: usize = 20;
@@ -54,6 +54,8 @@ pub struct Stance {
     low: Vector,
     high: Vector,
     penalised: usize,
+    /// Active joints.
+    active: usize,
     settings: Reconfiguration,
 }
 
@@ -145,6 +147,7 @@ impl Stance {
             low: Vector::zeros(),
             high: Vector::zeros(),
             penalised,
+            active,
             settings,
         };
         for (j, ([least, most], value)) in robot.active_limits().into_iter().zip(placing.active()).enumerate() {
@@ -173,7 +176,7 @@ impl Stance {
         let count = self.hull.len();
         let point = |k: usize| {
             let motion = &self.motion[k % count];
-            (0..MAX_ACTIVE).fold(self.hull[k % count], |sum, j| sum + motion[j] * change[j])
+            (0..self.active).fold(self.hull[k % count], |sum, j| sum + motion[j] * change[j])
         };
         let (mut index, mut margin, mut from) = (0.0, f64::INFINITY, point(0));
         for k in 0..count {
@@ -186,11 +189,11 @@ impl Stance {
         }
         // The ground below the belly is taken to be as near to every corner as where it is nearest now.
         for rise in &self.rise {
-            let clearance = (0..MAX_ACTIVE).fold(self.clearance, |sum, j| sum + rise[j] * change[j]);
+            let clearance = (0..self.active).fold(self.clearance, |sum, j| sum + rise[j] * change[j]);
             index += if clearance > 0.0 { self.settings.clearance / clearance } else { f64::INFINITY };
         }
         let excursion = |j: usize| (self.values[j] + change[j] - self.nominal[j]).powi(2);
-        index += self.settings.excursion * (0..self.penalised.min(MAX_ACTIVE)).map(excursion).sum::<f64>();
+        index += self.settings.excursion * (0..self.penalised.min(self.active)).map(excursion).sum::<f64>();
         (index, margin)
     }
 
@@ -205,7 +208,7 @@ impl Stance {
             // It tips, or its belly is in the ground: no slope leads out of there.
             return Optimum { values: self.values.iter().take(active).copied().collect(), index, margin };
         }
-        let mut gradient = self.gradient(&change, index);
+        let mut gradient = self.gradient(&change);
         let mut step = 0.05;
         for _ in 0..STEPS {
             let mut better = None;
@@ -220,7 +223,7 @@ impl Stance {
             }
             let Some((next, there)) = better else { break };
             let fell = index - there.0;
-            let new_gradient = self.gradient(&next, there.0);
+            let new_gradient = self.gradient(&next);
             let (moved, bent) = (next - change, new_gradient - gradient);
             let curvature = moved.dot(&bent);
             step = if curvature > 0.0 { (moved.norm_squared() / curvature).min(1.0) } else { 2.0 * step };
@@ -236,18 +239,44 @@ impl Stance {
         change.zip_zip_map(&self.low, &self.high, |x, low, high| x.clamp(low, high))
     }
 
-    /// Slopes of the index by differences inward from the limits.
-    fn gradient(&self, change: &Vector, index: f64) -> Vector {
+    /// Slopes of the index. With the weight alone (3.8)-(3.10) say gamma = -atan2(S, C) with S = a . (p x g) and C = |a| l . g, where a is
+    /// the axis that ends in p, and l . g = p . g - (a . p) (a . g) / a^2.
+    fn gradient(&self, change: &Vector) -> Vector {
+        let (count, down) = (self.hull.len(), -Vector3::z());
         let mut gradient = Vector::zeros();
-        for j in 0..MAX_ACTIVE {
-            if self.low[j] == self.high[j] {
-                continue;
+        let point = |k: usize| {
+            let motion = &self.motion[k % count];
+            (0..self.active).fold(self.hull[k % count], |sum, j| sum + motion[j] * change[j])
+        };
+        let mut from = point(0);
+        for k in 0..count {
+            let to = point(k + 1);
+            let axis = to - from;
+            let (square, along, fall) = (axis.norm_squared(), axis.dot(&to), axis.dot(&down));
+            let (length, below) = (square.sqrt(), to.dot(&down) - along * fall / square);
+            let (sine, cosine) = (axis.dot(&to.cross(&down)), length * below);
+            let angle = -sine.atan2(cosine);
+            let to_index = -self.settings.stability / (angle * angle);
+            for j in 0..self.active {
+                let moved = self.motion[(k + 1) % count][j];
+                let turned = moved - self.motion[k][j];
+                let of_sine = turned.dot(&to.cross(&down)) + axis.dot(&moved.cross(&down));
+                let of_square = 2.0 * axis.dot(&turned);
+                let of_below = moved.dot(&down)
+                    - ((turned.dot(&to) + axis.dot(&moved)) * fall + along * turned.dot(&down)) / square
+                    + along * fall * of_square / (square * square);
+                let of_cosine = 0.5 * of_square / length * below + length * of_below;
+                let of_angle = -(cosine * of_sine - sine * of_cosine) / (sine * sine + cosine * cosine);
+                gradient[j] += to_index * of_angle;
             }
-            // The square root of rounding, relative to an angle of 1 rad.
-            let step = if change[j] + 1e-7 <= self.high[j] { 1e-7 } else { -1e-7 };
-            let mut near = *change;
-            near[j] += step;
-            gradient[j] = (self.index_at(&near).0 - index) / step;
+            from = to;
+        }
+        for rise in &self.rise {
+            let clearance = (0..self.active).fold(self.clearance, |sum, j| sum + rise[j] * change[j]);
+            (0..self.active).for_each(|j| gradient[j] -= self.settings.clearance * rise[j] / (clearance * clearance));
+        }
+        for j in 0..self.penalised.min(self.active) {
+            gradient[j] += 2.0 * self.settings.excursion * (self.values[j] + change[j] - self.nominal[j]);
         }
         gradient
     }
@@ -285,4 +314,38 @@ fn com_motion(robot: &crate::robot::Robot, frames: &Frames, active: usize) -> (V
         driven.iter_mut().zip(frames.active_motion(Some(k), at)).for_each(|(sum, motion)| *sum += motion * share);
     }
     (passive, driven)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::{ElevationMap, Interpolation, Surface};
+    use crate::robot::sample_return;
+
+    #[test]
+    fn agreement_slopes_of_the_index_are_its_differences() -> Result<(), Box<dyn std::error::Error>> {
+        let hilly = |x: f64, y: f64| 0.1 * x + 0.2 * y + 0.03 * (4.0 * x).sin() * (3.0 * y).cos();
+        let map = ElevationMap::from_formula(81, 81, 0.05, [-2.0, -2.0], hilly)?;
+        let (ground, robot) = (Surface::new(map, Interpolation::Smooth), sample_return());
+        let placing = Placing::new(&robot, &ground, &[])?;
+        let stance = Stance::new(&placing, &placing.pose([0.1, 0.2], 0.4, None)?, 2, Reconfiguration::default())?;
+        let mut change = Vector::zeros();
+        [0.02, -0.05, 0.06, -0.03, 0.04].iter().enumerate().for_each(|(j, x)| change[j] = *x);
+        let slopes = stance.gradient(&change);
+        // Central differences of 1e-5 rad are off by its square and by rounding over it.
+        for j in 0..stance.active {
+            let at = |step: f64| {
+                let mut near = change;
+                near[j] += step;
+                stance.index_at(&near).0
+            };
+            let difference = (at(1e-5) - at(-1e-5)) / 2e-5;
+            assert!(
+                (slopes[j] - difference).abs() < 1e-6 * (1.0 + difference.abs()),
+                "{j}: {} {difference}",
+                slopes[j]
+            );
+        }
+        Ok(())
+    }
 }

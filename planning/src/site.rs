@@ -2,7 +2,7 @@
 
 use crate::force::{Assumptions, Load, Programme, Shear, ShearError};
 use crate::map::{
-    CsvGrid, Difficulty, ElevationMap, Interpolation, MapError, MapReadError, RangeError, Surface, blurred, generated,
+    CsvGrid, Difficulty, ElevationMap, Interpolation, MapError, MapReadError, RangeError, Surface, blurred, rocky,
 };
 use crate::plan::{
     CostField, Evaluator, Failure, Limits, Localisation, PerformanceIndex, Plan, PlanError, Planner, Request,
@@ -115,6 +115,9 @@ pub enum SiteError {
         /// What is wrong.
         problem: String,
     },
+    /// The robot's text.
+    #[error("robot: {0}")]
+    RobotText(String),
     /// No such robot.
     #[error("unknown robot `{0}`; expected fsrl, sample_return, or a TOML file of a robot")]
     UnknownRobot(String),
@@ -154,9 +157,15 @@ impl Site {
     /// # Errors
     /// [`SiteError`] names the file and what was expected.
     pub fn open(source: &Source) -> Result<Self, SiteError> {
-        let robot = robot(&source.robot)?;
+        Self::of(ground(source)?, robot_of(&source.robot)?, source)
+    }
+
+    /// A site of a map and a robot at hand; interpolation, spikes and holes as `source` has them.
+    ///
+    /// # Errors
+    /// [`SiteError`] names what is wrong in the robot's description or cannot be changed in the map.
+    pub fn of(mut map: ElevationMap, robot: Robot, source: &Source) -> Result<Self, SiteError> {
         robot.check()?;
-        let mut map = ground(source)?;
         let mut changes = Vec::new();
         if let Some(threshold) = source.spikes {
             let (smooth, count) = map.without_spikes(threshold)?;
@@ -264,8 +273,11 @@ impl Site {
     }
 }
 
-/// The map of a file, or generated ground.
-fn ground(source: &Source) -> Result<ElevationMap, SiteError> {
+/// The map that a source names: of a file, or generated ground.
+///
+/// # Errors
+/// [`SiteError::Read`] for a file that is no map, [`SiteError::Seed`] for a seed that is no number.
+pub fn ground(source: &Source) -> Result<ElevationMap, SiteError> {
     let (name, seed) = source.map.split_once(':').map_or((&source.map[..], None), |(name, seed)| (name, Some(seed)));
     let difficulty = match name {
         "benign" => Difficulty::Benign,
@@ -274,11 +286,14 @@ fn ground(source: &Source) -> Result<ElevationMap, SiteError> {
         _ => return Ok(ElevationMap::read(Path::new(&source.map), &source.grid)?),
     };
     let seed = seed.map_or(Ok(0), |seed| seed.parse().map_err(|_| SiteError::Seed(source.map.clone())))?;
-    Ok(generated(&ground_shape(difficulty), seed)?)
+    Ok(rocky(&ground_shape(difficulty), seed)?)
 }
 
-/// A robot by name or file.
-fn robot(name: &str) -> Result<Robot, SiteError> {
+/// A robot by the name of one that is built in, or by its TOML file.
+///
+/// # Errors
+/// [`SiteError::UnknownRobot`] and [`SiteError::RobotFile`].
+pub fn robot_of(name: &str) -> Result<Robot, SiteError> {
     match name {
         "fsrl" => return Ok(fsrl()),
         "sample_return" => return Ok(sample_return()),
@@ -290,5 +305,13 @@ fn robot(name: &str) -> Result<Robot, SiteError> {
     let file = PathBuf::from(name);
     let refused = |problem: String| SiteError::RobotFile { file: file.clone(), problem };
     let text = std::fs::read_to_string(&file).map_err(|error| refused(error.to_string()))?;
-    toml::from_str(&text).map_err(|error| refused(error.to_string().trim_end().to_owned()))
+    robot_from(&text).map_err(|error| refused(error.to_string()))
+}
+
+/// A robot from the text of a TOML file.
+///
+/// # Errors
+/// [`SiteError::RobotText`] names the field and what was expected.
+pub fn robot_from(text: &str) -> Result<Robot, SiteError> {
+    toml::from_str(text).map_err(|error| SiteError::RobotText(error.to_string().trim_end().to_owned()))
 }

@@ -2,11 +2,13 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
+use bekker_planning::force::{Assumptions, Load, Shear};
 use bekker_planning::map::{ElevationMap, GroundShape, Interpolation, Surface, generated};
 use bekker_planning::pose::Placing;
 use bekker_planning::reconfigure::{Reconfiguration, ReconfigureError, Stance};
 use bekker_planning::robot::{fsrl, sample_return};
 use bekker_planning::stability::stability;
+use bekker_planning::traction::{Traction, TractionError};
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -14,7 +16,7 @@ use rand_chacha::ChaCha8Rng;
 /// The two shoulders.
 const PENALISED: usize = 2;
 
-/// A descent ends where it gains less than a billionth a step; near a flat optimum that leaves some millionths.
+/// A descent ends where it gains less than a ten-millionth a step; near a flat optimum that leaves some millionths.
 const OPTIMUM: f64 = 1e-5;
 
 fn slope(gx: f64, gy: f64) -> Surface {
@@ -102,4 +104,42 @@ fn property_a_robot_without_motors_is_told() {
     let pose = placing.pose([0.0, 0.0], 0.0, None).unwrap();
     let refused = Stance::new(&placing, &pose, 0, Reconfiguration::default()).unwrap_err();
     assert_eq!(refused, ReconfigureError::Active { active: 0 });
+}
+
+/// Share of the thrust by which a search without slopes may end below the best of a sample: kinks hold it up.
+const THRUST: f64 = 0.05;
+
+#[test]
+fn agreement_joints_for_traction_give_as_much_thrust_as_the_best_of_many_drawn() {
+    let (robot, load, shear) = (sample_return(), Load::default(), Shear { adhesion: 4.0, ..Shear::firm(0.5) });
+    let shape = GroundShape { nodes: 121, cell: 0.04, feature: 0.25, roughness: 0.06, swell: 0.1 };
+    let (mut gains, mut random) = (0, ChaCha8Rng::seed_from_u64(5));
+    for seed in 0..4 {
+        let ground = Surface::new(generated(&shape, seed).unwrap(), Interpolation::Smooth);
+        let traction = Traction {
+            robot: &robot,
+            surface: &ground,
+            load: &load,
+            shear: &shear,
+            assumptions: Assumptions::default(),
+            stability: 0.1,
+        };
+        let (place, nominal) = ([2.4, 2.4], vec![0.0; robot.active()]);
+        let Some(before) = traction.thrust(place, 0.3, &nominal).unwrap() else { continue };
+        let found = traction.most(place, 0.3, &nominal).unwrap().unwrap();
+        let limits = robot.active_limits();
+        let mut draw = || -> Vec<f64> { limits.iter().map(|[low, high]| random.random_range(*low..*high)).collect() };
+        let drawn = (0..150).filter_map(|_| traction.thrust(place, 0.3, &draw()).unwrap());
+        let best = drawn.fold(f64::NEG_INFINITY, f64::max);
+        println!(
+            "ground {seed}: {before:.2} N, {:.2} N after {} sets, best drawn {best:.2} N",
+            found.thrust, found.judged
+        );
+        assert!(found.thrust >= before && found.thrust >= best - THRUST * best.abs(), "{before} {found:?} {best}");
+        assert!(found.values.iter().zip(&limits).all(|(x, [low, high])| (*low..=*high).contains(x)));
+        gains += usize::from(found.thrust > 1.05 * before);
+        let short = traction.most(place, 0.3, &[0.0]);
+        assert!(matches!(short, Err(TractionError::Robot(_))));
+    }
+    assert!(gains >= 2, "{gains} of 4 gain");
 }

@@ -1,8 +1,8 @@
-//! Generated ground of the thesis's three difficulties.
+//! Rocky ground of the thesis's three difficulties.
 
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
-use bekker_planning::map::{Difficulty, generated};
+use bekker_planning::map::{Difficulty, rocky};
 use bekker_planning::plan::obstacle_density;
 use bekker_planning::robot::fsrl;
 use bekker_planning::trial::ground_shape;
@@ -13,7 +13,7 @@ fn published_ground_has_the_density_of_obstacles_of_the_thesis() {
     for difficulty in Difficulty::ALL {
         // 80 % of a wheel's diameter.
         let density = |seed| {
-            let map = generated(&ground_shape(difficulty), seed).unwrap();
+            let map = rocky(&ground_shape(difficulty), seed).unwrap();
             obstacle_density(&map, &robot, 0.8 * 2.0 * robot.wheel_radius)
         };
         let mean = (0..40).map(density).sum::<f64>() / 40.0;

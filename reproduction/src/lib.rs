@@ -1,4 +1,4 @@
-//! The thesis's results beside ours: simulations and experiments of sections 2.3, 2.4, 2.6 and 4.4, each as a [`Finding`].
+//! The thesis's results beside ours: simulations and experiments of sections 2.3, 2.4, 2.6, 3.3, 3.5 and 4.4, each as a [`Finding`].
 //!
 //! A finding is computed, never stored: it drives the same models, sensors, estimators and controllers as every door
 //! and states the assumptions that the thesis leaves open. Nothing is tuned towards a published number; where ours
@@ -16,7 +16,9 @@ pub mod instruments;
 pub mod on_board;
 mod oracle;
 mod page;
+mod paths;
 mod pull;
+mod reconfiguration;
 mod sensitivity;
 mod sled;
 pub mod soil;
@@ -53,6 +55,8 @@ pub const STUDIES: &[Study] = &[
     Study { id: "undulating", run: |trials| Ok(vec![contact_angles::undulating(count(trials))?]) },
     Study { id: "rock", run: |trials| Ok(vec![contact_angles::rock(count(trials))?]) },
     Study { id: "incline", run: |trials| Ok(vec![contact_angles::incline(count(trials))?]) },
+    Study { id: "paths", run: paths::paths },
+    Study { id: "reconfiguration", run: reconfiguration::reconfiguration },
     Study { id: "benign", run: benign::benign },
     Study { id: "sensitivity", run: sensitivity::sensitivity },
     Study { id: "challenging", run: challenging::challenging },

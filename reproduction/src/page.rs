@@ -8,7 +8,7 @@ use bekker::report::{Page, escape, short, table};
 #[must_use]
 pub fn reproduction_page(findings: &[Finding]) -> String {
     let mut page = Page::new("The thesis's results beside ours");
-    page.html("<h1>Iagnemma 2001, sections 2.3, 2.4, 2.6 and 4.4: published and reproduced</h1>");
+    page.html("<h1>Iagnemma 2001, sections 2.3, 2.4, 2.6, 3.3, 3.5 and 4.4: published and reproduced</h1>");
     page.html(
         "<p class=\"lead\">Every number below was computed when this page was written, by the same simulation, sensors, \
          estimators and controllers as every other door of Bekker. Ours is the median over trials with its 10 to 90 % \

@@ -11,6 +11,7 @@ use super::prediction::PredictionError;
 use super::problem::Problem;
 use super::unanswered::{Answers, UnansweredRows, listed};
 use super::uncounted::{UncountedRows, uncounted};
+use super::workbench::Workbench;
 use crate::effects::DefinitionError;
 use crate::measurement::Experiment;
 use crate::model::Model;
@@ -127,6 +128,8 @@ pub struct Comparison {
     /// errors. A wheel on a carriage where a single wheel was measured and no rover is named. What the experiment says of
     /// single runs is not part of it, nor are errors of its sensors.
     pub model: Model,
+    /// The experiment with this model, on which others can be tried.
+    pub workbench: Workbench,
     best: Fit,
 }
 
@@ -193,6 +196,7 @@ fn as_given(problem: &Problem, given: Answers) -> Result<Comparison, CompareErro
         cautions: Vec::new(),
         sources: problem.sources.clone(),
         model: problem.saved(&problem.base, &start),
+        workbench: Workbench::given(problem, noise_floors(experiment, layout, &given.values)),
         best,
     })
 }
@@ -208,8 +212,10 @@ fn calibrated(problem: Problem, given: Result<Answers, PredictionError>) -> Resu
     let best = Fit::new(experiment, &posed.layout, &prepared.modelled).in_motion(&posed, &[], &values)?;
     let start: Vec<f64> = problem.base.iter().map(|free| free.start).collect();
     let unanswered = given.as_ref().map_or_else(|_| Vec::new(), |given| listed(given.missing(&problem.layout)));
+    let workbench = Workbench::prepared(&posed, &prepared);
     Ok(Comparison {
         experiment: experiment.clone(),
+        workbench,
         given: match given {
             Ok(given) => Ok(Fit::new(experiment, &problem.layout, &given.values).in_motion(&problem, &[], &start)?),
             Err(error) => Err(error),

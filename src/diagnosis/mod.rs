@@ -35,6 +35,7 @@ mod problem;
 mod readings;
 mod recorded;
 mod replay;
+mod responses;
 mod sensitivity;
 mod separate;
 mod shift;
@@ -53,8 +54,10 @@ pub(crate) use curves::set_points;
 pub use curves::{Axis, Curve, CurveGroup, Curves, ModelCurves};
 pub use diagnose::{
     CandidateResult, Control, DiagnoseOptions, Diagnosis, FinalParameter, LackOfFit, Noise, Outcome, PairResult,
-    ParameterResult, Progress, Share, Spread, Step, Task, Threads, Verdict, WholeDrive, diagnose, fit_task,
+    ParameterResult, Progress, Share, Spread, Step, Task, Threads, TriedFit, Verdict, WholeDrive, diagnose, fit_task,
 };
+#[cfg(feature = "report")]
+pub(crate) use failure::failures;
 #[cfg(feature = "report")]
 pub(crate) use failure::levels_of;
 pub use failure::{Failure, Level, levels};
@@ -62,17 +65,16 @@ pub use fit::{Fit, RunFit, SignalFit};
 pub use given::Given;
 pub use kinds::{SingleWheelPlan, TraversePlan};
 #[cfg(feature = "report")]
-pub(crate) use local_line::{LocalLine, Smoothed};
-#[cfg(feature = "report")]
-pub(crate) use motion::Ground;
+pub(crate) use local_line::LocalLine;
 pub use motion::Motion;
 pub use noise::{FloorSource, NoiseFloor, NoiseModel, Pooled};
 pub use prediction::{Derivatives, PredictionError};
 pub use replay::{Replay, ReplayError};
+pub use responses::{Response, interpolation_weights};
 pub use sensitivity::{Sensitivity, modelled, sensitivity};
 pub use separate::{
     AssumedNoise, EffectSight, Likeness, NoiseSource, PairSight, PlanError, SeparateOptions, Separation,
-    SmallestStrength, Suggestion, separate,
+    SmallestStrength, Suggestion, separate, separate_unless,
 };
 pub use unanswered::UnansweredRows;
 pub use uncounted::{Uncounted, UncountedGroup, UncountedRows};

@@ -134,17 +134,9 @@ pub(crate) struct Ground<'a> {
 
 impl<'a> Ground<'a> {
     fn of(problem: &'a Problem, run: usize) -> Self {
-        Self::of_run(&problem.experiment.runs[run])
-    }
-
-    pub fn of_run(run: &'a crate::measurement::Run) -> Self {
+        let run = &problem.experiment.runs[run];
         let column = |name| run.terrain.as_ref().and_then(|table| table.column(name)).unwrap_or_default();
         Self { x: column("x"), z: column("z") }
-    }
-
-    /// Its points, m.
-    pub fn points(&self) -> impl Iterator<Item = [f64; 2]> {
-        self.x.iter().zip(self.z).map(|(x, z)| [*x, *z])
     }
 
     /// Height, m.

@@ -6,7 +6,7 @@
 use super::calibrate::Calibration;
 use super::compare::CompareError;
 use super::curves::{Axis, Curves, sketch};
-use super::diagnose::{Noise, calibrated_baseline, run_fit};
+use super::diagnose::{Noise, Prepared, calibrated_baseline, run_fit};
 use super::failure::{Failure, failures};
 use super::fit::Fit;
 use super::free::Free;
@@ -18,7 +18,8 @@ use super::unanswered::{UnansweredRows, listed};
 use super::uncounted::{UncountedRows, uncounted};
 use crate::measurement::{Experiment, Prior};
 use crate::model::Model;
-use bekker_modeldescription::{Lookup, ParameterError, Variable};
+use bekker_modeldescription::{Lookup, ParameterError, Role, Variable};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// Share of the way from neutral to the farther bound at which an effect shows, where the effect itself names no such value.
@@ -87,6 +88,22 @@ impl Workbench {
         Ok(opened)
     }
 
+    /// Of a comparison without a calibration.
+    pub(super) fn given(problem: &Problem, floors: BTreeMap<String, NoiseFloor>) -> Self {
+        Self { problem: problem.clone().owned(), floors, baseline: None }
+    }
+
+    /// Of a calibrated baseline.
+    pub(super) fn prepared(problem: &Problem, prepared: &Prepared) -> Self {
+        let baseline = Calibrated {
+            calibration: prepared.baseline.clone(),
+            cautions: prepared.cautions.clone(),
+            noise: prepared.noise.clone(),
+            unanswered: prepared.unanswered.clone(),
+        };
+        Self { problem: problem.clone().owned(), floors: prepared.floors.clone(), baseline: Some(baseline) }
+    }
+
     /// The experiment.
     #[must_use]
     pub fn experiment(&self) -> &Experiment {
@@ -133,6 +150,30 @@ impl Workbench {
         base.chain(effects).collect()
     }
 
+    /// What a trial may set besides: parameters that no calibration of this experiment moves, since they are taken as known.
+    #[must_use]
+    pub fn known_parameters(&self) -> Vec<Adjustable> {
+        let movable = self.parameters();
+        let is_known = |variable: &Variable| {
+            matches!(variable.role, Role::Fixed | Role::Rig | Role::Calibrated)
+                && variable.min < variable.max
+                && movable.iter().all(|own| own.variable.name != variable.name)
+        };
+        let all = self.problem.strategy().parameters(&self.problem.known).into_iter();
+        let adjustable = |(variable, start)| Adjustable { variable, start, prior: None, effect: None, typical: start };
+        all.filter(|(variable, _)| is_known(variable)).map(adjustable).collect()
+    }
+
+    /// The problem with those of `values` that are taken as known in the place of what was given.
+    fn placed(&self, values: &BTreeMap<String, f64>) -> Cow<'_, Problem<'static>> {
+        let movable = self.parameters();
+        let mut problem = Cow::Borrowed(&self.problem);
+        for (name, value) in values.iter().filter(|(name, _)| movable.iter().all(|own| own.variable.name != **name)) {
+            problem.to_mut().set_known(name, *value);
+        }
+        problem
+    }
+
     /// A value at which an effect shows.
     fn typical(&self, id: &str, free: &Free) -> f64 {
         let facts = self.problem.known.rover.effects.facts_of(id);
@@ -154,7 +195,7 @@ impl Workbench {
         let mut fit = Fit::new(&self.problem.experiment, &self.problem.layout, &modelled);
         if in_motion {
             let (effects, all) = self.all_values(values);
-            fit = fit.in_motion(&self.problem, &effects, &all)?;
+            fit = fit.in_motion(&self.placed(values), &effects, &all)?;
         }
         let failures = failures(&self.problem.experiment, &fit, &self.floors);
         Ok(Trial { fit, unanswered: answers, failures })
@@ -167,15 +208,16 @@ impl Workbench {
     /// [`CompareError`] where a name or a value is not allowed.
     pub fn sketch(&self, axis: Axis, values: &BTreeMap<String, f64>) -> Result<Option<Curves>, CompareError> {
         self.check(values)?;
-        let values = values.iter().map(|(name, value)| (name.clone(), *value)).collect();
-        Ok(sketch(&self.problem, axis, values))
+        let all = values.iter().map(|(name, value)| (name.clone(), *value)).collect();
+        Ok(sketch(&self.placed(values), axis, all))
     }
 
     /// Rows without an answer, and the modelled values in the layout's order.
     fn modelled(&self, values: &BTreeMap<String, f64>) -> Result<(Vec<UnansweredRows>, Vec<f64>), CompareError> {
         self.check(values)?;
         let (effects, all) = self.all_values(values);
-        let answers = self.problem.predict(&self.problem.free(&effects), |predict| predict.answers(&all))??;
+        let problem = self.placed(values);
+        let answers = problem.predict(&problem.free(&effects), |predict| predict.answers(&all))??;
         let missing = answers.missing(&self.problem.layout);
         match missing.first() {
             Some(rows) if !answers.any(&self.problem.layout) => Err(rows.error.clone().into()),
@@ -199,7 +241,8 @@ impl Workbench {
             return Ok(());
         }
         let place = || "trial".to_owned();
-        let known = self.parameters();
+        let mut known = self.parameters();
+        known.extend(self.known_parameters());
         for (name, value) in values {
             let Some(parameter) = known.iter().find(|parameter| parameter.variable.name == *name) else {
                 let source = self.problem.known.clone().unknown(name);
@@ -224,16 +267,7 @@ impl Workbench {
         problem.halt = Halt::when(stop);
         let prepared = calibrated_baseline(&mut problem)
             .map_err(|error| if stop() { CompareError::Interrupted } else { error })?;
-        Ok(Self {
-            problem: problem.owned(),
-            floors: prepared.floors,
-            baseline: Some(Calibrated {
-                calibration: prepared.baseline,
-                cautions: prepared.cautions,
-                noise: prepared.noise,
-                unanswered: prepared.unanswered,
-            }),
-        })
+        Ok(Self::prepared(&problem, &prepared))
     }
 
     /// Fits the baseline's parameters and those of `effects` together, from `values` and, where an effect is neutral there, from its
@@ -253,7 +287,7 @@ impl Workbench {
             let known = self.problem.library.iter().map(|candidate| candidate.id.as_str()).collect::<Vec<_>>();
             return Err(CompareError::UnknownEffect { id: id.clone(), known: known.join(", ") });
         }
-        let mut problem: Problem = self.problem.clone();
+        let mut problem: Problem = self.placed(values).into_owned();
         problem.halt = Halt::when(stop);
         let start = |free: &Free| {
             let value = values.get(&free.variable.name).copied().unwrap_or(free.start);
@@ -279,7 +313,8 @@ impl Workbench {
     pub fn model(&self, values: &BTreeMap<String, f64>) -> Result<Model, CompareError> {
         self.check(values)?;
         let (effects, all) = self.all_values(values);
-        Ok(self.problem.saved(&self.problem.free(&effects), &all))
+        let problem = self.placed(values);
+        Ok(problem.saved(&problem.free(&effects), &all))
     }
 }
 

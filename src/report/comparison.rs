@@ -1,15 +1,15 @@
 //! The page of a comparison, in this order: what was measured, how large is the error against
 //! the noise, what do measurement and model look like, where does it fail, what did the calibration do.
 
-use super::diagnosis::{add_panels, how_drawn};
+use super::diagnosis::how_drawn;
 use super::drive;
 use super::page::{Page, escape, table};
 use super::plots::{Condition, DrawnModel, Samples, View, residuals};
+use super::saved::saved_comparison;
 use super::units::{digits, of_column, of_unit, short, spoken};
 use super::words::{sentence, source, summary, what_was_measured};
 use crate::diagnosis::{Calibration, Comparison, Failure, UnansweredRows};
 use crate::report::kinds::of;
-use plotly::common::DashType;
 
 /// Sentences on where the model fails.
 const MOST_SENTENCES: usize = 5;
@@ -19,6 +19,8 @@ const MOST_SENTENCES: usize = 5;
 pub fn comparison_page(comparison: &Comparison) -> String {
     let name = &comparison.experiment.name;
     let mut page = Page::new(&format!("{name}: model and measurement"));
+    page.data(saved_comparison(comparison).to_string());
+    page.html("<div id=\"first\">");
     page.html(&format!("<h1>{}: model and measurement</h1>", escape(name)));
     page.html(&format!("<p class=\"lead\">{}</p>", escape(&what_was_measured(&comparison.experiment))));
     let sentences: String = summary(comparison).iter().map(|s| format!("<p>{}</p>", escape(s))).collect();
@@ -32,11 +34,12 @@ pub fn comparison_page(comparison: &Comparison) -> String {
     }
     let cautions: String = comparison.cautions.iter().map(|c| format!("<p>{}</p>", escape(c))).collect();
     page.html(&cautions);
+    page.html("</div>");
     if drive::is_shown(&view) {
         page.section_at("drive", "The drive", "");
-        drive::add(&mut page, &view, "drive", comparison.model.rover.wheel.radius);
+        drive::add(&mut page, &view, comparison.model.rover.wheel.radius);
     }
-    add_overlays(&mut page, &view);
+    page.html(&format!("<p class=\"lead\">{}</p>", escape(&how_drawn(view.experiment, &view.noise))));
     add_failures(&mut page, comparison);
     if let Some((calibration, _)) = &comparison.calibrated {
         add_parameters(&mut page, calibration);
@@ -82,30 +85,16 @@ fn unanswered(which: &str, unanswered: &[UnansweredRows]) -> String {
     format!("<p>{which}, the model has no answer in {count} rows, which its errors leave out:</p><ul>{items}</ul>")
 }
 
-/// The models that the page shows: as given and, where there was a calibration, calibrated, which is shown at first.
+/// The model whose failures the text tells.
 fn view(comparison: &Comparison) -> View<'_> {
-    let mut models: Vec<DrawnModel> = comparison.given.iter().map(DrawnModel::given).collect();
-    models.extend(
-        comparison
-            .calibrated
-            .as_ref()
-            .map(|(_, fit)| DrawnModel::calibrated("calibrated", "calibrated", fit, DashType::Solid)),
-    );
-    let at_first = models.last().map(|model| model.key).into_iter().collect();
+    let name = if comparison.calibrated.is_some() { "the calibrated model" } else { "the model as given" };
     let noise = comparison.noise_floor.iter().filter_map(|(signal, floor)| Some((signal.clone(), floor.value()?)));
     View {
         experiment: &comparison.experiment,
         noise: noise.collect(),
-        curves: &comparison.curves,
         uncounted: &comparison.uncounted,
-        models,
-        at_first,
+        model: DrawnModel { name, fit: comparison.fit() },
     }
-}
-
-fn add_overlays(page: &mut Page, view: &View) {
-    page.section("Measured and modelled", &how_drawn(view));
-    add_panels(page, view);
 }
 
 fn add_failures(page: &mut Page, comparison: &Comparison) {

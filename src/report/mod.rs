@@ -4,8 +4,11 @@ mod comparison;
 mod diagnosis;
 mod drive;
 mod kinds;
+mod packed;
 mod page;
 mod plots;
+mod saved;
+pub mod shown;
 mod units;
 mod words;
 

@@ -1,25 +1,20 @@
-//! The page around the sections: style, plotting library, theme.
+//! The page around the sections: text and tables, figures, and the data that the script reads.
 
-use super::plots::{LinePlot, lines};
-use plotly::Plot;
+use super::plots::{Figure, LinePlot, lines};
 
-const STYLE: &str = include_str!("page.css");
-const SCRIPT: &str = include_str!("page.js");
-
-/// A page in the making: one HTML file with style, plots and their library in it.
+/// A page in the making: one HTML file with style, script and data in it.
 pub struct Page {
     title: String,
     body: String,
-    plots: usize,
-    /// Scripts beside that of every page, each once.
-    scripts: Vec<&'static str>,
+    figures: usize,
+    data: Option<String>,
 }
 
 impl Page {
     /// An empty page with its title, plain text.
     #[must_use]
     pub fn new(title: &str) -> Self {
-        Self { title: escape(title), body: String::new(), plots: 0, scripts: Vec::new() }
+        Self { title: title.to_owned(), body: String::new(), figures: 0, data: None }
     }
 
     /// Adds HTML as it is.
@@ -28,11 +23,9 @@ impl Page {
         self.body.push('\n');
     }
 
-    /// Runs a script once after that of every page.
-    pub(super) fn script(&mut self, script: &'static str) {
-        if !self.scripts.contains(&script) {
-            self.scripts.push(script);
-        }
+    /// What the script reads in the place of a server's answers.
+    pub(super) fn data(&mut self, data: String) {
+        self.data = Some(data);
     }
 
     /// Adds a heading and the sentence under it, both plain text.
@@ -46,76 +39,45 @@ impl Page {
         self.html(&format!("<h2 id=\"{place}\">{}</h2>{lead}", escape(heading)));
     }
 
-    /// Adds plots side by side as far as the width allows, each with its title; returns what [`again`](Page::again) needs.
-    pub(super) fn plots(&mut self, plots: &[(String, Plot)]) -> Vec<(String, usize)> {
-        let mut drawn = Vec::new();
-        self.body.push_str(if plots.len() == 1 { "<div class=\"wide\">\n" } else { "<div class=\"row\">\n" });
-        for (title, plot) in plots {
-            self.plots += 1;
+    /// Adds figures side by side as far as the width allows, each with its title.
+    pub(super) fn plots(&mut self, plots: &[(String, Figure)]) {
+        self.body.push_str(if plots.len() == 1 {
+            "<div class=\"figures wide\">\n"
+        } else {
+            "<div class=\"figures\">\n"
+        });
+        for (title, figure) in plots {
+            self.figures += 1;
+            let (number, title) = (self.figures, escape(title));
             // A tag inside a string of the data would end the script or begin another.
-            let json = plot.to_json().replace('<', "\\u003c");
-            self.figure(
-                title,
-                self.plots,
-                "",
-                &format!("<script type=\"application/json\" data-plot=\"plot{}\">{json}</script>", self.plots),
-            );
-            drawn.push((title.clone(), self.plots));
+            let json = serde_json::json!(figure).to_string().replace('<', "\\u003c");
+            self.body.push_str(&format!(
+                "<figure><figcaption>{title}</figcaption><div class=\"plot\" id=\"plot{number}\" role=\"img\" aria-label=\"{title}\"></div>\
+                 <script type=\"application/json\" data-plot=\"plot{number}\">{json}</script></figure>\n"
+            ));
         }
         self.body.push_str("</div>\n");
-        drawn
     }
 
     /// Adds plots of lines side by side as far as the width allows, each with its title.
     pub fn lines(&mut self, plots: &[LinePlot]) {
-        let plots: Vec<(String, Plot)> = plots.iter().map(|plot| (plot.title.clone(), lines(plot))).collect();
+        let plots: Vec<(String, Figure)> = plots.iter().map(|plot| (plot.title.clone(), lines(plot))).collect();
         self.plots(&plots);
-    }
-
-    /// Draws plots a second time from the same data, under other boxes and lists.
-    pub(super) fn again(&mut self, plots: &[(String, usize)]) {
-        self.body.push_str(if plots.len() == 1 { "<div class=\"wide\">\n" } else { "<div class=\"row\">\n" });
-        for (title, source) in plots {
-            self.plots += 1;
-            self.figure(title, self.plots, &format!(" data-again=\"plot{source}\""), "");
-        }
-        self.body.push_str("</div>\n");
-    }
-
-    fn figure(&mut self, title: &str, number: usize, attributes: &str, data: &str) {
-        let title = escape(title);
-        self.body.push_str(&format!(
-            "<figure><figcaption>{title}</figcaption><div class=\"plot\" id=\"plot{number}\" role=\"img\" \
-             aria-label=\"{title}\"{attributes}></div>{data}</figure>\n"
-        ));
     }
 
     /// The finished page; it states its own size.
     #[must_use]
     pub fn finish(self) -> String {
-        let Self { title, mut body, scripts, .. } = self;
-        let scripts = std::iter::once(SCRIPT).chain(scripts).collect::<Vec<_>>().join("\n");
-        let size = (plotting_library().len() + STYLE.len() + scripts.len() + body.len()) as f64 / 1e6;
+        let Self { title, mut body, data, .. } = self;
+        let own = |body: &str| bekker_page::alone(&title, body, data.as_deref());
+        let size = own(&body).len() as f64 / 1e6;
         body.push_str(&format!(
             "<p class=\"small\">Written by Bekker {}. This page is one file of {size:.1} MB and loads nothing from elsewhere.</p>\n\
              <noscript><p>The plots need JavaScript; text and tables do not.</p></noscript>\n",
             env!("CARGO_PKG_VERSION")
         ));
-        let library = plotting_library();
-        format!(
-            "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n\
-             {library}</head>\n<body>\n<main>\n{body}</main>\n<script>\n{scripts}</script>\n</body>\n</html>\n"
-        )
+        own(&body)
     }
-}
-
-/// The plotting library alone: the crate's sources add a typesetter for formulas, which no page here needs.
-fn plotting_library() -> String {
-    let sources = Plot::offline_js_sources();
-    let end = sources.find("</script>").map_or(sources.len(), |at| at + "</script>".len());
-    sources[..end].to_owned() + "\n"
 }
 
 /// Plain text as HTML.
@@ -128,7 +90,9 @@ pub fn escape(text: &str) -> String {
 #[must_use]
 pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
     let cells = |tag: &str, cells: &mut dyn Iterator<Item = &str>| {
-        cells.map(|cell| format!("<{tag}>{}</{tag}>", escape(cell))).collect::<String>()
+        // An empty cell heads nothing.
+        let tag = |cell: &str| if cell.is_empty() { "td".to_owned() } else { tag.to_owned() };
+        cells.map(|cell| format!("<{0}>{1}</{0}>", tag(cell), escape(cell))).collect::<String>()
     };
     let body: String =
         rows.iter().map(|row| format!("<tr>{}</tr>\n", cells("td", &mut row.iter().map(String::as_str)))).collect();

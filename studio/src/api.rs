@@ -4,7 +4,6 @@ use crate::bench::{Bench, Step};
 use crate::error::Refusal;
 use crate::guard::guarded;
 use crate::options::Opened;
-use crate::shown::{self, Values};
 use crate::state::Shared;
 use crate::work::{self, Event, Kind, Order};
 use crate::{page, upload};
@@ -18,6 +17,7 @@ use axum::routing::{delete, get, post, put};
 use axum::{Json, Router, middleware};
 use bekker::diagnosis::{CompareOptions, Workbench, compare};
 use bekker::measurement::{self, Meaning};
+use bekker::report::shown::{self, Form, Values};
 use bekker::report::{comparison_page, diagnosis_page};
 use futures_util::stream::{self, Stream};
 use serde::Deserialize;
@@ -48,7 +48,7 @@ pub fn router(shared: Shared) -> Router {
         .route("/api/experiments/{id}/jobs", post(begin))
         .route("/api/experiments/{id}/jobs/{kind}", delete(stop))
         .route("/api/experiments/{id}/events", get(events))
-        .route("/api/experiments/{id}/steps", post(accept))
+        .route("/api/experiments/{id}/steps", get(steps).post(accept))
         .route("/api/experiments/{id}/export", post(export))
         .route("/api/uploads", post(new_upload))
         .route("/api/uploads/{number}/files", files)
@@ -83,13 +83,13 @@ async fn quickly<T: Send + 'static>(
 }
 
 async fn list(State(shared): State<Shared>) -> Json<Value> {
-    let all: Vec<Value> = shared.benches().iter().map(|bench| shown::listed(bench)).collect();
+    let all: Vec<Value> = shared.benches().iter().map(|bench| bench.listed()).collect();
     Json(json!({ "experiments": all, "version": env!("CARGO_PKG_VERSION"), "fmu": shared.fmu.is_some() }))
 }
 
 async fn experiment(State(shared): State<Shared>, Path(id): Path<String>) -> Answer {
     let bench = shared.bench(&id)?;
-    quickly(&shared, move || Ok(Json(shown::experiment(&bench)))).await
+    quickly(&shared, move || Ok(Json(bench.shown()))).await
 }
 
 #[derive(Deserialize)]
@@ -113,7 +113,10 @@ async fn trial(State(shared): State<Shared>, Path(id): Path<String>, body: Bytes
         let trial = workbench.trial(&asked.values, asked.motion)?;
         let axis = asked.axis.as_deref().and_then(shown::axis);
         let curves = axis.map(|axis| workbench.sketch(axis, &asked.values)).transpose()?.flatten();
-        let mut shown = shown::trial(&trial, curves.as_ref(), workbench.experiment());
+        let form = Form::plain();
+        let mut shown = shown::model(workbench.experiment(), &trial.fit, &trial.failures, &trial.unanswered, &form);
+        let curves = curves.iter().map(|curves| (curves.axis.name(), shown::curves(curves, None, &form)));
+        shown["curves"] = json!(curves.collect::<BTreeMap<_, _>>());
         shown["milliseconds"] = json!(1e3 * start.elapsed().as_secs_f64());
         Ok(Json(shown))
     })
@@ -161,6 +164,11 @@ async fn events(
 
 fn sent(event: &Event) -> sse::Event {
     sse::Event::default().event(event.name).data(&*event.data)
+}
+
+/// The steps of an experiment, from which another may take its soil.
+async fn steps(State(shared): State<Shared>, Path(id): Path<String>) -> Answer {
+    Ok(Json(json!({ "steps": shared.bench(&id)?.steps() })))
 }
 
 async fn accept(State(shared): State<Shared>, Path(id): Path<String>, body: Bytes) -> Answer {
@@ -292,5 +300,5 @@ async fn open_upload(State(shared): State<Shared>, Path(number): Path<u64>, body
     let opened = Opened { experiment, given, example: false };
     let bench = quickly(&shared, move || opener.open(opened).map_err(Refusal::bad)).await?;
     lock(&shared).end(number);
-    Ok(Json(shown::listed(&bench)))
+    Ok(Json(bench.listed()))
 }

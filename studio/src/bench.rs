@@ -2,10 +2,10 @@
 
 use crate::error::Refusal;
 use crate::options::Opened;
-use crate::shown::{self, Values};
 use crate::work::{Event, Jobs};
 use bekker::diagnosis::{Calibration, CompareError, Diagnosis, Given, Workbench};
 use bekker::measurement::Experiment;
+use bekker::report::shown::{self, Form, Values};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -121,6 +121,19 @@ impl Bench {
         self.workbench().experiment().clone()
     }
 
+    /// The experiment in a list.
+    pub fn listed(&self) -> Value {
+        let workbench = self.workbench();
+        let experiment = workbench.experiment();
+        json!({ "id": self.id, "name": experiment.name, "kind": experiment.kind.name(), "example": self.example })
+    }
+
+    /// All that the page has to know of it but for what the models give.
+    pub fn shown(&self) -> Value {
+        let workbench = self.workbench();
+        shown::experiment(&workbench, workbench.experiment(), &self.id, self.example, &Form::plain())
+    }
+
     /// Tells every tab.
     pub fn tell(&self, event: Event) {
         // Nobody may be listening.
@@ -137,7 +150,10 @@ impl Bench {
         let step = Step { label: "soil calibrated".to_owned(), parent: Some(0), effects: Vec::new(), values, rmse };
         self.tell(Event::new("calibrated", Value::Null));
         self.found(found);
-        self.push(step);
+        // A tab may have told it to a server that was started again: the same measurements give the same values.
+        if !self.state().steps.iter().any(|known| known.effects.is_empty() && known.values == step.values) {
+            self.push(step);
+        }
         Ok(())
     }
 
@@ -153,6 +169,11 @@ impl Bench {
         }
         drop(state);
         self.tell(Event::new("fit", json!(found)));
+    }
+
+    /// Every model that was accepted.
+    pub fn steps(&self) -> Vec<Step> {
+        self.state().steps.clone()
     }
 
     /// Accepts a model.

@@ -21,20 +21,32 @@ const TOKEN: &str = "bekker_studio";
 
 /// What the page may load: its own files only.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; connect-src 'self'; \
-                      base-uri 'none'; form-action 'none'; frame-ancestors 'self'";
+                      base-uri 'none'; form-action 'none'; frame-ancestors";
+
+/// Who may show the page within theirs: nobody else, or pages of this machine and of an editor's notebook.
+const OWN: &str = "'self'";
+const NOTEBOOKS: &str = "'self' http://localhost:* http://127.0.0.1:* vscode-webview:";
 
 /// Who may ask.
 #[derive(Clone, Debug)]
 pub struct Guard {
     address: SocketAddr,
     token: Option<String>,
+    policy: HeaderValue,
+}
+
+/// What the page may load and who may show it.
+fn policy(in_notebook: bool) -> HeaderValue {
+    let text = format!("{POLICY} {}", if in_notebook { NOTEBOOKS } else { OWN });
+    // It is plain text, which a header can hold.
+    HeaderValue::from_str(&text).unwrap_or_else(|_| HeaderValue::from_static("default-src 'none'"))
 }
 
 impl Guard {
     /// For a server that listens on `address`: with a token unless it is of the loopback interface.
-    pub fn new(address: SocketAddr) -> std::io::Result<Self> {
+    pub fn new(address: SocketAddr, in_notebook: bool) -> std::io::Result<Self> {
         let token = if address.ip().is_loopback() { None } else { Some(random_token()?) };
-        Ok(Self { address, token })
+        Ok(Self { address, token, policy: policy(in_notebook) })
     }
 
     /// The address for a browser.
@@ -118,7 +130,7 @@ pub async fn guarded(State(shared): State<Shared>, request: Request, next: Next)
         Ok(()) => next.run(request).await,
     };
     let headers = response.headers_mut();
-    headers.insert(CONTENT_SECURITY_POLICY, HeaderValue::from_static(POLICY));
+    headers.insert(CONTENT_SECURITY_POLICY, guard.policy.clone());
     headers.insert(X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
     headers.insert(REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
     response
@@ -150,7 +162,7 @@ mod tests {
     use super::*;
 
     fn guard(address: &str) -> Guard {
-        Guard { address: address.parse().expect("an address"), token: None }
+        Guard { address: address.parse().expect("an address"), token: None, policy: policy(false) }
     }
 
     #[test]
@@ -169,9 +181,24 @@ mod tests {
     }
 
     #[test]
+    fn property_only_notebooks_of_this_machine_may_show_the_page_and_only_where_asked() {
+        let ancestors = |in_notebook| {
+            let text = policy(in_notebook).to_str().expect("text").to_owned();
+            text.split("frame-ancestors ").nth(1).expect("a rule").to_owned()
+        };
+        assert_eq!(ancestors(false), "'self'");
+        for source in ancestors(true).split(' ') {
+            assert!(
+                ["'self'", "http://localhost:*", "http://127.0.0.1:*", "vscode-webview:"].contains(&source),
+                "{source}"
+            );
+        }
+    }
+
+    #[test]
     fn property_the_token_is_in_the_address_only_where_others_can_ask() {
         assert_eq!(guard("127.0.0.1:8137").url(), "http://127.0.0.1:8137/");
-        let open = Guard::new("0.0.0.0:8137".parse().expect("an address")).expect("random numbers");
+        let open = Guard::new("0.0.0.0:8137".parse().expect("an address"), false).expect("random numbers");
         assert!(open.url().starts_with("http://localhost:8137/?token=") && open.url().len() > 50);
     }
 }

@@ -5,8 +5,8 @@
 //! background, and writes models and reports. Every number comes from the library calls that the command line makes.
 //!
 //! The parts: [`guard`](self) refuses requests that do not come from the page, `bench` holds one experiment with its steps, `work` runs
-//! what takes long and tells of it as it comes, `upload` takes files in memory, `api` is what the page asks, `page` the page itself, whose
-//! sources are in `page/` and whose built form is embedded.
+//! what takes long and tells of it as it comes, `upload` takes files in memory, `api` is what the page asks, `page` the page itself, which
+//! the crate `bekker-page` holds.
 //!
 //! Safety: it listens on the loopback interface unless an address is given, and then asks for a token. Requests with a foreign `Host` or
 //! `Origin` are refused. Uploaded files stay in memory and never become paths; nothing of them is executed.
@@ -18,7 +18,6 @@ mod guard;
 mod options;
 mod page;
 mod server;
-mod shown;
 mod state;
 mod upload;
 mod work;

@@ -30,6 +30,8 @@ pub struct Options {
     pub fmu: Option<FmuPacker>,
     /// Largest sum of the bytes of one upload.
     pub upload_limit: usize,
+    /// Whether pages of notebooks on this machine may show the page within theirs.
+    pub in_notebook: bool,
 }
 
 /// Largest upload, unless said otherwise: a traverse of an hour at 100 Hz with 20 columns is half of it.
@@ -45,6 +47,7 @@ impl Default for Options {
             experiments: Vec::new(),
             fmu: None,
             upload_limit: UPLOAD_LIMIT,
+            in_notebook: false,
         }
     }
 }

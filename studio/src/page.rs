@@ -1,11 +1,8 @@
-//! The page: the built form of `page/`, embedded so that nothing else has to be installed.
+//! The page, which is embedded so that nothing else has to be installed.
 
 use axum::http::header::{CACHE_CONTROL, CONTENT_TYPE};
 use axum::response::{IntoResponse, Response};
-
-const INDEX: &str = include_str!("../page/built/index.html");
-const SCRIPT: &str = include_str!("../page/built/page.js");
-const STYLE: &str = include_str!("../page/built/page.css");
+use bekker_page::{INDEX, SCRIPT, STYLE};
 
 fn file(kind: &'static str, text: &'static str) -> Response {
     // A newer program has a newer page under the same address.

@@ -20,11 +20,11 @@ impl Studio {
     /// # Errors
     /// [`StudioError`] where the address is taken, or an experiment does not fit its model.
     pub fn start(options: Options) -> Result<Self, StudioError> {
-        let Options { address, experiments, fmu, upload_limit } = options;
+        let Options { address, experiments, fmu, upload_limit, in_notebook } = options;
         let refused = |source| StudioError::Bind { address, source };
         let listener = TcpListener::bind(address).map_err(refused)?;
         listener.set_nonblocking(true).map_err(refused)?;
-        let guard = Guard::new(listener.local_addr().map_err(refused)?).map_err(StudioError::Token)?;
+        let guard = Guard::new(listener.local_addr().map_err(refused)?, in_notebook).map_err(StudioError::Token)?;
         let shared = Arc::new(state::Studio::new(guard, fmu, upload_limit)?);
         for opened in experiments {
             shared.open(opened)?;

@@ -2,11 +2,11 @@
 //! when a person asks it to.
 
 use crate::bench::{Bench, Found};
-use crate::shown::Values;
 use bekker::diagnosis::{
     CompareError, Control, DiagnoseOptions, Noise, Outcome, Progress, SeparateOptions, Spread, Task, Threads, diagnose,
-    separate,
+    separate_unless,
 };
+use bekker::report::shown::Values;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -175,10 +175,8 @@ impl Worker<'_> {
     fn separate(&self, order: &Order) -> Result<(), CompareError> {
         self.stage("looking at what the experiment can tell apart", "");
         let options = SeparateOptions { added: order.effects.clone(), ..SeparateOptions::default() };
-        let separation = separate(&self.bench.given, &self.bench.experiment(), &options)?;
-        if self.stopped() {
-            return Err(CompareError::Interrupted);
-        }
+        let stop = || self.stopped();
+        let separation = separate_unless(&self.bench.given, &self.bench.experiment(), &options, &stop)?;
         self.bench.take_separation(separation.to_json());
         Ok(())
     }

@@ -30,7 +30,7 @@ fn agreement_a_trial_has_the_errors_of_a_comparison() {
     let shown = trial(&running, &json!({})).json();
     assert_eq!(shown["rmse"], json!(comparison.fit().rmse));
     assert_eq!(shown["runs"].as_array().unwrap().len(), comparison.experiment.runs.len());
-    assert_eq!(shown["curves"]["groups"].as_array().unwrap().len(), 6);
+    assert_eq!(shown["curves"]["slip"]["groups"].as_array().unwrap().len(), 6);
     let listed = running.get(EXAMPLE).json();
     assert_eq!(listed["signals"], json!(["drawbar_pull", "torque", "sinkage"]));
     assert!(listed["parameters"].as_array().unwrap().iter().any(|parameter| parameter["effect"] == "slip_sinkage"));

@@ -47,6 +47,6 @@ fn property_the_page_is_small() {
         .iter()
         .map(|name| fs::metadata(page().join("built").join(name)).unwrap().len())
         .sum();
-    // It is embedded in the program and, later, in saved reports.
+    // It is embedded in the program and in every saved report.
     assert!(size < 300_000, "{size} bytes");
 }

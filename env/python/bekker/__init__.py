@@ -43,8 +43,17 @@ many together (:class:`RoverEnv`, :class:`RoverVectorEnv`)::
     diagnosis.plot_overlay()                   # and plot_residuals, plot_steps, plot_candidates ... (matplotlib)
     diagnosis.save_model("improved.toml")      # bekker.steady_points(diagnosis.improved, 20.0, 0.2, 0.5) takes it as it is
 
+*Look at it all by hand*: ``bekker.studio("examples/sand_wheel")`` shows the workbench in a notebook's cell, and its ``open()``
+in a browser.
+
 Data that are not on disk come as :class:`Experiment`, from data frames or arrays; :func:`import_experiment` proposes a
 folder for CSV files in columns and units of their own.
+
+*Ask where it can go*: the pose on a map at a place, and a path on which it is safe at every point::
+
+    >>> plan = bekker.plan("benign:3", start=(2.0, 2.0), goal=(3.0, 3.0), robot="fsrl")
+    >>> plan.path.shape[1], bool(plan.stability.min() > 0.17)         # rad
+    (2, True)
 
 *Take it elsewhere*: ``bekker.export_fmu(model, "rover.fmu")`` writes it for any tool that knows FMI 3.0.
 
@@ -59,14 +68,24 @@ from .checks import check
 from .comparison import Comparison, calibrate, compare
 from .diagnosis import Diagnosis, Progress, diagnose
 from .env import RoverEnv
-from .errors import BekkerError, DiagnosisInterrupted, InputError, ModelError, SimulationError, UnknownNameError
+from .errors import (
+    BekkerError,
+    DiagnosisInterrupted,
+    InputError,
+    ModelError,
+    PlanningError,
+    SimulationError,
+    UnknownNameError,
+)
 from .experiment import Experiment, MeasuredRun
 from .importing import Imported, import_experiment
 from .models import effects, export_fmu, presets
+from .planning import Plan, Pose, plan, planning_settings, pose, robots
 from .registration import register
 from .simulation import Result, simulate, steady_points
 from .tasks import TASKS, Task
 from .vector_env import RoverVectorEnv
+from .workbench import Studio, studio
 
 __all__ = [
     "Arguments",
@@ -82,6 +101,9 @@ __all__ = [
     "MeasuredRun",
     "Model",
     "ModelError",
+    "Plan",
+    "PlanningError",
+    "Pose",
     "Progress",
     "Result",
     "RoverEnv",
@@ -89,6 +111,7 @@ __all__ = [
     "Run",
     "Script",
     "SimulationError",
+    "Studio",
     "TASKS",
     "Task",
     "UnknownNameError",
@@ -102,11 +125,16 @@ __all__ = [
     "export_fmu",
     "goals",
     "import_experiment",
+    "plan",
+    "planning_settings",
+    "pose",
     "presets",
     "randomise",
     "rewards",
+    "robots",
     "simulate",
     "steady_points",
+    "studio",
 ]
 
 register()

@@ -18,6 +18,7 @@ __all__ = [
     "Controller",
     "Model",
     "NativeDiagnosis",
+    "NativeStudio",
     "ObservedSignals",
     "Renderer",
     "Run",
@@ -30,8 +31,13 @@ __all__ = [
     "export_fmu",
     "fit_task",
     "import_experiment",
+    "open_studio",
+    "plan",
+    "planning_settings",
+    "pose",
     "presets",
     "record",
+    "robots",
 ]
 
 __version__: str
@@ -65,6 +71,13 @@ def diagnose(
     progress: Callable[[str, str, float, float, float | None], object] | None,
     time_budget: float | None,
 ) -> tuple[NativeDiagnosis | None, BaseException | None]: ...
+def open_studio(
+    experiments: Sequence[_Experiment],
+    model: tuple[Model, str] | None,
+    values: dict[str, float],
+    port: int,
+    in_notebook: bool,
+) -> NativeStudio: ...
 def fit_task(payload: bytes) -> bytes: ...
 def export_fmu(
     model: Model,
@@ -117,6 +130,13 @@ class NativeDiagnosis:
     def json(self) -> str: ...
     def improved(self) -> Model: ...
     def details(self) -> str: ...
+
+@final
+class NativeStudio:
+    @property
+    def url(self) -> str: ...
+    def running(self) -> bool: ...
+    def stop(self) -> None: ...
 
 @final
 class Model:
@@ -274,3 +294,14 @@ class Script:
     def check_fmu(self, path: str | PathLike[str]) -> CheckReport: ...
     def check_door(self, door: object) -> CheckReport: ...
     def record(self) -> Path: ...
+
+def plan(
+    site: dict[str, object],
+    start: tuple[float, float],
+    goal: tuple[float, float],
+    heading: float | None,
+    most_evaluations: int,
+) -> tuple[str, str]: ...
+def pose(site: dict[str, object], place: tuple[float, float], heading: float) -> str: ...
+def robots() -> list[tuple[str, str]]: ...
+def planning_settings() -> list[tuple[str, float, str, str]]: ...

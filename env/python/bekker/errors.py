@@ -1,11 +1,20 @@
 """Exceptions of the package. Each is also the built-in exception that one would expect."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .diagnosis import Diagnosis
 
-__all__ = ["BekkerError", "DiagnosisInterrupted", "InputError", "ModelError", "SimulationError", "UnknownNameError"]
+__all__ = [
+    "BekkerError",
+    "DiagnosisInterrupted",
+    "InputError",
+    "ModelError",
+    "PlanningError",
+    "SimulationError",
+    "UnknownNameError",
+]
 
 
 class BekkerError(Exception):
@@ -29,6 +38,17 @@ class InputError(BekkerError, ValueError):
 
 class SimulationError(BekkerError, RuntimeError):
     """A run cannot start or go on. Ends of a drive (stuck, tipped over ...) are not errors but a status."""
+
+
+class PlanningError(BekkerError, RuntimeError):
+    """There is no pose or no path; the message says why and where."""
+
+    nearest: tuple[float, float] | None
+    """Where the goal is out of reach: the nearest point to it that a safe path reaches, m. None otherwise."""
+
+    def __init__(self, message: str, nearest: Sequence[float] | None = None) -> None:
+        super().__init__(message)
+        self.nearest = None if nearest is None else (float(nearest[0]), float(nearest[1]))
 
 
 class DiagnosisInterrupted(KeyboardInterrupt):

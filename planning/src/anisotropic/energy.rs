@@ -1,7 +1,7 @@
 //! Energy of a metre on a slope, from the core's wheel on its soil.
 
 use super::DirectionalCost;
-use crate::map::Surface;
+use crate::map::{ElevationMap, Surface};
 use bekker::carriage::{Rig, SteadyError, SteadyPoint, steady_point};
 use bekker::effects::Effects;
 use bekker::rover::Environment;
@@ -41,7 +41,7 @@ pub enum EnergyError {
 /// Energy and slip of a rover that drives steadily up or down a plane slope, by the slope's angle in the direction of travel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlopeEnergy {
-    /// J/m of all wheels along the ground; infinite where the slip would be too high.
+    /// J/m of all wheels along the ground, negative where they brake; infinite where the slip would be too high.
     per_metre: Vec<f64>,
     slip: Vec<f64>,
     /// Weight, N.
@@ -54,7 +54,7 @@ impl SlopeEnergy {
     /// The table of a rover of this weight (N) on `wheels` equal wheels, each with its share of the load, slip up to `most_slip`.
     ///
     /// At a slope a wheel carries W cos(a)/n and must pull W sin(a)/n; the slip at which its drawbar pull is that gives torque T and
-    /// energy T / (r (1 - i)) a metre. Downhill, what braking would give back is not counted.
+    /// energy T / (r (1 - i)) a metre.
     ///
     /// # Errors
     /// [`EnergyError`] where level ground cannot be driven.
@@ -75,7 +75,7 @@ impl SlopeEnergy {
             let energy = found.map_or(f64::INFINITY, |(slip, point)| {
                 // V = r omega (1 - i) driving, r omega / (1 + i) in skid.
                 let speed = if slip >= 0.0 { 1.0 - slip } else { 1.0 / (1.0 + slip) };
-                (count * point.torque / (wheel.radius * speed)).max(0.0)
+                count * point.torque / (wheel.radius * speed)
             });
             table.per_metre.push(energy);
             table.slip.push(found.map_or(f64::NAN, |(slip, _)| slip));
@@ -84,9 +84,15 @@ impl SlopeEnergy {
         if table.at(0.0).is_finite() { Ok(table) } else { Err(EnergyError::Stuck { load, slip: most }) }
     }
 
-    /// Energy of a metre along the ground at a slope (rad, uphill positive), J/m; infinite where the rover gets stuck, or slides.
+    /// Energy of a metre along the ground at a slope (rad, uphill positive), J/m; 0 where the wheels brake, infinite where the rover gets stuck, or slides.
     #[must_use]
     pub fn at(&self, slope: f64) -> f64 {
+        self.signed(slope).max(0.0)
+    }
+
+    /// The same, negative where the wheels brake: what else resists the rover takes that up first.
+    #[must_use]
+    pub fn signed(&self, slope: f64) -> f64 {
         interpolated(&self.per_metre, slope)
     }
 
@@ -126,12 +132,18 @@ fn slip_for(rig: &Rig, load: f64, pull: f64, most: f64) -> Option<(f64, SteadyPo
     Some((high, at(high).ok()?))
 }
 
-/// The energy of a metre over a map, by the slope in the direction of travel.
+/// The energy of a metre over a map, by the slope in the direction of travel. Slopes are those of the surface at the map's nodes, bilinear
+/// between them.
 #[derive(Clone, Debug)]
 pub struct GroundEnergy<'a> {
-    surface: &'a Surface,
+    map: &'a ElevationMap,
     energy: &'a SlopeEnergy,
-    /// What a metre costs beside, J/m: electronics at the speed of travel, roughness.
+    /// Slopes in x and y at every node; NaN beside unknown ground.
+    slopes: Vec<[f64; 2]>,
+    /// Largest slope across the way, as its tangent.
+    across: f64,
+    /// What resists beside the soil, J/m: friction of the drives, roughness. Downhill it takes up what the slope gives before nothing is
+    /// left to pay.
     beside: f64,
 }
 
@@ -139,7 +151,13 @@ impl<'a> GroundEnergy<'a> {
     /// The energy of `energy` over a surface; `beside` (J/m) is added to every metre.
     #[must_use]
     pub fn new(surface: &'a Surface, energy: &'a SlopeEnergy, beside: f64) -> Self {
-        Self { surface, energy, beside }
+        let map = surface.map();
+        let nodes = (0..map.rows()).flat_map(|row| (0..map.columns()).map(move |column| (column, row)));
+        let slope = |(column, row)| {
+            let patch = surface.at(map.place(column, row));
+            patch.map_or([f64::NAN; 2], |patch| [patch.slope_x, patch.slope_y])
+        };
+        Self { map, energy, slopes: nodes.map(slope).collect(), across: energy.across.tan(), beside }
     }
 
     /// Weight of the rover, N.
@@ -147,17 +165,32 @@ impl<'a> GroundEnergy<'a> {
     pub fn weight(&self) -> f64 {
         self.energy.weight
     }
+
+    /// Slopes in x and y at a place; NaN off the map and beside unknown ground.
+    fn slopes(&self, place: [f64; 2]) -> [f64; 2] {
+        let [u, v] = self.map.in_cells(place);
+        let (columns, rows) = (self.map.columns(), self.map.rows());
+        if !(u >= 0.0 && v >= 0.0 && u <= (columns - 1) as f64 && v <= (rows - 1) as f64) {
+            return [f64::NAN; 2];
+        }
+        let (column, row) = ((u as usize).min(columns - 2), (v as usize).min(rows - 2));
+        let (u, v) = (u - column as f64, v - row as f64);
+        let first = row * columns + column;
+        let [a, b, c, d] = [first, first + 1, first + columns, first + columns + 1].map(|node| self.slopes[node]);
+        [0, 1].map(|axis| (1.0 - v) * ((1.0 - u) * a[axis] + u * b[axis]) + v * ((1.0 - u) * c[axis] + u * d[axis]))
+    }
 }
 
 impl DirectionalCost for GroundEnergy<'_> {
     fn per_metre(&self, place: [f64; 2], direction: [f64; 2]) -> f64 {
-        let Some(patch) = self.surface.at(place) else { return f64::INFINITY };
-        let along = patch.slope_x * direction[0] + patch.slope_y * direction[1];
-        let across = patch.slope_y * direction[0] - patch.slope_x * direction[1];
-        if across.abs().atan() > self.energy.across {
+        let [slope_x, slope_y] = self.slopes(place);
+        let along = slope_x * direction[0] + slope_y * direction[1];
+        let across = slope_y * direction[0] - slope_x * direction[1];
+        // Unknown ground has no slope that is less.
+        if across.is_nan() || across.abs() > self.across {
             return f64::INFINITY;
         }
         // A metre in plan view is longer on the ground.
-        (self.energy.at(along.atan()) + self.beside) * 1.0_f64.hypot(along)
+        (self.energy.signed(along.atan()) + self.beside).max(0.0) * 1.0_f64.hypot(along)
     }
 }

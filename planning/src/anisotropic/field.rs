@@ -12,7 +12,7 @@ use std::collections::BinaryHeap;
 
 /// Steps to the ring of nodes that a way to a node may come from, counter-clockwise from east. Nodes such as (2, 0) are left out:
 /// (1, 0) lies on the way to them.
-const RING: [(isize, isize); 16] = [
+pub(super) const RING: [(isize, isize); 16] = [
     (1, 0),
     (2, 1),
     (1, 1),
@@ -33,7 +33,7 @@ const RING: [(isize, isize); 16] = [
 
 /// Around the start, nodes within this many spacings get their cost along the straight way: the field has a tip there, which
 /// linear interpolation rounds off.
-const AROUND_START: f64 = 4.0;
+pub(super) const AROUND_START: f64 = 4.0;
 
 /// A cost must fall by this share to be worth taking a node again: rounding.
 const FALLS: f64 = 1e-12;
@@ -78,10 +78,11 @@ pub enum FieldError {
     },
 }
 
+/// A node in the queue, the cheapest first.
 #[derive(PartialEq)]
-struct Entry {
-    cost: f64,
-    node: u32,
+pub(super) struct Entry {
+    pub cost: f64,
+    pub node: u32,
 }
 
 impl Eq for Entry {}
@@ -199,6 +200,12 @@ fn around_start(
     Ok(())
 }
 
+/// Cost of a straight way of a few spacings. By the middle of its pieces: of second order where the cost changes with place.
+pub(super) fn way_cost(cost: &impl DirectionalCost, from: [f64; 2], to: [f64; 2], cell: f64) -> f64 {
+    let piece = if cost.open() { f64::INFINITY } else { 0.5 * cell };
+    super::path_cost(cost, &[from, to], piece)
+}
+
 /// Least cost at a node by ways through its ring's place `k` and either neighbour of it on the ring.
 fn from_pair(
     field: &ArrivalField,
@@ -218,15 +225,11 @@ fn from_pair(
     let mut best = f64::INFINITY;
     let mut bad = None;
     let mut way = |to: [f64; 2], come: f64| {
-        let length = to[0].hypot(to[1]);
-        let direction = [-to[0] / length, -to[1] / length];
-        // In the middle of the way: second order where the cost changes with place.
-        let middle = [place[0] + 0.5 * to[0], place[1] + 0.5 * to[1]];
-        let per_metre = cost.per_metre(middle, direction);
-        if per_metre.is_nan() || per_metre < 0.0 {
-            bad = Some(FieldError::Cost { x: middle[0], y: middle[1], cost: per_metre });
+        let way = way_cost(cost, [place[0] + to[0], place[1] + to[1]], place, field.cell);
+        if way.is_nan() || way < 0.0 {
+            bad = Some(FieldError::Cost { x: place[0], y: place[1], cost: way });
         }
-        come + length * per_metre
+        come + way
     };
     let at_one = way(to_one, one);
     best = best.min(at_one);

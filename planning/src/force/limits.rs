@@ -6,9 +6,13 @@ use bekker::rover::Environment;
 use bekker::soil::Soil;
 use bekker::wheel::Wheel;
 
-/// Slip and wheel speed (rad/s) at which the contact area is taken: driving, moderately.
+/// Slip and wheel speed (rad/s) at which contact area and resistance are taken: driving, moderately.
 const SLIP: f64 = 0.2;
 const SPIN: f64 = 1.0;
+
+/// Slip up to which strength is counted on. The shear of (2.1) builds up with displacement along the contact, so a wheel transmits
+/// A c + N tan phi only where it spins; a plan that needed that would have the rover dig in where it stands.
+const MOST_SLIP: f64 = 0.5;
 
 /// Why the soil has no strength under a wheel.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -48,7 +52,8 @@ impl Shear {
     }
 
     /// The limit under a wheel that carries `load` (N): the contact area is b r theta_1 with the entry angle theta_1 of the core's
-    /// wheel at 20 % slip, and the resistance to compaction is what the traction T/r loses on its way to the drawbar pull.
+    /// wheel at 20 % slip, and the resistance to compaction is what the traction T/r loses on its way to the drawbar pull. Adhesion
+    /// and friction are the share of theirs that (2.1) has built up at 50 % slip.
     ///
     /// # Errors
     /// [`ShearError`] where the soil does not carry the wheel.
@@ -61,6 +66,10 @@ impl Shear {
         let entry = (1.0 - point.sinkage / wheel.radius).acos();
         let area = wheel.width * wheel.radius * entry;
         let resistance = (point.torque / wheel.radius - point.drawbar_pull) / load;
-        Ok(Self { adhesion: area * soil.cohesion, friction: soil.friction_angle.tan(), resistance })
+        let [adhesion, friction] = [area * soil.cohesion, soil.friction_angle.tan()];
+        let slipping =
+            steady_point(&rig, load, MOST_SLIP, SPIN).map_err(|source| ShearError::Sinks { load, source })?;
+        let built_up = (slipping.torque / wheel.radius / (adhesion + friction * load)).clamp(0.0, 1.0);
+        Ok(Self { adhesion: built_up * adhesion, friction: built_up * friction, resistance })
     }
 }

@@ -1,9 +1,6 @@
-//! Seeded ground with features of a given density, in place of the thesis's terrain generator.
-//!
-//! The thesis names "a pseudo-random terrestrial terrain generator based on the logit transform (Pickover 1995)" and gives
-//! nothing more than the density of obstacles. Here: uniform numbers u on a grid, each turned into ln(u / (1 - u)) (the logit
-//! transform), smoothed by a Gaussian to the size of a feature and scaled to a standard deviation. The logistic distribution's
-//! heavier ends make a few prominent rocks and pits instead of even ground.
+//! Seeded hummocky ground: uniform numbers u on a grid, each turned into ln(u / (1 - u)) (the logit transform), smoothed by a Gaussian
+//! to the size of a feature and scaled to a standard deviation. It is rough everywhere; ground with single rocks is
+//! [`rocky`](super::rocky).
 
 use super::{ElevationMap, MapError};
 use rand::{RngExt, SeedableRng};
@@ -24,52 +21,22 @@ pub struct GroundShape {
     pub swell: f64,
 }
 
-/// The three grounds of section 3.3, by their density of obstacles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Difficulty {
-    /// 0.05 obstacles a rover's area.
-    Benign,
-    /// 0.23.
-    Moderate,
-    /// 0.72.
-    Difficult,
-}
-
-impl Difficulty {
-    /// All three, as the thesis numbers them.
-    pub const ALL: [Self; 3] = [Self::Benign, Self::Moderate, Self::Difficult];
-
-    /// Obstacles a rover's area, as the thesis states (nodes whose largest step to a neighbour exceeds 80 % of a wheel's
-    /// diameter, over the rover's footprint).
-    #[must_use]
-    pub fn density(self) -> f64 {
-        match self {
-            Self::Benign => 0.05,
-            Self::Moderate => 0.23,
-            Self::Difficult => 0.72,
-        }
-    }
-}
-
 /// Ground of a seed. The south-western node is at (0, 0); the same seed gives the same bits.
 ///
 /// # Errors
 /// [`MapError`] where `shape` makes no map.
 pub fn generated(shape: &GroundShape, seed: u64) -> Result<ElevationMap, MapError> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let rocks = field(shape, shape.feature, &mut random);
-    let swells = field(shape, 4.0 * shape.feature, &mut random);
+    let [rocks, swells] = [1.0, 4.0].map(|times| field(shape.nodes, times * shape.feature / shape.cell, &mut random));
     let heights = rocks.iter().zip(&swells).map(|(rock, swell)| shape.roughness * rock + shape.swell * swell);
     ElevationMap::new(shape.nodes, shape.nodes, shape.cell, [0.0, 0.0], heights.collect())
 }
 
-/// Smoothed logistic noise of mean 0 and standard deviation 1.
-fn field(shape: &GroundShape, size: f64, random: &mut ChaCha8Rng) -> Vec<f64> {
-    let n = shape.nodes;
+/// Smoothed logistic noise of mean 0 and standard deviation 1 on `n` x `n` nodes; `size` is the smoothing's deviation in spacings.
+pub(super) fn field(n: usize, size: f64, random: &mut ChaCha8Rng) -> Vec<f64> {
     let noise: Vec<f64> = (0..n * n).map(|_| logit(random.random::<f64>())).collect();
-    let along_x = smoothed(&noise, n, size / shape.cell, |row, k| row * n + k);
-    let mut both = smoothed(&along_x, n, size / shape.cell, |column, k| k * n + column);
+    let along_x = smoothed(&noise, n, size, |row, k| row * n + k);
+    let mut both = smoothed(&along_x, n, size, |column, k| k * n + column);
     let count = (n * n).max(1) as f64;
     let mean = both.iter().sum::<f64>() / count;
     let deviation = (both.iter().map(|z| (z - mean).powi(2)).sum::<f64>() / count).sqrt();
@@ -78,7 +45,7 @@ fn field(shape: &GroundShape, size: f64, random: &mut ChaCha8Rng) -> Vec<f64> {
 }
 
 /// ln(u / (1 - u)), kept finite at u = 0.
-fn logit(u: f64) -> f64 {
+pub(super) fn logit(u: f64) -> f64 {
     let u = u.max(f64::EPSILON);
     (u / (1.0 - u)).ln()
 }

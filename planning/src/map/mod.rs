@@ -4,12 +4,14 @@ mod check;
 mod filter;
 mod generate;
 mod read;
+mod rocks;
 mod surface;
 
 pub use check::{Doubt, Spike};
 pub use filter::{RangeError, blurred};
-pub use generate::{Difficulty, GroundShape, generated};
+pub use generate::{GroundShape, generated};
 pub use read::{CsvGrid, MapReadError};
+pub use rocks::{Difficulty, RockyGround, rocky};
 pub use surface::{Interpolation, Patch, Surface};
 
 /// Largest number of nodes of a map, against a broken header that asks for all memory.

@@ -17,6 +17,11 @@ const LEAN: f64 = 1.2;
 /// Rounds over all coordinates in the bracketed search; each halves the error or better unless wheels fight over a coordinate.
 const ROUNDS: usize = 60;
 
+/// A round gets on where it lowers the gaps by this share at least; the search ends after so many rounds in a row that do not: two wheels
+/// then fight over a coordinate.
+const GETS_ON: f64 = 0.02;
+const IDLE_ROUNDS: usize = 3;
+
 /// Halvings of a bracket: 2.4 rad to 1e-9.
 const BISECTIONS: usize = 32;
 
@@ -136,6 +141,7 @@ fn coordinate(attitude: &Attitude, k: usize) -> f64 {
 /// One coordinate after the other is put where the sum of gaps, each weighted by how the coordinate moves its wheel, changes its
 /// sign: the least squares of the gaps along that coordinate. No slope of the ground is needed, so creases and steps do no harm.
 fn bracketed(placing: &Placing, attitude: &mut Attitude, evaluations: &mut usize) -> Result<Vec<Hang>, PoseError> {
+    let (mut before, mut idle) = (f64::INFINITY, 0);
     for _ in 0..ROUNDS {
         for k in 0..3 + placing.robot.passive() {
             balance(placing, attitude, k, evaluations);
@@ -150,6 +156,12 @@ fn bracketed(placing: &Placing, attitude: &mut Attitude, evaluations: &mut usize
             *attitude = polished;
             return hangs(placing, attitude);
         }
+        let left = size(&here);
+        idle = if left > before * (1.0 - GETS_ON) { idle + 1 } else { 0 };
+        if idle == IDLE_ROUNDS {
+            return Ok(here);
+        }
+        before = left;
     }
     hangs(placing, attitude)
 }

@@ -6,7 +6,7 @@ use super::evidence::{Evidence, Probabilities};
 use super::held_out::held_out;
 use super::prepare::Prepared;
 use super::profile::profiles;
-use super::result::{CandidateResult, Diagnosis, LackOfFit, PairResult, ParameterResult, Share, Step};
+use super::result::{CandidateResult, Diagnosis, LackOfFit, PairResult, ParameterResult, Share, Step, TriedFit};
 use super::search::Search;
 use super::stage::Stage;
 use super::verdict::{Judgement, confused, left, misfit};
@@ -20,6 +20,7 @@ use crate::diagnosis::linear_algebra::norm;
 use crate::diagnosis::separate::{Question, Suggestion, suggest};
 use crate::diagnosis::thresholds::DETECTABLE;
 use crate::diagnosis::uncounted::uncounted;
+use crate::diagnosis::workbench::Workbench;
 use crate::model::Model;
 
 /// A finished search.
@@ -64,6 +65,8 @@ impl Finished<'_> {
             unanswered: prepared.unanswered.clone(),
             uncounted: uncounted(problem, &prepared.noise.odd, &prepared.unanswered),
             whole_drive: None,
+            workbench: Workbench::prepared(problem, prepared),
+            tried: self.tried(chosen),
             pairs: pairs(self),
             invisible: prepared.invisible.clone(),
             share,
@@ -90,6 +93,17 @@ impl Finished<'_> {
     /// The final fit.
     fn fitted(&self, chosen: &[String]) -> &Calibration {
         self.search.fits.get(chosen).unwrap_or(&self.prepared.baseline)
+    }
+
+    /// The fits of each effect alone, and of the effects that were chosen, one more at a time.
+    fn tried(&self, chosen: &[String]) -> Vec<TriedFit> {
+        let steps = (2..=chosen.len()).map(|count| chosen[..count].to_vec());
+        let alone = self.search.problem.library.iter().map(|candidate| vec![candidate.id.clone()]);
+        let of = |effects: Vec<String>| {
+            let calibration = self.search.fits.get(&effects)?.clone();
+            Some(TriedFit { effects, calibration })
+        };
+        alone.chain(steps).filter_map(of).collect()
     }
 
     /// What the given parameters give; `None` where they have no answer.

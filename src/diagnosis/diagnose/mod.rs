@@ -60,9 +60,9 @@ pub use engine::{DiagnoseOptions, diagnose};
 pub(crate) use fits::run as run_fit;
 pub use fits::{Noise, Outcome, Task, fit_task};
 pub(crate) use gains::Projected;
-pub(crate) use prepare::{calibrated_baseline, prepare};
+pub(crate) use prepare::{Prepared, calibrated_baseline, prepare};
 pub use result::{
-    CandidateResult, Diagnosis, FinalParameter, LackOfFit, PairResult, ParameterResult, Share, Step, Verdict,
+    CandidateResult, Diagnosis, FinalParameter, LackOfFit, PairResult, ParameterResult, Share, Step, TriedFit, Verdict,
 };
 pub(crate) use signature::{Sensitivities, prune, sensitivities};
 pub(crate) use stage::largest_cosine;

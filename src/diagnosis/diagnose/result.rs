@@ -5,12 +5,12 @@
 
 use super::drive::WholeDrive;
 use super::serialised::{by_name, deviations, name_of};
-use crate::diagnosis::calibrate::CalibratedParameter;
+use crate::diagnosis::calibrate::{CalibratedParameter, Calibration};
 use crate::diagnosis::curves::Curves;
 use crate::diagnosis::fit::Fit;
 use crate::diagnosis::noise::{FloorSource, NoiseModel};
 use crate::diagnosis::separate::Suggestion;
-use crate::diagnosis::{Failure, NoiseFloor, UnansweredRows, UncountedRows};
+use crate::diagnosis::{Failure, NoiseFloor, UnansweredRows, UncountedRows, Workbench};
 use crate::measurement::Experiment;
 use crate::model::Model;
 use serde::{Deserialize, Serialize};
@@ -115,6 +115,15 @@ pub struct CandidateResult {
     /// The parameters of the effect after the fit; empty where only screened.
     #[serde(serialize_with = "by_name")]
     pub parameters: Vec<ParameterResult>,
+}
+
+/// A fit of the baseline with some effects.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TriedFit {
+    /// Effect ids.
+    pub effects: Vec<String>,
+    /// All parameters that were fitted.
+    pub calibration: Calibration,
 }
 
 /// Two effects added to the baseline at once.
@@ -226,6 +235,12 @@ pub struct Diagnosis {
     /// single wheel was measured and no rover is named.
     #[serde(skip)]
     pub improved: Model,
+    /// The experiment with the calibrated baseline, on which other models can be tried.
+    #[serde(skip)]
+    pub workbench: Workbench,
+    /// The fits of the effects that were tried: each alone, and those of the steps.
+    #[serde(skip)]
+    pub tried: Vec<TriedFit>,
     /// What was taken from where, in words, where two places disagree; priors of a class of soil; what drives the rover where no
     /// command was recorded.
     pub sources: Vec<String>,

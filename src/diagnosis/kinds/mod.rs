@@ -26,6 +26,7 @@ use super::windows::Windows;
 use super::windows::free::FreeStart;
 use crate::measurement::{Experiment, Kind, Run};
 use crate::model::Model;
+use bekker_modeldescription::Variable;
 use std::fmt::Debug;
 
 pub use single_wheel::SingleWheelPlan;
@@ -125,6 +126,9 @@ pub(crate) trait Strategy: Debug + Sync {
 
     /// Inputs over which the model is drawn as curves beside the measured points.
     fn axes(&self) -> &'static [Axis];
+
+    /// The parameters that can change what such an experiment measures, with their values in a model.
+    fn parameters(&self, model: &Model) -> Vec<(Variable, f64)>;
 
     /// Shapes of a flexible discrepancy, see `discrepancy`. `modelled` is what the baseline gives.
     fn discrepancy(&self, experiment: &Experiment, layout: &Layout, modelled: &[f64]) -> Vec<Shape>;

@@ -237,6 +237,13 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// Takes another value for a parameter that is known.
+    pub fn set_known(&mut self, name: &str, value: f64) {
+        set_unchecked(&mut self.known, name, value);
+        self.fix(name, value);
+        self.sensitivities = None;
+    }
+
     /// The same for some of the runs.
     pub fn only(&self, runs: &[usize]) -> Problem<'a> {
         let mut experiment = (*self.experiment).clone();

@@ -16,7 +16,7 @@ pub(crate) mod variation;
 pub(crate) use answer::rounded;
 pub use noise::{AssumedNoise, NoiseSource};
 pub use plan::PlanError;
-pub use separation::{EffectSight, Likeness, PairSight, SeparateOptions, Separation, separate};
+pub use separation::{EffectSight, Likeness, PairSight, SeparateOptions, Separation, separate, separate_unless};
 pub use strength::SmallestStrength;
 pub(crate) use suggest::{Question, suggest};
 

@@ -6,6 +6,7 @@ use super::strength::{SmallestStrength, smallest};
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::diagnose::{prepare, prune};
 use crate::diagnosis::given::Given;
+use crate::diagnosis::halt::Halt;
 use crate::diagnosis::linear_algebra::norm;
 use crate::diagnosis::noise::{FloorSource, NoiseModel};
 use crate::diagnosis::problem::Problem;
@@ -143,7 +144,25 @@ pub fn separate(
     experiment: &Experiment,
     options: &SeparateOptions,
 ) -> Result<Separation, CompareError> {
+    separate_unless(given, experiment, options, &|| false)
+}
+
+/// The same until `stop` says yes, which every simulation asks at every row.
+///
+/// # Errors
+/// Those of [`separate`]; [`CompareError::Interrupted`] after a stop.
+pub fn separate_unless(
+    given: impl Into<Given>,
+    experiment: &Experiment,
+    options: &SeparateOptions,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Result<Separation, CompareError> {
     let mut problem = Problem::new(given, experiment, &options.added)?;
+    problem.halt = Halt::when(stop);
+    told_apart(problem, options).map_err(|error| if stop() { CompareError::Interrupted } else { error })
+}
+
+fn told_apart(mut problem: Problem, options: &SeparateOptions) -> Result<Separation, CompareError> {
     if let Some(candidates) = &options.candidates {
         problem.keep_candidates(candidates)?;
     }
@@ -163,7 +182,7 @@ pub fn separate(
     }
     pairs.sort_by(|a, b| b.cosine.total_cmp(&a.cosine));
     let absorbing = problem.base.iter().zip(&values).map(|(free, value)| (free.variable.name.clone(), *value));
-    let (name, absorbing) = (experiment.name.clone(), absorbing.collect());
+    let (name, absorbing) = (problem.experiment.name.clone(), absorbing.collect());
     let sources = problem.sources.clone();
     Ok(Separation { name, calibrated, noise, absorbing, effects, invisible, pairs, sources })
 }

@@ -75,7 +75,7 @@ pub(super) fn add_candidates(page: &mut Page, diagnosis: &Diagnosis) {
     if diagnosis.candidates.is_empty() {
         page.html("<p>No candidate was looked at.</p>");
     } else {
-        page.plots(&[("Probability".to_owned(), probabilities(diagnosis))]);
+        page.html(&probabilities(diagnosis));
         let rows: Vec<Vec<String>> = diagnosis.candidates.iter().map(|c| candidate(diagnosis, c)).collect();
         let header = [
             "effect",

@@ -1,12 +1,12 @@
-//! What was measured, and measured beside modelled.
+//! What was measured, and how it is drawn beside the model.
 
-use super::{begin, view};
+use super::{begin, noise};
 use crate::diagnosis::Diagnosis;
 use crate::measurement::{Experiment, Run};
 use crate::report::kinds::of;
-use crate::report::page::{Page, table};
-use crate::report::plots::{View, controls, overlays};
+use crate::report::page::{Page, escape, table};
 use crate::report::units::{of_column, short, spoken};
+use std::collections::BTreeMap;
 
 /// The groups of runs and the ranges of what was set and measured.
 pub(super) fn add_measured(page: &mut Page, diagnosis: &Diagnosis) {
@@ -23,6 +23,7 @@ pub(super) fn add_measured(page: &mut Page, diagnosis: &Diagnosis) {
     let priors = if priors.is_empty() { String::new() } else { format!("Priors (SI units): {}.", priors.join(", ")) };
     let drive = experiment.measured_drive().map_or_else(String::new, |note| format!(" Of the {note}."));
     begin(page, "measured", (known + &priors + &drive).trim());
+    page.html(&format!("<p class=\"lead\">{}</p>", escape(&how_drawn(experiment, &noise(diagnosis)))));
     page.html(&ranges(experiment));
     let rows: Vec<Vec<String>> = groups(experiment);
     let count = rows.len();
@@ -74,64 +75,11 @@ fn groups(experiment: &Experiment) -> Vec<Vec<String>> {
     groups.into_iter().map(row).collect()
 }
 
-/// Plots as they were drawn, by axis: when they are shown, and what it takes to draw them again.
-pub(super) type Drawn = Vec<(String, Vec<(String, usize)>)>;
-
-/// Measurements with the baseline and the final model; returns what is needed to draw them again.
-pub(super) fn add_overlays(page: &mut Page, diagnosis: &Diagnosis) -> Drawn {
-    let view = view(diagnosis);
-    let models = if diagnosis.steps.len() > 1 {
-        "Dashed lines are the calibrated baseline without any added effect, solid lines the model with what was added."
-    } else {
-        "Lines are the calibrated baseline; nothing was added."
-    };
-    begin(page, "overlay", &format!("{} {models}", how_drawn(&view)));
-    add_panels(page, &view)
-}
-
-/// The overlays with their controls; returns what is needed to draw them again.
-pub(in crate::report) fn add_panels(page: &mut Page, view: &View) -> Drawn {
-    page.html("<div class=\"filtered\">");
-    page.html(&controls(view, "overlay"));
-    let mut drawn = Vec::new();
-    for panel in overlays(view) {
-        page.html(&opening(&panel.when));
-        drawn.push((panel.when.clone(), page.plots(&panel.plots)));
-        page.html("</div>");
-    }
-    page.html("</div>");
-    drawn
-}
-
-/// The same plots once more, with controls of their own.
-pub(super) fn overlay_again(page: &mut Page, view: &View, drawn: &Drawn) {
-    page.html("<div class=\"filtered\">");
-    page.html(&controls(view, "improved"));
-    for (when, plots) in drawn {
-        page.html(&opening(when));
-        page.again(plots);
-        page.html("</div>");
-    }
-    page.html("</div>");
-}
-
-fn opening(when: &str) -> String {
-    let when = if when.is_empty() { String::new() } else { format!(" data-when=\"{when}\"") };
-    format!("<div class=\"overlay\"{when}>")
-}
-
-/// What points, bars, lines and bands of the overlays are.
-pub(in crate::report) fn how_drawn(view: &View) -> String {
-    let known: Vec<String> = view
-        .noise
+/// What points, bars, lines and bands of the plots are.
+pub(in crate::report) fn how_drawn(experiment: &Experiment, noise: &BTreeMap<String, f64>) -> String {
+    let known: Vec<String> = noise
         .iter()
         .map(|(signal, deviation)| format!("{} {}", spoken(signal), of_column(signal).number(2.0 * deviation)))
         .collect();
-    let how = of(view.experiment).how_drawn(view);
-    let bars = if known.is_empty() {
-        "The noise of one sample is unknown, so there are no error bars.".to_owned()
-    } else {
-        how.bars.replace("{noise}", &known.join(", "))
-    };
-    format!("Points are measurements. {bars} {}", how.curves).trim_end().to_owned()
+    of(experiment).how_drawn(&known.join(", "))
 }

@@ -3,10 +3,9 @@
 use super::words::{listed, percent};
 use super::{begin, noise};
 use crate::diagnosis::{Diagnosis, Failure, Fit, Verdict};
-use crate::report::kinds::of;
 use crate::report::page::{Page, escape};
-use crate::report::plots::{Condition, Samples, conditions, map, residuals};
-use crate::report::units::{of_column, spoken};
+use crate::report::plots::{Condition, Samples, conditions, residuals};
+use crate::report::units::spoken;
 use crate::report::words::sentence;
 
 /// Sentences on where the model fails.
@@ -31,11 +30,6 @@ pub(super) fn add_failures(page: &mut Page, diagnosis: &Diagnosis) {
         samples.iter().map(|own| (title(own), residuals(own, deviation(diagnosis, &own.signal), None))).collect();
     let open = OPEN_PLOTS.min(plots.len());
     page.plots(&plots[..open]);
-    let maps = maps(diagnosis, &diagnosis.baseline().fit);
-    if !maps.is_empty() {
-        page.html("<h3>Mean residual over two conditions</h3>");
-        page.plots(&maps);
-    }
     if plots.len() > open {
         page.html(&format!("<details><summary>{} more conditions, smaller means</summary>", plots.len() - open));
         page.plots(&plots[open..]);
@@ -80,12 +74,6 @@ pub(super) fn add_remains(page: &mut Page, diagnosis: &Diagnosis) {
     };
     begin(page, "remains", &lead);
     page.html(&sentences(&diagnosis.failures_left));
-    if diagnosis.steps.len() > 1 {
-        let maps = maps(diagnosis, &diagnosis.last().fit);
-        if !maps.is_empty() {
-            page.plots(&maps);
-        }
-    }
     if !diagnosis.confused_with.is_empty() {
         let pairs: Vec<String> = diagnosis.confused_with.iter().map(|pair| listed(pair, "and")).collect();
         page.html(&format!("<p>This experiment hardly tells apart: {}.</p>", escape(&pairs.join("; "))));
@@ -130,33 +118,4 @@ fn all_samples(diagnosis: &Diagnosis, fit: &Fit) -> Vec<Samples> {
 fn scale(diagnosis: &Diagnosis, signal: &str) -> f64 {
     let rmse = || diagnosis.baseline().rmse.get(signal).copied();
     deviation(diagnosis, signal).or_else(rmse).filter(|scale| *scale > 0.0).unwrap_or(1.0)
-}
-
-/// Mean residuals over slip and load, or over position and pitch (time where pitch was not recorded); of a traverse for
-/// the signals that fail most.
-fn maps(diagnosis: &Diagnosis, fit: &Fit) -> Vec<(String, plotly::Plot)> {
-    let experiment = &diagnosis.experiment;
-    let pairs = of(experiment).maps();
-    let mut signals = experiment.signals();
-    let size = |signal: &String| fit.rmse.get(signal).copied().unwrap_or(0.0) / scale(diagnosis, signal);
-    signals.sort_by(|a, b| size(b).total_cmp(&size(a)));
-    signals.truncate(OPEN_PLOTS / 2);
-    let one = |signal: &String| {
-        pairs.iter().find_map(|(x, y)| {
-            let column = |name: &&str| Condition::Column((**name).to_owned());
-            let (across, up) = (
-                Samples::new(experiment, fit, signal, &column(x))?,
-                Samples::new(experiment, fit, signal, &column(y))?,
-            );
-            let known = deviation(diagnosis, signal);
-            let (scale, unit) = match known {
-                Some(noise) => (noise, "\u{3c3}".to_owned()),
-                None => (1.0 / of_column(signal).factor, of_column(signal).symbol.to_owned()),
-            };
-            let words = if known.is_some() { ", in standard deviations of the noise" } else { "" };
-            let title = format!("{} over {} and {}{words}", spoken(signal), spoken(x), spoken(y));
-            Some((title, map(&across, &up, scale, &unit)?))
-        })
-    };
-    signals.iter().filter_map(one).collect()
 }

@@ -1,6 +1,6 @@
-//! The page of a diagnosis, in this order: the verdict; what was measured; measured beside
-//! modelled; where it fails; is that more than noise; what calibration can absorb; which effect; how the error falls;
-//! the improved model; its parameters; what remains; what to measure next.
+//! The page of a diagnosis. The script shows the verdict first, measured beside modelled with the effects that were tried, and where
+//! the model fails; below stands the argument in this order: what was measured; where the baseline fails; is that more than noise; what
+//! calibration can absorb; which effect; how the error falls; the final model; its parameters; what remains; what to measure next.
 
 mod evidence;
 mod first_screen;
@@ -9,16 +9,15 @@ mod misfit;
 mod parameters;
 mod words;
 
-pub(super) use measured::{add_panels, how_drawn};
+pub(super) use measured::how_drawn;
 
 use super::drive;
 use super::page::{Page, escape};
 use super::plots::{DrawnModel, View};
+use super::saved::saved_diagnosis;
 use super::units::spoken;
 use super::words::what_was_measured;
 use crate::diagnosis::{Diagnosis, Verdict};
-use measured::Drawn;
-use plotly::common::DashType;
 use std::collections::BTreeMap;
 use words::listed;
 
@@ -26,10 +25,9 @@ use words::listed;
 const DRIVE: &str = "drive";
 
 /// Places of the page and the questions that they answer.
-const PLACES: [(&str, &str); 12] = [
+const PLACES: [(&str, &str); 11] = [
     (DRIVE, "The drive"),
     ("measured", "What was measured"),
-    ("overlay", "Measured and modelled"),
     ("fails", "Where the baseline fails"),
     ("noise", "Is it more than noise?"),
     ("calibration", "What calibration can absorb"),
@@ -46,6 +44,8 @@ const PLACES: [(&str, &str); 12] = [
 pub fn diagnosis_page(diagnosis: &Diagnosis) -> String {
     let name = &diagnosis.experiment.name;
     let mut page = Page::new(&format!("{name}: diagnosis"));
+    page.data(saved_diagnosis(diagnosis).to_string());
+    page.html("<div id=\"first\">");
     page.html(&format!("<h1>{}: diagnosis</h1>", escape(name)));
     page.html(&format!("<p class=\"lead\">{}</p>", escape(&what_was_measured(&diagnosis.experiment))));
     let view = view(diagnosis);
@@ -53,21 +53,21 @@ pub fn diagnosis_page(diagnosis: &Diagnosis) -> String {
     page.html(&drive::at_first_sight(&view));
     page.html(&first_screen::tiles(diagnosis));
     page.html(&first_screen::cautions(diagnosis));
+    page.html("</div>");
     let places = PLACES.iter().filter(|(place, _)| *place != DRIVE || drive::is_shown(&view));
     let links: String = places.map(|(place, title)| format!("<a href=\"#{place}\">{title}</a> ")).collect();
     page.html(&format!("<nav aria-label=\"Contents\">{links}</nav>"));
     if drive::is_shown(&view) {
         begin(&mut page, DRIVE, "");
-        drive::add(&mut page, &view, DRIVE, diagnosis.improved.rover.wheel.radius);
+        drive::add(&mut page, &view, diagnosis.improved.rover.wheel.radius);
     }
     measured::add_measured(&mut page, diagnosis);
-    let overlays = measured::add_overlays(&mut page, diagnosis);
     misfit::add_failures(&mut page, diagnosis);
     evidence::add_noise(&mut page, diagnosis);
     parameters::add_calibration(&mut page, diagnosis);
     evidence::add_candidates(&mut page, diagnosis);
     evidence::add_steps(&mut page, diagnosis);
-    add_final_model(&mut page, diagnosis, &overlays);
+    add_final_model(&mut page, diagnosis);
     parameters::add_parameters(&mut page, diagnosis);
     misfit::add_remains(&mut page, diagnosis);
     add_next(&mut page, diagnosis);
@@ -90,24 +90,13 @@ fn final_name(diagnosis: &Diagnosis) -> String {
     format!("with {}", listed(&added(diagnosis), "and"))
 }
 
-/// The models that the overlays show: as given, calibrated, with effects.
+/// The baseline, whose failures the text tells.
 fn view(diagnosis: &Diagnosis) -> View<'_> {
-    let alone = diagnosis.steps.len() == 1;
-    let dash = if alone { DashType::Solid } else { DashType::Dash };
-    let mut models: Vec<DrawnModel> = diagnosis.given.iter().map(DrawnModel::given).collect();
-    models.push(DrawnModel::calibrated("calibrated baseline", "baseline", &diagnosis.baseline().fit, dash));
-    let mut at_first = vec!["baseline"];
-    if !alone {
-        models.push(DrawnModel::last(final_name(diagnosis), diagnosis.steps.len() - 1, &diagnosis.last().fit));
-        at_first.push("final");
-    }
     View {
         experiment: &diagnosis.experiment,
         noise: noise(diagnosis),
-        curves: &diagnosis.curves,
         uncounted: &diagnosis.uncounted,
-        models,
-        at_first,
+        model: DrawnModel { name: "the calibrated model", fit: &diagnosis.baseline().fit },
     }
 }
 
@@ -116,19 +105,15 @@ fn noise(diagnosis: &Diagnosis) -> BTreeMap<String, f64> {
     diagnosis.noise.iter().map(|(signal, noise)| (signal.clone(), noise.deviation)).collect()
 }
 
-fn add_final_model(page: &mut Page, diagnosis: &Diagnosis, overlays: &Drawn) {
+fn add_final_model(page: &mut Page, diagnosis: &Diagnosis) {
     if diagnosis.steps.len() < 2 {
-        begin(page, "improved", "No effect was added: the final model is the calibrated baseline shown above.");
+        begin(page, "improved", "No effect was added: the final model is the calibrated baseline.");
         return;
     }
     let named = if words::tried(diagnosis).is_empty() { "" } else { ", which is the nearest but not named" };
-    let lead = format!(
-        "Measurements beside the model {}{named}, and the residuals that it leaves; the dashed grey line is the baseline's mean.",
-        final_name(diagnosis)
-    );
+    let lead =
+        format!("The residuals that the model {}{named} leaves; the baseline's means are grey.", final_name(diagnosis));
     begin(page, "improved", &lead);
-    let shown = View { at_first: vec!["final"], ..view(diagnosis) };
-    measured::overlay_again(page, &shown, overlays);
     misfit::add_residuals_left(page, diagnosis);
 }
 

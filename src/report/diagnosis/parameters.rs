@@ -19,7 +19,7 @@ pub(super) fn add_calibration(page: &mut Page, diagnosis: &Diagnosis) {
         page.html(
             "<p>What calibration cannot take on is what is left to recognise an effect by: 1 is all of its trace in the measurements, 0 none.</p>",
         );
-        page.plots(&[("Visible share of each effect".to_owned(), visible_shares(diagnosis))]);
+        page.html(&visible_shares(diagnosis));
     }
 }
 
@@ -53,7 +53,7 @@ pub(super) fn add_parameters(page: &mut Page, diagnosis: &Diagnosis) {
         .filter(|own| own.profile.len() > 1)
         .map(|own| {
             let shown = shown(diagnosis, &own.name);
-            (shown.axis(&own.name), profile(own, shown))
+            (shown.axis(&own.name), profile(own, shown, &shown.axis(&own.name)))
         })
         .collect();
     if !plots.is_empty() {

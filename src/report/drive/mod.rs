@@ -1,20 +1,18 @@
-//! The part of a page that shows a traverse as a drive: where it fails at a glance, the rover on its ground beside the
-//! measured one, every window of every run, what was not counted and why.
+//! The part of a page that tells of a traverse as a drive: where it fails at a glance, under which conditions, what was not
+//! counted and why.
 
-mod map;
 mod places;
-mod scene;
 mod stretch;
 
 use crate::diagnosis::{Uncounted, UncountedGroup, UncountedRows};
 use crate::measurement::Kind;
 use crate::report::page::{Page, escape, table};
-use crate::report::plots::{DrawnModel, REASONS, View, list, models};
+use crate::report::plots::View;
 use crate::report::units::{digits, of_column, spoken};
 use stretch::{Stretch, stretches};
 
-/// The script of the scene.
-const SCRIPT: &str = include_str!("scene.js");
+/// Reasons for which rows do not count, in the order in which they are told.
+const REASONS: [Uncounted; 4] = [Uncounted::Start, Uncounted::Gap, Uncounted::Odd, Uncounted::NoAnswer];
 /// A window stands out where a signal misses by this many times its noise: noise that a window has in common seldom reaches it.
 const STANDS_OUT: f64 = 2.0;
 /// Windows that the text names, and rows of the table of what does not count.
@@ -23,48 +21,32 @@ const LISTED: usize = 12;
 
 /// Whether the experiment is a drive and a model's motion is known.
 pub(super) fn is_shown(view: &View) -> bool {
-    view.experiment.kind == Kind::Traverse && view.shown().is_some_and(|model| !model.fit.motion.is_empty())
+    view.experiment.kind == Kind::Traverse && !view.model.fit.motion.is_empty()
 }
 
 /// What stands on the first screen: the worst windows, and what was not counted. Empty where there is no drive.
 pub(super) fn at_first_sight(view: &View) -> String {
-    let Some(model) = view.shown().filter(|_| is_shown(view)) else { return String::new() };
-    let mut html = format!("<p><strong>Where it fails:</strong> {}</p>", escape(&worst_windows(view, model)));
+    if !is_shown(view) {
+        return String::new();
+    }
+    let mut html = format!("<p><strong>Where it fails:</strong> {}</p>", escape(&worst_windows(view)));
     html.push_str(&format!("<p><strong>Not counted:</strong> {}</p>", escape(&not_counted(view))));
     format!("<div class=\"drive-facts\">{html}</div>")
 }
 
 /// The section itself, under its heading; `radius` is that of the wheels, m.
-pub(super) fn add(page: &mut Page, view: &View, place: &str, radius: f64) {
-    let Some(model) = view.shown().filter(|_| is_shown(view)) else { return };
-    page.html("<h3>Every window of every run</h3>");
-    page.html(&format!(
-        "<p class=\"lead\">The colour is the error (RMS) of the worst signal in a window over its {}: blue is no more than that, yellow twice as much, \
-         red far more. Hatched is not counted.{} A window that is chosen in the plot is shown on its ground below.</p>",
-        view.measure(),
-        usual_error(view)
-    ));
-    page.html("<div class=\"filtered windows\">");
-    let mut errors = vec![("worst".to_owned(), "worst signal".to_owned())];
-    errors.extend(view.experiment.signals().into_iter().map(|signal| (signal.clone(), spoken(&signal))));
-    // Bars of two models would lie on each other.
-    let one_model = models(view, place, false);
-    page.html(&format!("<div class=\"controls\">{one_model}{}</div>", list("Signal", "error", "", &errors)));
-    page.plots(&[(format!("Error of each window over the {}", view.measure()), map::map(view))]);
-    page.html("</div>");
-    page.html("<h3>The rover on its ground</h3>");
-    page.html(&format!("<p class=\"lead\">{}</p>", escape(&ghost(view))));
-    if let Some(scene) = scene::scene(view) {
-        page.html(&scene);
-        page.script(SCRIPT);
+pub(super) fn add(page: &mut Page, view: &View, radius: f64) {
+    if !is_shown(view) {
+        return;
     }
+    page.html(&format!("<p class=\"lead\">{}{}</p>", escape(&ghost(view)), usual_error(view)));
     page.html("<h3>Under which conditions</h3>");
     page.html(&format!(
         "<p class=\"lead\">Mean residual (measured less model) where it is largest along each condition, over the signal's {}, and where that is. Loads are \
          those of the model.</p>",
         view.measure()
     ));
-    page.html(&places::table(view, model, radius));
+    page.html(&places::table(view, radius));
     page.html("<h3>What is not counted, and why</h3>");
     page.html(&uncounted(view));
 }
@@ -102,18 +84,14 @@ fn ghost(view: &View) -> String {
 }
 
 /// The windows that stand out most, in words.
-fn worst_windows(view: &View, model: &DrawnModel) -> String {
-    let all = stretches(view, model);
+fn worst_windows(view: &View) -> String {
+    let all = stretches(view);
     let counted = all.iter().filter(|stretch| stretch.why.is_none() && !stretch.ratios.is_empty());
     let mut counted: Vec<&Stretch> = counted.collect();
     counted.sort_by(|a, b| b.worst().total_cmp(&a.worst()));
     let out = counted.iter().filter(|stretch| stretch.worst() >= STANDS_OUT).count();
     let total = counted.len();
-    let name = match model.key {
-        "given" => "the model as given",
-        "baseline" => "the calibrated model",
-        _ => "the final model",
-    };
+    let name = view.model.name;
     let measure = view.measure();
     if out == 0 {
         return format!("in no window of {total} is an error of {name} {STANDS_OUT:.0} times its {measure} or more.");
@@ -122,7 +100,7 @@ fn worst_windows(view: &View, model: &DrawnModel) -> String {
         let run = &view.experiment.runs[stretch.run].name;
         let (signal, ratio) = &stretch.ratios[0];
         let [from, to] = stretch.seconds;
-        let ground = ground_under(model, stretch).map_or_else(String::new, |ground| format!(", {ground}"));
+        let ground = ground_under(view, stretch).map_or_else(String::new, |ground| format!(", {ground}"));
         format!(
             "run {run} at {from:.1} to {to:.1} s{ground}: {} {} times its {measure}",
             spoken(signal),
@@ -137,8 +115,8 @@ fn worst_windows(view: &View, model: &DrawnModel) -> String {
 }
 
 /// Position and slope of the ground under a stretch.
-fn ground_under(model: &DrawnModel, stretch: &Stretch) -> Option<String> {
-    let motion = model.fit.motion.get(stretch.run)?;
+fn ground_under(view: &View, stretch: &Stretch) -> Option<String> {
+    let motion = view.model.fit.motion.get(stretch.run)?;
     let range = |values: &mut dyn Iterator<Item = f64>| {
         values
             .filter(|value| value.is_finite())
@@ -164,7 +142,7 @@ fn not_counted(view: &View) -> String {
         let own: Vec<&UncountedRows> = view.uncounted.iter().filter(|rows| rows.why == why).collect();
         (own.iter().map(|rows| rows.count()).sum(), own.len())
     };
-    let one = |(why, _): &(Uncounted, &str)| {
+    let one = |why: &Uncounted| {
         let (rows, places) = count(*why);
         let several = |one: &str, many: &str| format!("{places} {}", if places == 1 { one } else { many });
         let place = match why {

@@ -2,7 +2,7 @@
 
 use crate::report::kinds::of;
 use crate::report::page::escape;
-use crate::report::plots::{Condition, DrawnModel, Samples, View};
+use crate::report::plots::{Condition, Samples, View};
 use crate::report::units::{digits, short, spoken, wheel_and_field};
 
 /// A mean residual of this many standard deviations of one sample has the full colour.
@@ -11,18 +11,18 @@ const FULL: f64 = 3.0;
 const NONE: f64 = 0.5;
 
 /// The table; `radius` is that of the wheels, m.
-pub(super) fn table(view: &View, model: &DrawnModel, radius: f64) -> String {
+pub(super) fn table(view: &View, radius: f64) -> String {
     let experiment = view.experiment;
     let headings = ["time", "position", "pitch", "slope", "load (model)", "slip", "speed"];
     let head: String = headings.iter().map(|name| format!("<th>{name}</th>")).collect();
     let row = |signal: &String| {
         let wheel = wheel_and_field(signal).map_or(1, |(wheel, _)| wheel);
         let conditions = of(experiment).conditions(experiment, wheel, radius);
-        let cells: String = conditions.iter().map(|condition| cell(view, model, signal, condition)).collect();
+        let cells: String = conditions.iter().map(|condition| cell(view, signal, condition)).collect();
         format!("<tr><td>{}</td>{cells}</tr>\n", escape(&spoken(signal)))
     };
     let mut signals = experiment.signals();
-    let size = |signal: &String| model.fit.rmse.get(signal).copied().unwrap_or(0.0) / view.scale(signal);
+    let size = |signal: &String| view.model.fit.rmse.get(signal).copied().unwrap_or(0.0) / view.scale(signal);
     signals.sort_by(|a, b| size(b).total_cmp(&size(a)));
     let rows: String = signals.iter().map(row).collect();
     format!(
@@ -32,12 +32,12 @@ pub(super) fn table(view: &View, model: &DrawnModel, radius: f64) -> String {
     )
 }
 
-fn cell(view: &View, model: &DrawnModel, signal: &str, condition: &Condition) -> String {
+fn cell(view: &View, signal: &str, condition: &Condition) -> String {
     let nothing = "<td>\u{2013}</td>".to_owned();
     if *condition == Condition::column(signal) {
         return nothing;
     }
-    let Some(samples) = Samples::new(view.experiment, model.fit, signal, condition) else { return nothing };
+    let Some(samples) = Samples::new(view.experiment, view.model.fit, signal, condition) else { return nothing };
     let Some(level) = samples.worst_level() else { return nothing };
     let shown = condition.shown();
     let ratio = level.mean / view.scale(signal);

@@ -1,7 +1,7 @@
 //! How far a model is off in each window of each run.
 
 use crate::diagnosis::{Fit, Motion, Uncounted};
-use crate::report::plots::{DrawnModel, View};
+use crate::report::plots::View;
 use std::ops::Range;
 
 /// Runs that are not cut are shown in parts of about this length, s, which is that of a window.
@@ -11,8 +11,6 @@ const LENGTH: f64 = 6.0;
 pub(super) struct Stretch {
     pub run: usize,
     pub rows: Range<usize>,
-    /// Number of the window in its run, counted from 1.
-    pub window: usize,
     /// Why its rows do not count; `None` where they do.
     pub why: Option<Uncounted>,
     /// First time, and the time at which the next stretch begins, s.
@@ -29,9 +27,9 @@ impl Stretch {
 }
 
 /// The stretches of all runs, in the order of the experiment.
-pub(super) fn stretches(view: &View, model: &DrawnModel) -> Vec<Stretch> {
+pub(super) fn stretches(view: &View) -> Vec<Stretch> {
     let mut all = Vec::new();
-    for (run, motion) in model.fit.motion.iter().enumerate() {
+    for (run, motion) in view.model.fit.motion.iter().enumerate() {
         let time = view.experiment.runs[run].data.column("time").unwrap_or_default();
         let (why, windows) = (reasons(view, run), numbers(motion, time));
         let rows: Vec<usize> = (0..time.len()).collect();
@@ -41,9 +39,8 @@ pub(super) fn stretches(view: &View, model: &DrawnModel) -> Vec<Stretch> {
             all.push(Stretch {
                 run,
                 why: why[rows.start],
-                window: windows[rows.start],
                 seconds: [time[rows.start], end],
-                ratios: ratios(view, model.fit, run, rows.clone()),
+                ratios: ratios(view, view.model.fit, run, rows.clone()),
                 rows,
             });
         }
@@ -52,7 +49,7 @@ pub(super) fn stretches(view: &View, model: &DrawnModel) -> Vec<Stretch> {
 }
 
 /// Why each row of a run does not count; `None` for one that counts.
-pub(super) fn reasons(view: &View, run: usize) -> Vec<Option<Uncounted>> {
+fn reasons(view: &View, run: usize) -> Vec<Option<Uncounted>> {
     let run = &view.experiment.runs[run];
     let mut why = vec![None; run.data.rows()];
     for rows in view.uncounted.iter().filter(|rows| rows.run == run.name) {

@@ -4,7 +4,7 @@
 mod single_wheel;
 mod traverse;
 
-use super::plots::{Condition, Panel, View};
+use super::plots::Condition;
 use crate::measurement::{Experiment, Kind};
 
 /// How an experiment is shown.
@@ -13,14 +13,6 @@ pub(super) fn of(experiment: &Experiment) -> &'static dyn Presentation {
         Kind::SingleWheel => &single_wheel::SingleWheel,
         Kind::Traverse => &traverse::Traverse,
     }
-}
-
-/// Sentences that explain the overlays.
-pub(super) struct HowDrawn {
-    /// What error bars or bands are, `{noise}` where the noise of each signal stands.
-    pub bars: &'static str,
-    /// What the curves are; empty where there are none.
-    pub curves: String,
 }
 
 /// What depends on the kind of an experiment in a report.
@@ -37,15 +29,6 @@ pub(super) trait Presentation {
     /// What the residuals of a diagnosis are held against; `wheel` is that of the signal, `radius` that of the wheels, m.
     fn conditions(&self, experiment: &Experiment, wheel: usize, radius: f64) -> Vec<Condition>;
 
-    /// Pairs of columns over which mean residuals are mapped, the first that were recorded.
-    fn maps(&self) -> [(&'static str, &'static str); 2];
-
-    /// Measured beside modelled.
-    fn overlays(&self, view: &View) -> Vec<Panel>;
-
-    /// What chooses the parts of the overlays that are shown.
-    fn controls(&self, view: &View) -> String;
-
-    /// What the overlays consist of.
-    fn how_drawn(&self, view: &View) -> HowDrawn;
+    /// What points, lines, bars and bands of the plots are; `noise` is that of each signal in words, empty where it is not known.
+    fn how_drawn(&self, noise: &str) -> String;
 }

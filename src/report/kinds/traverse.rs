@@ -1,8 +1,8 @@
 //! How a traverse is shown: over time.
 
-use super::{HowDrawn, Presentation};
+use super::Presentation;
 use crate::measurement::Experiment;
-use crate::report::plots::{Condition, Panel, View, over_time};
+use crate::report::plots::Condition;
 
 /// The presentation of a traverse.
 pub(super) struct Traverse;
@@ -33,23 +33,14 @@ impl Presentation for Traverse {
         all
     }
 
-    /// Time where pitch was not recorded.
-    fn maps(&self) -> [(&'static str, &'static str); 2] {
-        [("x", "pitch"), ("x", "time")]
-    }
-
-    fn overlays(&self, view: &View) -> Vec<Panel> {
-        over_time::panels(view)
-    }
-
-    fn controls(&self, view: &View) -> String {
-        over_time::controls(view)
-    }
-
-    fn how_drawn(&self, _: &View) -> HowDrawn {
-        HowDrawn {
-            bars: "The band about the points is two standard deviations of the noise of one sample.",
-            curves: String::new(),
+    fn how_drawn(&self, noise: &str) -> String {
+        match noise {
+            "" => "The noise of one sample is unknown, so there is no band about the measurements.".to_owned(),
+            known => {
+                format!(
+                    "The band about the measurements is two standard deviations of the noise of one sample ({known})."
+                )
+            }
         }
     }
 }

@@ -1,6 +1,5 @@
 //! Residuals and the conditions against which they are drawn.
 
-use super::overlay::groups;
 use crate::diagnosis::{Fit, Level, Motion, levels_of};
 use crate::measurement::{Experiment, Run};
 use crate::report::kinds::of;
@@ -162,4 +161,18 @@ pub(in crate::report) fn conditions(experiment: &Experiment, radius: f64) -> Vec
     let several = fields.into_iter().filter(|(_, wheels)| *wheels > 1);
     all.extend(several.map(|(field, _)| (field, Condition::Wheel)));
     all
+}
+
+/// Names of the groups of repeats, a single run being a group of its own, and the runs of each.
+fn groups(experiment: &Experiment) -> Vec<(String, Vec<usize>)> {
+    let mut groups: Vec<(String, Vec<usize>)> = Vec::new();
+    for (k, run) in experiment.runs.iter().enumerate() {
+        let known =
+            groups.iter_mut().find(|(_, runs)| run.group.is_some() && experiment.runs[runs[0]].group == run.group);
+        match known {
+            Some((_, runs)) => runs.push(k),
+            None => groups.push((run.group.clone().unwrap_or_else(|| run.name.clone()), vec![k])),
+        }
+    }
+    groups
 }

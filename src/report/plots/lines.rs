@@ -1,8 +1,6 @@
 //! Lines over an abscissa.
 
-use super::{COLOURS, all_rounded, axis, layout_with};
-use plotly::common::{Line, Mode};
-use plotly::{Plot, Scatter};
+use super::figure::{COLOURS, Figure, Mark, Scale, Trace};
 use serde::Serialize;
 
 /// Longer series are thinned to this many points: more than a screen shows.
@@ -34,22 +32,14 @@ pub struct LinePlot {
     pub series: Vec<Series>,
 }
 
-/// A plot of one line a series.
-pub(in crate::report) fn lines(of: &LinePlot) -> Plot {
-    let mut plot = Plot::new();
-    for (k, series) in of.series.iter().enumerate() {
-        let (x, y) = thinned(series);
-        let line = Line::new().color(COLOURS[k % COLOURS.len()]).width(2.0);
-        plot.add_trace(Scatter::new(x, y).mode(Mode::Lines).name(&series.name).line(line));
-    }
-    plot.set_layout(layout_with(axis(&of.x_label), axis(&of.y_label), of.series.len() > 1));
-    plot
-}
-
-/// Every k-th point, k the smallest that leaves few enough; a value that is not finite is a gap.
-fn thinned(series: &Series) -> (Vec<f64>, Vec<Option<f64>>) {
-    let stride = series.x.len().div_ceil(MOST_POINTS).max(1);
-    let x = all_rounded(series.x.iter().copied().step_by(stride));
-    let y = series.y.iter().step_by(stride).map(|y| y.is_finite().then(|| super::rounded(*y))).collect();
-    (x, y)
+/// A figure of one line a series: of long series every k-th point, k the smallest that leaves few enough.
+pub(in crate::report) fn lines(of: &LinePlot) -> Figure {
+    let trace = |(k, series): (usize, &Series)| {
+        let stride = series.x.len().div_ceil(MOST_POINTS).max(1);
+        let thinned = |values: &[f64]| values.iter().copied().step_by(stride).collect();
+        let colour = COLOURS[k % COLOURS.len()];
+        Trace::new(&series.name, Mark::Line, colour, thinned(&series.x), thinned(&series.y))
+    };
+    let traces = of.series.iter().enumerate().map(trace).collect();
+    Figure::new(Scale::numbers(&of.x_label), Scale::numbers(&of.y_label), traces)
 }

@@ -10,6 +10,8 @@ export interface View {
   on: string[];
   /** Values that differ from the step's. */
   set: Values;
+  /** Another step whose model is drawn beside; null for none. */
+  versus: number | null;
   /** The input over which a wheel's signals are drawn. */
   axis: string;
   run: number;
@@ -30,6 +32,7 @@ const EMPTY: View = {
   at: 0,
   on: [],
   set: {},
+  versus: null,
   axis: "slip",
   run: 0,
   range: null,
@@ -60,6 +63,7 @@ export function readView(hash: string = location.hash): View {
     at: numbers(all.get("at"))[0] ?? 0,
     on: (all.get("on") ?? "").split(",").filter(Boolean),
     set,
+    versus: numbers(all.get("versus"))[0] ?? null,
     axis: all.get("axis") ?? "slip",
     run: numbers(all.get("run"))[0] ?? 0,
     range: from !== undefined && to !== undefined ? [from, to] : null,
@@ -78,6 +82,7 @@ function written(view: View): string {
   put("at", String(view.at));
   put("on", view.on.join(","));
   put("set", Object.entries(view.set).map(([name, value]) => `${name}:${value}`).join(","));
+  put("versus", view.versus === null ? "" : String(view.versus));
   put("axis", view.axis, "slip");
   put("run", String(view.run), "0");
   put("range", view.range?.map((x) => Number(x.toPrecision(7))).join(",") ?? "");
@@ -96,15 +101,24 @@ export function sameView(a: View, b: View): boolean {
 let timer = 0;
 let waiting: View | null = null;
 
+/** A page inside of another, as in a notebook, may have no address of its own; it then works without one. */
+function inHistory(change: () => void): void {
+  try {
+    change();
+  } catch {
+    // Nothing is lost but the way back.
+  }
+}
+
 /** Browsers refuse many changes of the address in a short time: those of a slider are written once it rests. */
 export function writeView(view: View, push: boolean): void {
   clearTimeout(timer);
   const depth = (history.state?.depth as number | undefined) ?? 0;
-  const replace = (view: View) => history.replaceState({ depth }, "", written(view));
+  const replace = (view: View) => inHistory(() => history.replaceState({ depth }, "", written(view)));
   if (push) {
     if (waiting) replace(waiting);
     waiting = null;
-    history.pushState({ depth: depth + 1 }, "", written(view));
+    inHistory(() => history.pushState({ depth: depth + 1 }, "", written(view)));
     return;
   }
   waiting = view;

@@ -37,7 +37,11 @@ export async function put(path: string, file: Blob): Promise<void> {
 
 /** Asks for a file and gives it to the browser to be saved. */
 export async function save(path: string, body: unknown, name: string): Promise<void> {
-  const blob = await (await sent(path, "POST", body)).blob();
+  give(await (await sent(path, "POST", body)).blob(), name);
+}
+
+/** Gives a file to the browser to be saved. */
+export function give(blob: Blob, name: string): void {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(blob);
   link.download = name;

@@ -1,35 +1,41 @@
 /** Effects with toggles and strengths, and what the ranking found of each. */
 
-import { short, spoken } from "./format";
+import { useState } from "preact/hooks";
+import { column, listed, quantity, short, spoken } from "./format";
 import { useStore } from "./hooks";
 import { keyOf, store } from "./store";
 import type { Candidate, Parameter } from "./types";
 
+/** Parameters that a search shows. */
+const MOST_FOUND = 8;
+
 /** Values between which a slider moves evenly: in decades where a positive range spans them. */
 const STEPS = 1000;
 
-function isLogarithmic(parameter: Parameter): boolean {
-  return parameter.min > 0 && parameter.max / parameter.min >= 100;
+type Range = [number, number];
+
+function isLogarithmic([low, high]: Range): boolean {
+  return low > 0 && high / low >= 100;
 }
 
-function toPlace(parameter: Parameter, value: number): number {
-  const share = isLogarithmic(parameter)
-    ? Math.log(value / parameter.min) / Math.log(parameter.max / parameter.min)
-    : (value - parameter.min) / (parameter.max - parameter.min);
+function toPlace(range: Range, value: number): number {
+  const [low, high] = range;
+  const share = isLogarithmic(range) ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
   return Math.round(STEPS * share);
 }
 
-function toValue(parameter: Parameter, place: number): number {
+function toValue(range: Range, place: number): number {
+  const [low, high] = range;
   const share = place / STEPS;
-  const value = isLogarithmic(parameter)
-    ? parameter.min * (parameter.max / parameter.min) ** share
-    : parameter.min + share * (parameter.max - parameter.min);
-  return Math.min(parameter.max, Math.max(parameter.min, Number(value.toPrecision(6))));
+  const value = isLogarithmic(range) ? low * (high / low) ** share : low + share * (high - low);
+  return Math.min(high, Math.max(low, Number(value.toPrecision(6))));
 }
 
 export function Slider({ parameter, label }: { parameter: Parameter; label: string }) {
   const { experiment } = useStore();
   const value = store.value(parameter);
+  const movable = store.range(parameter);
+  const range: Range = movable ?? [parameter.min, parameter.max];
   const text = `${short(value * parameter.factor)}${parameter.unit ? ` ${parameter.unit}` : ""}`;
   const found = store.found.get(keyOf(store.view.on))?.fitted?.[parameter.name];
   const fitted = found && found.value === value ? found : parameter.fitted?.value === value ? parameter.fitted : null;
@@ -45,10 +51,10 @@ export function Slider({ parameter, label }: { parameter: Parameter; label: stri
         type="range"
         min={0}
         max={STEPS}
-        value={toPlace(parameter, value)}
+        value={toPlace(range, value)}
         aria-valuetext={text}
-        disabled={!experiment}
-        onInput={(event) => store.move(parameter.name, toValue(parameter, Number(event.currentTarget.value)))}
+        disabled={!experiment || !movable}
+        onInput={(event) => store.move(parameter.name, toValue(range, Number(event.currentTarget.value)))}
       />
       {fitted?.at_bound && <span class="flag">on its bound</span>}
       {fitted && fitted.std === null && !fitted.at_bound && <span class="flag">not determined by this experiment</span>}
@@ -86,7 +92,7 @@ function Effect({ id, about, gain, most, best }: { id: string; about: string; ga
   return (
     <li class={on ? "effect on" : "effect"}>
       <label class="toggle">
-        <input type="checkbox" role="switch" checked={on} onChange={() => store.toggle(id)} aria-describedby={`about-${id}`} />
+        <input type="checkbox" role="switch" checked={on} disabled={!store.canToggle(id)} onChange={() => store.toggle(id)} aria-describedby={`about-${id}`} />
         <span class="name">{spoken(id)}</span>
         <Gain gain={gain} most={most} candidate={candidate} />
       </label>
@@ -101,16 +107,59 @@ function Effect({ id, about, gain, most, best }: { id: string; about: string; ga
   );
 }
 
+/** What is taken as known, and may be moved all the same to see what it does. */
+function Known() {
+  const { experiment, view } = useStore();
+  const [search, setSearch] = useState("");
+  if (!experiment || experiment.known.length === 0) return null;
+  const words = search.toLowerCase().split(/\s+/);
+  const moved = experiment.known.filter(({ name }) => name in store.values());
+  const found = search ? experiment.known.filter(({ name, about }) => words.every((word) => `${name} ${about}`.toLowerCase().replaceAll("_", " ").includes(word))) : [];
+  const shown = [...new Set([...moved, ...found.slice(0, MOST_FOUND)])];
+  return (
+    <details class="card" open={moved.some(({ name }) => name in view.set) || undefined}>
+      <summary><h2>What is taken as known</h2></summary>
+      <p class="hint">Dimensions, masses and whatever else no calibration of this experiment moves: {experiment.known.length} parameters.</p>
+      <label>
+        Find a parameter{" "}
+        <input type="search" value={search} placeholder="radius" onInput={(event) => setSearch(event.currentTarget.value)} />
+      </label>
+      {found.length > MOST_FOUND && <p class="hint">{found.length - MOST_FOUND} more; say more of the name.</p>}
+      {search && found.length === 0 && <p class="hint">No parameter is called so.</p>}
+      {shown.map((parameter) => <Slider key={parameter.name} parameter={parameter} label={spoken(parameter.name)} />)}
+    </details>
+  );
+}
+
+/** How a saved page knows models between those that were simulated. */
+function Interpolation() {
+  const { experiment, saved } = useStore();
+  const worst = saved?.worst();
+  if (!experiment || !saved) return null;
+  if (!worst) return <p class="hint">No effect was tried for this page; <code>bekker diagnose</code> and <code>bekker studio</code> try them.</p>;
+  const shown = column(experiment, worst.signal);
+  const { kept, of } = saved.rows;
+  return (
+    <p class="hint">
+      In this file each effect was computed at a few strengths; between them the curves are interpolated. The largest difference from a
+      simulation half way between, rounding included, is {quantity(worst.error, shown)} of {shown.name}
+      {worst.ratio === null ? "" : `, ${short(worst.ratio)} times the noise of one measurement`} ({listed(worst.effects)}).
+      {kept < of ? ` The plots show ${kept} of ${of} rows; errors are those of all.` : ""} <code>bekker studio</code> combines effects freely.
+    </p>
+  );
+}
+
 export function Effects() {
   const { experiment, view, jobs, diagnosis } = useStore();
   if (!experiment) return null;
-  const accepted = store.step?.effects ?? [];
+  const accepted = store.accepted;
   const gains = new Map(experiment.effects.map(({ id }) => [id, accepted.includes(id) ? null : store.gain(id)]));
   const most = Math.max(1, ...[...gains.values()].map((gain) => gain ?? 0));
   const rank = (id: string) => (view.on.includes(id) ? Number.POSITIVE_INFINITY : (gains.get(id) ?? -1));
   // While a person moves a strength its row stays where it is: the order follows the gains only.
-  const sorted = experiment.effects.filter(({ id, shows }) => shows || view.on.includes(id)).sort((p, q) => rank(q.id) - rank(p.id));
-  const hidden = experiment.effects.filter(({ shows }) => !shows);
+  const offered = experiment.effects.filter(({ id, shows }) => (shows && store.canToggle(id)) || view.on.includes(id));
+  const sorted = offered.sort((p, q) => rank(q.id) - rank(p.id));
+  const hidden = store.saved ? [] : experiment.effects.filter(({ shows }) => !shows);
   const unseen = (diagnosis?.invisible ?? []).filter((id) => !hidden.some((one) => one.id === id));
   const searching = jobs.has("rank");
   const shown = [...gains.values()].some((gain) => gain !== null);
@@ -129,6 +178,7 @@ export function Effects() {
           <Effect key={id} id={id} about={about} gain={gains.get(id) ?? null} most={most} best={id === best} />
         ))}
       </ul>
+      {store.saved && <Interpolation />}
       {hidden.length > 0 && (
         <details>
           <summary class="hint">{hidden.length} effects that cannot show in such an experiment</summary>
@@ -141,10 +191,12 @@ export function Effects() {
 }
 
 export function Parameters() {
-  const { experiment, jobs } = useStore();
+  const { experiment, jobs, listed: server } = useStore();
   if (!experiment) return null;
+  const others = (server?.experiments ?? []).filter((one) => one.id !== experiment.id);
   const fitting = jobs.has("fit");
   return (
+    <>
     <details class="card" open={false}>
       <summary><h2>Soil and other calibrated parameters</h2></summary>
       {store.parametersOf(null).map((parameter) => (
@@ -156,9 +208,22 @@ export function Parameters() {
           same error.
         </p>
       )}
-      <button type="button" disabled={!experiment.calibration || fitting} onClick={() => store.refit()}>
-        {fitting ? "Fitting…" : "Fit all parameters again"}
-      </button>
+      {!store.saved && others.length > 0 && (
+        <label class="controls">
+          Take the soil of{" "}
+          <select value="" onChange={(event) => { const id = event.currentTarget.value; event.currentTarget.value = ""; if (id) void store.takeSoil(id); }}>
+            <option value="">another experiment…</option>
+            {others.map((one) => <option key={one.id} value={one.id}>{one.name}</option>)}
+          </select>
+        </label>
+      )}
+      {!store.saved && (
+        <button type="button" disabled={!experiment.calibration || fitting} onClick={() => store.refit()}>
+          {fitting ? "Fitting…" : "Fit all parameters again"}
+        </button>
+      )}
     </details>
+    <Known />
+    </>
   );
 }

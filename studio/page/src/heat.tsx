@@ -1,5 +1,6 @@
 /** Where the model fails: in words, and as a map of mean residuals over two conditions. */
 
+import { useMemo } from "preact/hooks";
 import { column, quantity, short } from "./format";
 import { useStore } from "./hooks";
 import { store } from "./store";
@@ -43,7 +44,7 @@ function classes(values: number[], people: ForPeople): { of: (value: number) => 
   }
   const name = (value: number) => short(value * people.factor);
   // A cloud in which every value has a neighbour is no row of set-points.
-  const widest = Math.max(...levels.map((level) => (level[level.length - 1] ?? 0) - (level[0] ?? 0)));
+  const widest = levels.reduce((most, level) => Math.max(most, (level[level.length - 1] ?? 0) - (level[0] ?? 0)), 0);
   if (levels.length <= LEVELS && widest <= 3 * gap) {
     const middles = levels.map((level) => ((level[0] ?? 0) + (level[level.length - 1] ?? 0)) / 2);
     const of = (value: number) => levels.findIndex((level) => value >= (level[0] ?? 0) && value <= (level[level.length - 1] ?? 0));
@@ -56,7 +57,10 @@ function classes(values: number[], people: ForPeople): { of: (value: number) => 
 
 interface Cell { sum: number; count: number }
 
-function Map({ experiment, trial, signal, x, y }: { experiment: Experiment; trial: Trial; signal: string; x: Condition; y: Condition }) {
+interface Cells { across: string[]; upward: string[]; cells: Cell[][] }
+
+/** Mean residuals by class of two conditions; null where nothing was recorded. */
+function cellsOf(trial: Trial, signal: string, x: Condition, y: Condition): Cells | null {
   const samples: [number, number, number][] = [];
   trial.runs.forEach((run, k) => {
     const [xs, ys] = [x.values(k), y.values(k)];
@@ -65,7 +69,7 @@ function Map({ experiment, trial, signal, x, y }: { experiment: Experiment; tria
       if (residual !== null && at != null && up != null) samples.push([at, up, residual]);
     });
   });
-  if (samples.length === 0) return <p>There is nothing to map: these conditions were not recorded beside this signal.</p>;
+  if (samples.length === 0) return null;
   const [across, upward] = [classes(samples.map((one) => one[0]), x.people), classes(samples.map((one) => one[1]), y.people)];
   const cells: Cell[][] = upward.names.map(() => across.names.map(() => ({ sum: 0, count: 0 })));
   for (const [at, up, residual] of samples) {
@@ -75,6 +79,13 @@ function Map({ experiment, trial, signal, x, y }: { experiment: Experiment; tria
       cell.count += 1;
     }
   }
+  return { across: across.names, upward: upward.names, cells };
+}
+
+function Map({ experiment, trial, signal, x, y }: { experiment: Experiment; trial: Trial; signal: string; x: Condition; y: Condition }) {
+  const found = useMemo(() => cellsOf(trial, signal, x, y), [experiment, trial.runs, trial.motion, signal, x.key, y.key]);
+  if (!found) return <p>There is nothing to map: these conditions were not recorded beside this signal.</p>;
+  const { across, upward, cells } = found;
   const shown = column(experiment, signal);
   const noise = experiment.noise[signal]?.value ?? trial.rmse[signal] ?? 1;
   const known = experiment.noise[signal]?.value != null;
@@ -86,19 +97,19 @@ function Map({ experiment, trial, signal, x, y }: { experiment: Experiment; tria
           <thead>
             <tr>
               <th scope="col">{y.people.name}{y.people.unit && `, ${y.people.unit}`} ↓ {x.people.name}{x.people.unit && `, ${x.people.unit}`} →</th>
-              {across.names.map((name) => <th scope="col" key={name}>{name}</th>)}
+              {across.map((name) => <th scope="col" key={name}>{name}</th>)}
             </tr>
           </thead>
           <tbody>
             {cells.map((row, k) => (
-              <tr key={upward.names[k]}>
-                <th scope="row">{upward.names[k]}</th>
+              <tr key={upward[k]}>
+                <th scope="row">{upward[k]}</th>
                 {row.map((cell, j) => {
-                  if (cell.count === 0) return <td key={across.names[j]} class="none">·</td>;
+                  if (cell.count === 0) return <td key={across[j]} class="none">·</td>;
                   const mean = cell.sum / cell.count / noise;
                   const strength = Math.min(1, Math.abs(mean) / 4);
                   return (
-                    <td key={across.names[j]} class={mean < 0 ? "less" : "more"} style={{ "--strength": strength }} title={`${quantity(cell.sum / cell.count, shown)}, ${cell.count} measurements`}>
+                    <td key={across[j]} class={mean < 0 ? "less" : "more"} style={{ "--strength": strength }} title={`${quantity(cell.sum / cell.count, shown)}, ${cell.count} measurements`}>
                       {mean > 0 ? "+" : mean < 0 ? "−" : ""}{Math.abs(mean).toFixed(1)}
                     </td>
                   );
@@ -122,7 +133,7 @@ export function Failures() {
   const signal = experiment.signals.includes(view.heat[0]) ? view.heat[0] : (experiment.signals[0] ?? "");
   const [x, y] = [find(view.heat[1], usual[0]), find(view.heat[2], usual[1])];
   if (!x || !y) return null;
-  const worst = trial.failures.filter((failure) => (failure.ratio ?? 2) > 1).slice(0, 4);
+  const worst = (trial.failures ?? []).filter((failure) => (failure.ratio ?? 2) > 1).slice(0, 4);
   const pick = (change: Partial<Record<0 | 1 | 2, string>>) =>
     store.go({ heat: [change[0] ?? signal, change[1] ?? x.key, change[2] ?? y.key] });
   const select = (label: string, value: string, options: [string, string][], set: (value: string) => void) => (
@@ -134,7 +145,7 @@ export function Failures() {
   return (
     <section class="card" aria-labelledby="failures">
       <h2 id="failures">Where the model fails</h2>
-      {worst.length === 0 ? <p>No mean residual exceeds the noise of one measurement.</p> : (
+      {trial.failures === null ? null : worst.length === 0 ? <p>No mean residual exceeds the noise of one measurement.</p> : (
         <ul>
           {worst.map((failure) => (
             <li key={failure.signal + failure.condition}>

@@ -23,6 +23,14 @@ export function useDark(): boolean {
   return is;
 }
 
+export function isDark(): boolean {
+  return dark.matches;
+}
+
+export function onTheme(draw: () => void): void {
+  dark.addEventListener("change", draw);
+}
+
 /** Colours of groups that people with every kind of colour vision tell apart, for light and dark ground (after Okabe and Ito). */
 const LIGHT = ["#0072b2", "#c24e00", "#00805a", "#a0468a", "#8a6d00", "#1a86c4", "#5c5c5c", "#b3261e"];
 const DARK = ["#5ab4f0", "#ff9a52", "#3fc79a", "#e39ac8", "#e6cf5a", "#9ad0f5", "#b5b5b5", "#ff8a80"];

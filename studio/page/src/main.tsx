@@ -4,21 +4,25 @@ import { render } from "preact";
 import { useEffect } from "preact/hooks";
 import "uplot/dist/uPlot.min.css";
 import "./style.css";
+import "./report.css";
 import { Effects, Parameters } from "./effects";
+import { drawFigures } from "./figures";
 import { Failures } from "./heat";
 import { useStore } from "./hooks";
 import { Errors, Exports, Guide, History, Next } from "./panels";
+import { PlanMap } from "./plan";
 import { Scene } from "./scene";
 import { Signals } from "./signals";
 import { store } from "./store";
 import { Opening } from "./upload";
+import { Windows } from "./windows";
 
 function Header() {
   const { experiment, listed, connected } = useStore();
   return (
     <header>
       <a class="skip" href="#signals" onClick={(event) => { event.preventDefault(); document.getElementById("signals")?.scrollIntoView(); }}>To the plots</a>
-      <h1>Bekker workbench</h1>
+      {store.saved ? <span class="brand">Bekker</span> : <h1>Bekker workbench</h1>}
       {listed && listed.experiments.length > 1 ? (
         <label>
           <span class="unseen">Experiment</span>
@@ -27,7 +31,7 @@ function Header() {
           </select>
         </label>
       ) : <span class="title">{experiment?.name}</span>}
-      <Opening />
+      {store.saved ? <a href="#report">The whole argument</a> : <Opening />}
       {!connected && <span class="flag" role="status">connection lost, trying again…</span>}
     </header>
   );
@@ -50,6 +54,7 @@ function Page() {
   const { error, experiment } = useStore();
   useEffect(() => void store.start(), []);
   useEffect(() => {
+    if (store.saved) return;
     document.title = experiment ? `${experiment.name} – Bekker workbench` : "Bekker workbench";
   }, [experiment?.name]);
   useEffect(() => {
@@ -79,7 +84,9 @@ function Page() {
           <Effects />
         </div>
         <div class="wide">
+          <PlanMap />
           <Signals />
+          <Windows />
           <div class="pair"><Scene /><Failures /></div>
           <div class="pair">
             <div><History /><Parameters /></div>
@@ -101,8 +108,25 @@ declare global {
 // For tests in a browser and for people who look behind the page.
 window.bekker = store;
 
+/** Links within a report go to their place and leave the address to the state of the page. */
+function follow(event: MouseEvent): void {
+  const link = event.target instanceof Element ? event.target.closest<HTMLAnchorElement>("a[href^='#']") : null;
+  const place = link && document.getElementById(link.hash.slice(1));
+  if (!place) return;
+  event.preventDefault();
+  for (let above = place.parentElement; above; above = above.parentElement) if (above instanceof HTMLDetailsElement) above.open = true;
+  place.scrollIntoView();
+  place.tabIndex = -1;
+  place.focus({ preventScroll: true });
+}
+
+const report = document.getElementById("report");
+if (report) {
+  document.addEventListener("click", follow);
+  drawFigures();
+}
 const place = document.getElementById("page");
-if (place) {
+if (place && (store.saved || !report)) {
   place.textContent = "";
   render(<Page />, place);
 }

@@ -1,6 +1,7 @@
 /** Error against noise, what to do next, the history, and the next experiment. */
 
-import { save } from "./api";
+import { useEffect, useRef } from "preact/hooks";
+import { give, save } from "./api";
 import { canUndo } from "./address";
 import { column, listed, quantity, short, spoken, times } from "./format";
 import { useStore } from "./hooks";
@@ -74,8 +75,40 @@ function best(): string | null {
   return known.sort((p, q) => q.gain - p.gain)[0]?.id ?? null;
 }
 
+/** Of a saved report: its verdict, and what a change by hand does to the error. */
+function Verdicts() {
+  const { trial, step, view } = useStore();
+  const place = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    const first = document.getElementById("first");
+    if (first && place.current) place.current.append(first);
+  }, []);
+  const added = view.on.filter((id) => !(step?.effects ?? []).includes(id));
+  const gone = (step?.effects ?? []).filter((id) => !view.on.includes(id));
+  const instead = gone.length ? ` in the place of ${listed(gone)}` : "";
+  const what = added.length ? listed(added) + instead : gone.length ? `no ${listed(gone)}` : "the strength set by hand";
+  return (
+    <section class="card guide" aria-labelledby="guide">
+      <h2 id="guide" class="unseen">Verdict</h2>
+      <div aria-live="polite">
+        {store.isChanged() && (
+          <>
+            <p class="answer">{change(what, store.overall(step?.rmse), store.overall(trial?.rmse))}</p>
+            <div class="actions"><button type="button" onClick={() => store.goTo(view.at)}>Back to the step</button></div>
+          </>
+        )}
+      </div>
+      <div ref={place} />
+    </section>
+  );
+}
+
 /** What to do now, always one thing. */
 export function Guide() {
+  return store.saved ? <Verdicts /> : <Advice />;
+}
+
+function Advice() {
   const { experiment, trial, jobs, diagnosis, view } = useStore();
   if (!experiment || !trial) return <section class="card guide" aria-live="polite"><p>Reading the experiment…</p></section>;
   const now = store.overall(trial.rmse);
@@ -187,8 +220,14 @@ function verdict(): string {
 }
 
 export function Exports() {
-  const { experiment, diagnosis, listed: server } = useStore();
+  const { experiment, diagnosis, listed: server, saved, step } = useStore();
   if (!experiment) return null;
+  if (saved) {
+    const toml = step?.toml;
+    return toml ? (
+      <div class="actions"><button type="button" onClick={() => give(new Blob([toml], { type: "application/toml" }), "model.toml")}>Save the model of this step (TOML)</button></div>
+    ) : <p class="hint">This step has no model to save.</p>;
+  }
   const out = (what: string, ending: string) => {
     const name = `${experiment.id}.${ending}`;
     void save(`api/experiments/${experiment.id}/export`, { what, values: store.values() }, name).catch((error) => store.fail(error));
@@ -221,7 +260,7 @@ export function History() {
             </li>
           );
         })}
-        {store.isChanged() && <li class="soft">changed, not accepted</li>}
+        {store.isChanged() && <li class="soft">{store.saved ? "changed by hand" : "changed, not accepted"}</li>}
       </ol>
       <button type="button" disabled={!canUndo()} onClick={() => history.back()}>Undo</button>
     </section>
@@ -262,7 +301,7 @@ export function Next() {
           )}
         </>
       )}
-      {jobs.has("separate") ? <Bar kind="separate" /> : (
+      {store.saved ? null : jobs.has("separate") ? <Bar kind="separate" /> : (
         <button type="button" onClick={() => void store.begin("separate")}>What can this experiment tell apart?</button>
       )}
     </section>

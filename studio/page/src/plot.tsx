@@ -3,6 +3,7 @@
 import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import type { PlotData } from "./data";
+import { axisLook, bands, columns, errorBars, seriesLook } from "./draw";
 import { css, useDark } from "./hooks";
 import { store } from "./store";
 
@@ -19,35 +20,34 @@ interface Properties {
   onCursor: (which: "a" | "b", at: number) => void;
   /** Bands in which rows do not count. */
   shaded?: [number, number][];
+  /** Where windows begin. */
+  begins?: number[];
 }
 
 const LINK = "plots";
 
 function aligned(data: PlotData): uPlot.AlignedData {
-  return [data.x, ...data.series.map((series) => series.values)] as uPlot.AlignedData;
+  return columns(data) as uPlot.AlignedData;
 }
 
-/** The two cursors, drawn over the data, and what does not count, under it. */
+/** Puts the two cursors where they belong: elements over the plot, so that moving them draws nothing again. */
+function placeCursors(plot: uPlot, { a, b }: Properties): void {
+  for (const [name, at] of [["A", a], ["B", b]] as const) {
+    let line = plot.over.querySelector<HTMLElement>(`.place-${name}`);
+    if (!line) {
+      line = document.createElement("div");
+      line.className = `place place-${name}`;
+      line.textContent = name;
+      plot.over.append(line);
+    }
+    const x = at === null ? -1 : plot.valToPos(at, "x");
+    line.hidden = x < 0 || x > plot.over.clientWidth;
+    line.style.transform = `translateX(${Math.round(x)}px)`;
+  }
+}
+
+/** What does not count and where windows begin, under the data; the cursors follow the scale. */
 function marks(own: { current: Properties }): uPlot.Plugin {
-  const line = (plot: uPlot, at: number, name: string) => {
-    const x = Math.round(plot.valToPos(at, "x", true));
-    const { left, top, width, height } = plot.bbox;
-    if (x < left || x > left + width) return;
-    const { ctx } = plot;
-    ctx.save();
-    ctx.strokeStyle = ctx.fillStyle = css("--text");
-    ctx.lineWidth = devicePixelRatio;
-    ctx.setLineDash(name === "A" ? [] : [4 * devicePixelRatio, 3 * devicePixelRatio]);
-    ctx.beginPath();
-    ctx.moveTo(x, top);
-    ctx.lineTo(x, top + height);
-    ctx.stroke();
-    ctx.font = `${11 * devicePixelRatio}px system-ui`;
-    ctx.textAlign = "left";
-    ctx.textBaseline = "top";
-    ctx.fillText(name, x + 3 * devicePixelRatio, top + 2 * devicePixelRatio);
-    ctx.restore();
-  };
   return {
     hooks: {
       drawAxes: [
@@ -60,14 +60,22 @@ function marks(own: { current: Properties }): uPlot.Plugin {
             const [left, right] = [plot.valToPos(from, "x", true), plot.valToPos(to, "x", true)];
             ctx.fillRect(left, top, right - left, height);
           }
+          ctx.strokeStyle = css("--soft");
+          ctx.setLineDash([2 * devicePixelRatio, 4 * devicePixelRatio]);
+          ctx.beginPath();
+          for (const begin of own.current.begins ?? []) {
+            const x = plot.valToPos(begin, "x", true);
+            if (x < plot.bbox.left || x > plot.bbox.left + plot.bbox.width) continue;
+            ctx.moveTo(x, top);
+            ctx.lineTo(x, top + height);
+          }
+          ctx.stroke();
           ctx.restore();
         },
       ],
       draw: [
         (plot) => {
-          const { a, b } = own.current;
-          if (a !== null) line(plot, a, "A");
-          if (b !== null) line(plot, b, "B");
+          placeCursors(plot, own.current);
           store.drawn();
         },
       ],
@@ -77,7 +85,7 @@ function marks(own: { current: Properties }): uPlot.Plugin {
 
 function options(own: { current: Properties }, width: number): uPlot.Options {
   const { data, xLabel, yLabel, height } = own.current;
-  const axis = { stroke: css("--soft"), grid: { stroke: css("--grid"), width: 1 }, ticks: { stroke: css("--grid"), width: 1 }, font: "12px system-ui", labelFont: "12px system-ui", labelSize: 18 };
+  const axis = axisLook();
   return {
     width,
     height,
@@ -94,18 +102,7 @@ function options(own: { current: Properties }, width: number): uPlot.Options {
       { ...axis, label: xLabel, size: 34 },
       { ...axis, label: yLabel, size: 52 },
     ],
-    series: [
-      {},
-      ...data.series.map((series) => ({
-        label: series.label,
-        stroke: series.stroke,
-        width: series.points ? 0 : (series.width ?? 2),
-        dash: series.dash,
-        pxAlign: 0,
-        paths: series.points ? () => null : undefined,
-        points: series.points ? { show: true, size: 6, width: 1.5, stroke: series.stroke, fill: css("--card") } : { show: false },
-      })),
-    ],
+    series: [{}, ...data.series.map(seriesLook)],
     hooks: {
       setSelect: [
         (plot) => {
@@ -116,7 +113,7 @@ function options(own: { current: Properties }, width: number): uPlot.Options {
         },
       ],
     },
-    plugins: [marks(own)],
+    plugins: [bands(() => own.current.data), errorBars(() => own.current.data), marks(own)],
   };
 }
 
@@ -128,7 +125,7 @@ export function Plot(properties: Properties) {
   own.current = properties;
   const { data, height, xLabel, yLabel, title } = properties;
   // Another number of series, another theme or another axis is another plot; other values are not.
-  const shape = `${data.series.map((one) => one.stroke + one.points).join()} ${dark} ${xLabel} ${yLabel}`;
+  const shape = `${data.series.map((one) => `${one.stroke}${one.points}${one.dash ?? ""}${Boolean(one.band)}`).join()} ${dark} ${xLabel} ${yLabel}`;
 
   useEffect(() => {
     const place = host.current;
@@ -170,7 +167,11 @@ export function Plot(properties: Properties) {
 
   useEffect(() => {
     plot.current?.redraw(false, false);
-  }, [properties.a, properties.b, properties.shaded]);
+  }, [properties.shaded, properties.begins]);
+
+  useEffect(() => {
+    if (plot.current) placeCursors(plot.current, properties);
+  }, [properties.a, properties.b]);
 
   return (
     <figure class="plot">

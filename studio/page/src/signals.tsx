@@ -15,95 +15,74 @@ function matches(experiment: Experiment, signal: string, search: string): boolea
   return search.toLowerCase().split(/\s+/).every((word) => words.includes(word));
 }
 
-/** Values of measurement and model at the cursors, of a traverse. */
-function Readout({ data, experiment, signal }: { data: PlotData; experiment: Experiment; signal: string }) {
+/** Values at the cursors and their differences, in time and between what is drawn. */
+function Readout({ data, experiment, signal, drive }: { data: PlotData; experiment: Experiment; signal: string; drive: boolean }) {
   const { a, b } = store.view;
   if (a === null && b === null) return null;
   const unit = column(experiment, signal).unit;
-  const at = (series: number, place: number | null) =>
-    place === null ? null : valueAt(data.x, data.series[series]?.values ?? [], place);
   const minus = (p: number | null, q: number | null) => (p === null || q === null ? null : p - q);
-  const [ma, mb, fa, fb] = [at(0, a), at(0, b), at(1, a), at(1, b)];
+  const at = (series: PlotData["series"][number]): [number | null, number | null] => {
+    return [a === null ? null : valueAt(data.x, series.values, a), b === null ? null : valueAt(data.x, series.values, b)];
+  };
+  const rows: { name: string; colour?: string; values: [number | null, number | null] }[] = [];
+  const difference = (name: string, p: PlotData["series"][number] | undefined, q: PlotData["series"][number] | undefined) => {
+    if (!p || !q) return;
+    const [[pa, pb], [qa, qb]] = [at(p), at(q)];
+    rows.push({ name, values: [minus(pa, qa), minus(pb, qb)] });
+  };
+  const lines = data.series.filter((series) => !series.points);
+  for (const series of lines) {
+    const name = drive ? (series.other ? stepName() : series.label) : `${series.other ? `${stepName()}, ` : ""}${series.label || "all rows"}`;
+    rows.push({ name, colour: series.stroke, values: at(series) });
+  }
+  if (drive) {
+    difference("measured − model", lines[0], lines[1]);
+    difference(`model − ${stepName()}`, lines[1], lines[2]);
+  } else {
+    for (const series of lines.filter((one) => !one.other)) {
+      difference(`model − ${stepName()}${series.label ? `, ${series.label}` : ""}`, series, lines.find((one) => one.other && one.label === series.label));
+    }
+  }
   return (
-    <table class="readout">
-      <thead>
-        <tr>
-          <th scope="col">{unit || "value"}</th>
-          <th scope="col">at A</th>
-          <th scope="col">at B</th>
-          <th scope="col">B − A</th>
-        </tr>
-      </thead>
-      <tbody>
-        <tr>
-          <th scope="row">measured</th>
-          <td>{short(ma)}</td>
-          <td>{short(mb)}</td>
-          <td>{short(minus(mb, ma))}</td>
-        </tr>
-        <tr>
-          <th scope="row">model</th>
-          <td>{short(fa)}</td>
-          <td>{short(fb)}</td>
-          <td>{short(minus(fb, fa))}</td>
-        </tr>
-        <tr>
-          <th scope="row">difference</th>
-          <td>{short(minus(ma, fa))}</td>
-          <td>{short(minus(mb, fb))}</td>
-          <td>{short(minus(minus(mb, fb), minus(ma, fa)))}</td>
-        </tr>
-      </tbody>
-    </table>
+    <div class="scroll" tabIndex={0} role="region" aria-label={`Values at the cursors, ${signal}`}>
+      <table class="readout">
+        <thead>
+          <tr>
+            <th scope="col">{unit || "value"}</th>
+            <th scope="col">at A</th>
+            <th scope="col">at B</th>
+            <th scope="col">B − A</th>
+          </tr>
+        </thead>
+        <tbody>
+          {rows.map(({ name, colour, values: [va, vb] }) => (
+            <tr key={name}>
+              <th scope="row">{colour && <i class="swatch" style={{ background: colour }} />}{name}</th>
+              <td>{short(va)}</td>
+              <td>{short(vb)}</td>
+              <td>{short(minus(vb, va))}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
   );
 }
 
-/** The same for a wheel: the model's curve of each group. */
-function SteadyReadout({ data, experiment, signal }: { data: PlotData; experiment: Experiment; signal: string }) {
-  const { a, b } = store.view;
-  if (a === null && b === null) return null;
-  const unit = column(experiment, signal).unit;
-  const curves = data.series.filter((series) => !series.points);
-  const minus = (p: number | null, q: number | null) => (p === null || q === null ? null : p - q);
-  return (
-    <table class="readout">
-      <thead>
-        <tr>
-          <th scope="col">model{unit && `, ${unit}`}</th>
-          <th scope="col">at A</th>
-          <th scope="col">at B</th>
-          <th scope="col">B − A</th>
-        </tr>
-      </thead>
-      <tbody>
-        {curves.map((curve) => {
-          const values = curve.values.map((value) => value ?? null);
-          const [va, vb] = [a, b].map((place) => (place === null ? null : valueAt(data.x, values, place)));
-          return (
-            <tr key={curve.label}>
-              <th scope="row">
-                <i class="swatch" style={{ background: curve.stroke }} />
-                {curve.label || "all rows"}
-              </th>
-              <td>{short(va)}</td>
-              <td>{short(vb)}</td>
-              <td>{short(minus(vb ?? null, va ?? null))}</td>
-            </tr>
-          );
-        })}
-      </tbody>
-    </table>
-  );
+/** The step whose model is drawn beside. */
+function stepName(): string {
+  const { steps, view } = store;
+  return view.versus === null ? "other model" : (steps[view.versus]?.label ?? "other model");
 }
 
 function Signal({ signal, xName }: { signal: string; xName: string }) {
-  const { experiment, trial, view } = useStore();
+  const { experiment, trial, other, view } = useStore();
   const dark = useDark();
   const drive = experiment?.kind === "traverse";
   const data = useMemo(() => {
     if (!experiment || !trial) return { x: [], series: [] };
-    return drive ? overTime(experiment, trial, view.run, signal, dark) : steady(experiment, trial, signal, dark);
-  }, [experiment, trial?.runs, trial?.curves, signal, view.run, dark]);
+    return drive ? overTime(experiment, trial, other, view.run, signal, dark) : steady(experiment, trial, other, signal, dark);
+  }, [experiment, trial?.runs, trial?.curves, other, signal, view.run, dark]);
   const shaded = useMemo(() => {
     const run = experiment?.runs[view.run];
     const time = run?.data.time;
@@ -111,6 +90,11 @@ function Signal({ signal, xName }: { signal: string; xName: string }) {
     const own = experiment.uncounted.filter((rows) => rows.run === run.name);
     return own.map((rows) => [time[rows.first - 1] ?? 0, time[rows.last - 1] ?? 0] as [number, number]);
   }, [experiment, view.run]);
+  const begins = useMemo(() => {
+    const time = experiment?.runs[view.run]?.data.time;
+    const windows = drive ? (trial?.motion[view.run]?.windows ?? []) : [];
+    return windows.slice(1).map(([first]) => time?.[first] ?? 0);
+  }, [experiment, trial?.motion, view.run]);
   if (!experiment || !trial) return null;
   const shown = column(experiment, signal);
   const ratio = store.ratio(signal, trial.rmse);
@@ -128,33 +112,32 @@ function Signal({ signal, xName }: { signal: string; xName: string }) {
         b={view.b}
         range={view.range}
         shaded={shaded}
+        begins={begins}
         onRange={(range) => store.go({ range })}
         onCursor={(which, at) => store.go(which === "a" ? { a: at } : { b: at })}
       />
-      {drive ? (
-        <Readout data={data} experiment={experiment} signal={signal} />
-      ) : (
-        <SteadyReadout data={data} experiment={experiment} signal={signal} />
-      )}
+      <Readout data={data} experiment={experiment} signal={signal} drive={drive} />
     </div>
   );
 }
 
 function Legend({ experiment }: { experiment: Experiment }) {
-  const { trial } = useStore();
+  const { trial, other } = useStore();
   const dark = useDark();
   if (experiment.kind === "traverse") {
     return (
       <p class="legend">
         <span><i class="line" style={{ background: colour(6, dark) }} /> measured</span>
         <span><i class="line" style={{ background: colour(1, dark) }} /> model</span>
+        {other && <span><i class="line dashed" style={{ "--colour": colour(0, dark) }} /> {stepName()}</span>}
         {experiment.uncounted.length > 0 && <span><i class="swatch shade" /> not counted</span>}
+        {(trial?.motion[0]?.windows.length ?? 0) > 1 && <span>dotted: a window begins</span>}
       </p>
     );
   }
   return (
     <p class="legend">
-      <span>circles: measured; lines: model</span>
+      <span>circles: measured, bars two standard deviations of the noise; lines: model{other ? `; dashed: ${stepName()}` : ""}</span>
       {trial?.curves?.groups.map((group, k) => (
         <span key={group.name}><i class="line" style={{ background: colour(k, dark) }} /> {group.name || "all rows"}</span>
       ))}
@@ -163,7 +146,7 @@ function Legend({ experiment }: { experiment: Experiment }) {
 }
 
 export function Signals() {
-  const { experiment, trial, view } = useStore();
+  const { experiment, trial, steps, view } = useStore();
   if (!experiment) return null;
   const drive = experiment.kind === "traverse";
   const xName = drive ? "time" : (trial?.curves?.axis ?? view.axis);
@@ -199,6 +182,15 @@ export function Signals() {
               }}
             >
               {AXES.map((axis) => <option key={axis} value={axis}>{column(experiment, axis).name}</option>)}
+            </select>
+          </label>
+        )}
+        {steps.length > 1 && (
+          <label>
+            Beside it{" "}
+            <select value={view.versus ?? ""} onChange={(event) => store.compareWith(event.currentTarget.value === "" ? null : Number(event.currentTarget.value))}>
+              <option value="">no other model</option>
+              {steps.map((step, k) => <option key={k} value={k}>{step.label}</option>)}
             </select>
           </label>
         )}

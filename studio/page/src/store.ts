@@ -2,12 +2,17 @@
 
 import { get, post, remove } from "./api";
 import { readView, sameView, writeView, type View } from "./address";
+import type { Plan } from "./plan";
+import { embedded } from "./saved";
 import type { Diagnosis, Experiment, Found, Job, JobKind, Listed, Parameter, Separation, Snapshot, Step, Trial, Values } from "./types";
+import { experimentOf, motionOf, trialOf, type WireModel } from "./wire";
 
 /** Share of a noise floor above which an error is more than noise. */
 export const AT_NOISE = 1.25;
 
 export class Store {
+  /** The report that the page is, where no server answers. */
+  readonly saved = embedded();
   view: View = readView();
   listed: Listed | null = null;
   experiment: Experiment | null = null;
@@ -17,6 +22,10 @@ export class Store {
   separation: Separation | null = null;
   jobs = new Map<JobKind, Job>();
   trial: Trial | null = null;
+  /** The model of the step that is drawn beside. */
+  other: Trial | null = null;
+  /** A plan whose map is shown. */
+  plan: Plan | null = null;
   error: string | null = null;
   connected = true;
   /** Whether the values follow the fit of the effects that are on, once it is there. */
@@ -47,6 +56,7 @@ export class Store {
 
   async start(): Promise<void> {
     window.addEventListener("popstate", () => this.moveTo(readView()));
+    if (this.saved) return this.startSaved();
     try {
       this.listed = await get<Listed>("api/experiments");
       const known = this.listed.experiments.some((one) => one.id === this.view.experiment);
@@ -57,6 +67,22 @@ export class Store {
       this.fail(error);
     }
     this.changed();
+  }
+
+  /** A report opens with its last model, the one before beside it. */
+  private startSaved(): void {
+    const saved = this.saved;
+    if (!saved) return;
+    this.experiment = saved.experiment;
+    this.steps = saved.snapshot.steps;
+    this.found = new Map(saved.snapshot.found.map((found) => [keyOf(found.effects), found]));
+    this.diagnosis = saved.snapshot.diagnosis;
+    const last = this.steps.length - 1;
+    if (!location.hash.includes("at=") || !this.steps[this.view.at]) {
+      const before = last >= 2 ? last - 1 : null;
+      this.view = { ...readView(""), at: last, on: this.steps[last]?.effects ?? [], versus: before };
+    }
+    void this.ask("load");
   }
 
   /** Follows the browser's back and forward. */
@@ -88,6 +114,7 @@ export class Store {
     this.events?.close();
     this.experiment = null;
     this.trial = null;
+    this.other = null;
     this.steps = [];
     this.found.clear();
     this.jobs.clear();
@@ -95,7 +122,7 @@ export class Store {
     this.separation = null;
     this.changed();
     try {
-      this.experiment = await get<Experiment>(`api/experiments/${id}`);
+      this.experiment = experimentOf(await get<Experiment>(`api/experiments/${id}`));
     } catch (error) {
       return this.fail(error);
     }
@@ -113,7 +140,7 @@ export class Store {
       });
     events.onopen = () => this.connection(true);
     events.onerror = () => this.connection(false);
-    on<Snapshot>("snapshot", (data) => this.take(data));
+    on<Snapshot>("snapshot", (data) => void this.take(data).then(() => this.changed()));
     on<Job>("job", (job) => {
       if (job.running) this.jobs.set(job.kind, job);
       else this.jobs.delete(job.kind);
@@ -122,6 +149,7 @@ export class Store {
     on<Found>("fit", (found) => this.takeFit(found));
     on<{ at: number; step: Step }>("step", ({ at, step }) => {
       this.steps[at] = step;
+      this.remember();
       if (at === 1 && this.view.at === 0 && !this.isChanged()) this.goTo(1, false);
     });
     on<Diagnosis>("diagnosis", (data) => (this.diagnosis = data));
@@ -137,12 +165,48 @@ export class Store {
 
   private async refresh(): Promise<void> {
     if (!this.experiment) return;
-    this.experiment = await get<Experiment>(`api/experiments/${this.experiment.id}`);
+    this.experiment = experimentOf(await get<Experiment>(`api/experiments/${this.experiment.id}`));
     this.changed();
   }
 
-  private take(data: Snapshot): void {
-    this.steps = data.steps;
+  private remembered(id: string): Step[] {
+    try {
+      return JSON.parse(sessionStorage.getItem(`steps of ${id}`) ?? "[]") as Step[];
+    } catch {
+      return [];
+    }
+  }
+
+  /** Steps are kept by the server; a tab remembers them too, for a server that was started again. */
+  private remember(): void {
+    if (!this.experiment || this.saved) return;
+    try {
+      sessionStorage.setItem(`steps of ${this.experiment.id}`, JSON.stringify(this.steps));
+    } catch {
+      // Without storage the server alone keeps them.
+    }
+  }
+
+  /** Steps that this tab remembers beyond those of a server that was started again; none where they are of something else. */
+  private missing(known: Step[]): Step[] {
+    const steps = this.experiment ? this.remembered(this.experiment.id) : [];
+    const key = (step: Step | undefined) => step && JSON.stringify([keyOf(step.effects), Object.entries(step.values).sort(), Object.entries(step.rmse).sort()]);
+    return known.every((step, at) => key(step) === key(steps[at])) ? steps.slice(known.length) : [];
+  }
+
+  private async take(data: Snapshot): Promise<void> {
+    this.steps = [...data.steps];
+    const missing = this.missing(data.steps);
+    try {
+      for (const step of missing) {
+        const { at } = await post<{ at: number }>(`api/experiments/${this.experiment?.id}/steps`, { ...step, rmse: {} });
+        this.steps[at] = step;
+      }
+      // What was known of the experiment may be of the server before.
+      if (missing.length > 0) await this.refresh();
+    } catch (error) {
+      this.fail(error);
+    }
     this.found = new Map(data.found.map((found) => [keyOf(found.effects), found]));
     this.diagnosis = data.diagnosis;
     this.separation = data.separation;
@@ -152,7 +216,8 @@ export class Store {
     const fresh = this.view.at === 0 && !this.isChanged() && !location.hash.includes("at=");
     if (fresh && this.steps.length > 1) this.goTo(1, false);
     else if (!this.trial) void this.ask("load");
-    if (this.steps.length === 1 && !this.jobs.has("calibrate") && !this.experiment?.calibration) void this.begin("calibrate");
+    if (!this.jobs.has("calibrate") && !this.experiment?.calibration) void this.begin("calibrate");
+    this.remember();
   }
 
   private takeFit(found: Found): void {
@@ -198,6 +263,7 @@ export class Store {
    * which it shows, until the fit is there. */
   toggle(effect: string): void {
     this.touch("toggle");
+    if (this.saved) return this.toggleSaved(effect);
     const on = this.view.on.includes(effect) ? this.view.on.filter((id) => id !== effect) : [...this.view.on, effect];
     const known = this.found.get(keyOf(on));
     let set: Values;
@@ -219,11 +285,33 @@ export class Store {
     });
   }
 
-  /** Moves a parameter by hand. */
+  /** A report holds each effect alone and the models of its steps: where the effects together were not computed, one alone is. */
+  private toggleSaved(effect: string): void {
+    const wanted = this.view.on.includes(effect) ? this.view.on.filter((id) => id !== effect) : [...this.view.on, effect];
+    const alone = wanted.includes(effect) ? [effect] : [];
+    const on = [wanted, alone, []].find((on) => this.found.has(keyOf(on)));
+    const found = on && this.found.get(keyOf(on));
+    if (!found) return;
+    this.go({ on: found.effects, set: this.difference(found.values) }, true);
+    void this.ask("toggle");
+  }
+
+  /** Whether a toggle leads to a model that is known. */
+  canToggle(effect: string): boolean {
+    return !this.saved || this.view.on.includes(effect) || this.found.has(effect);
+  }
+
+  /** Bounds of a slider; null where it cannot move. */
+  range(parameter: Parameter): [number, number] | null {
+    return this.saved ? this.saved.range(this.view.on, parameter.name) : [parameter.min, parameter.max];
+  }
+
+  /** Moves a parameter by hand; in a report one at a time, from the fitted values. */
   move(name: string, value: number): void {
     this.touch("slider");
     this.following = false;
-    this.go({ set: { ...this.view.set, [name]: value } });
+    const fitted = this.saved && this.found.get(keyOf(this.view.on));
+    this.go({ set: fitted ? this.difference({ ...fitted.values, [name]: value }) : { ...this.view.set, [name]: value } });
     void this.ask("slider");
   }
 
@@ -254,6 +342,7 @@ export class Store {
     try {
       const { at } = await post<{ at: number }>(`api/experiments/${this.experiment.id}/steps`, step);
       this.steps[at] = { ...step, rmse: this.trial?.rmse ?? {} };
+      this.remember();
       this.go({ at, on: step.effects, set: {} }, true);
     } catch (error) {
       this.fail(error);
@@ -301,11 +390,12 @@ export class Store {
     try {
       do {
         this.askAgain = false;
-        const trial = await post<Trial>(`api/experiments/${id}/trial`, { values: this.values(), axis: this.view.axis });
+        const trial = await this.answer(this.values());
         if (this.experiment?.id !== id) break;
-        trial.motion = this.trial?.motion ?? [];
+        if (!this.saved) trial.motion = this.trial?.motion ?? [];
         this.trial = trial;
         this.error = null;
+        await this.askOther(id);
         this.changed();
       } while (this.askAgain);
     } catch (error) {
@@ -316,17 +406,64 @@ export class Store {
     this.askMotion();
   }
 
+  private otherIs = "";
+
+  /** The model that is drawn beside, where there is one and it is not there already. */
+  private async askOther(id: string): Promise<void> {
+    const step = this.view.versus === null ? undefined : this.steps[this.view.versus];
+    const wanted = step ? JSON.stringify([id, this.view.versus, this.view.axis]) : "";
+    if (wanted === this.otherIs && (this.other !== null) === Boolean(step)) return;
+    this.otherIs = wanted;
+    this.other = step ? await this.answer(step.values) : null;
+  }
+
+  private async answer(values: Values): Promise<Trial> {
+    const { experiment, view, saved } = this;
+    if (!experiment) throw new Error("no experiment is open");
+    if (!saved) {
+      const wire = await post<WireModel>(`api/experiments/${experiment.id}/trial`, { values, axis: view.axis });
+      return trialOf(experiment, wire, view.axis);
+    }
+    const trial = saved.trial(values, view.axis, view.at);
+    if (!trial) throw new Error("this report does not hold that model: it holds its steps, and each effect that was tried along its strength");
+    return trial;
+  }
+
+  /** Takes the soil of the last model of another experiment, as values set by hand. */
+  async takeSoil(of: string): Promise<void> {
+    try {
+      const { steps } = await get<{ steps: Step[] }>(`api/experiments/${of}/steps`);
+      const found = steps[steps.length - 1]?.values ?? {};
+      const own = [...(this.experiment?.parameters ?? []), ...(this.experiment?.known ?? [])];
+      const soil = own.filter(({ name, min, max }) => name.startsWith("soil.") && (found[name] ?? Number.NaN) >= min && (found[name] ?? Number.NaN) <= max);
+      if (soil.length === 0) throw new Error("that experiment has no fitted soil yet, or none within the bounds here");
+      this.touch("soil");
+      this.following = false;
+      const taken = Object.fromEntries(soil.map(({ name }) => [name, found[name] as number]));
+      this.go({ set: this.difference({ ...this.values(), ...taken }) }, true);
+      void this.ask("soil");
+    } catch (error) {
+      this.fail(error);
+    }
+  }
+
+  /** Draws the model of another step beside; null for none. */
+  compareWith(versus: number | null): void {
+    this.go({ versus }, true);
+    void this.ask("versus");
+  }
+
   /** How the rover moves is asked for once a slider rests: it takes a second simulation. */
   private askMotion(): void {
     const experiment = this.experiment;
-    if (experiment?.kind !== "traverse") return;
+    if (experiment?.kind !== "traverse" || this.saved) return;
     clearTimeout(this.motionTimer);
     this.motionTimer = window.setTimeout(async () => {
       const values = this.values();
       try {
-        const trial = await post<Trial>(`api/experiments/${experiment.id}/trial`, { values, motion: true });
+        const wire = await post<WireModel>(`api/experiments/${experiment.id}/trial`, { values, motion: true });
         if (this.trial && this.experiment?.id === experiment.id) {
-          this.trial = { ...this.trial, motion: trial.motion };
+          this.trial = { ...this.trial, motion: wire.motion.map(motionOf) };
           this.changed();
         }
       } catch (error) {
@@ -348,9 +485,14 @@ export class Store {
     return ratios.length ? Math.sqrt(ratios.reduce((sum, ratio) => sum + ratio * ratio, 0) / ratios.length) : null;
   }
 
+  /** The effects to which others are added: none in a report, which has tried each alone. */
+  get accepted(): string[] {
+    return this.saved ? [] : (this.step?.effects ?? []);
+  }
+
   /** Fall of chi-square by adding an effect to the accepted ones, as far as a fit is known. */
   gain(effect: string): number | null {
-    const accepted = this.step?.effects ?? [];
+    const accepted = this.accepted;
     const without = this.found.get(keyOf(accepted));
     const withIt = this.found.get(keyOf([...accepted, effect]));
     return without && withIt ? without.chi_square - withIt.chi_square : null;

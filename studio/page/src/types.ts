@@ -52,6 +52,8 @@ export interface Experiment {
   runs: Run[];
   noise: Record<string, { value: number | null; source: string }>;
   parameters: Parameter[];
+  /** What no calibration moves. */
+  known: Parameter[];
   /** `shows` is whether the effect can change anything in this kind of experiment. */
   effects: { id: string; about: string; shows: boolean }[];
   calibration: { chi_square: number; degrees_of_freedom: number; searches: number; agreeing: number; cautions: string[] } | null;
@@ -61,9 +63,15 @@ export interface Experiment {
   wheel: { radius: number | null };
 }
 
+export interface Curve {
+  value: Numbers;
+  /** Lowest and highest over the inputs of the group, where they were computed. */
+  band: [Numbers, Numbers] | null;
+}
+
 export interface Curves {
   axis: string;
-  groups: { name: string; rows: [number, number][]; at: Numbers; signals: Record<string, Numbers> | null }[];
+  groups: { name: string; rows: [number, number][]; at: Numbers; signals: Record<string, Curve> | null }[];
 }
 
 export interface Motion {
@@ -71,6 +79,7 @@ export interface Motion {
   x: Numbers;
   z: Numbers;
   pitch: Numbers;
+  /** By row and wheel. */
   centres: (number | null)[][][];
   radius: number;
   slip: Numbers[];
@@ -90,7 +99,8 @@ export interface Trial {
   rmse: Values;
   runs: Record<string, { modelled: Numbers; residual: Numbers }>[];
   unanswered: { run: string; first_row: number; last_row: number; reason: string }[];
-  failures: Failure[];
+  /** Null where the model was interpolated. */
+  failures: Failure[] | null;
   curves: Curves | null;
   motion: Motion[];
   milliseconds: number;
@@ -102,6 +112,8 @@ export interface Step {
   effects: string[];
   values: Values;
   rmse: Values;
+  /** The model, in a saved report. */
+  toml?: string | null;
 }
 
 export interface Found {

@@ -2,6 +2,7 @@
 
 import { useEffect, useRef, useState } from "preact/hooks";
 import { post, put } from "./api";
+import { planOf } from "./plan";
 import { store } from "./store";
 import type { Meaning, Proposal } from "./types";
 
@@ -54,8 +55,21 @@ export function Opening() {
   };
 
   const take = async (all: Named[]) => {
-    const files = cleaned(all);
+    const plan = all.length === 1 && /\.(json|html)$/i.test(all[0]?.path ?? "") ? all[0] : undefined;
     setError("");
+    if (plan) {
+      try {
+        store.plan = planOf(plan.path, await plan.file.text());
+        dialog.current?.close();
+        store.changed();
+        setTimeout(() => document.getElementById("plan")?.scrollIntoView());
+      } catch (reason) {
+        if (!dialog.current?.open) dialog.current?.showModal();
+        failed(reason);
+      }
+      return;
+    }
+    const files = cleaned(all);
     if (!dialog.current?.open) dialog.current?.showModal();
     if (files.length === 0) return setError("None of these is a CSV file or an experiment.toml.");
     setState("busy");
@@ -114,9 +128,9 @@ export function Opening() {
         {state === "busy" && <p>Reading…</p>}
         {state === "choose" && (
           <>
-            <p>Drop a folder with an <code>experiment.toml</code>, or CSV files, anywhere on the page, or choose them here. They stay on this machine.</p>
+            <p>Drop a folder with an <code>experiment.toml</code>, or CSV files, anywhere on the page, or choose them here. The page or the JSON of <code>bekker plan</code> shows the map of the plan. All stays on this machine.</p>
             <div class="actions">
-              <label class="file">CSV files <input type="file" multiple accept=".csv,.tsv,.txt,.dat,.toml" onChange={picked} /></label>
+              <label class="file">CSV files <input type="file" multiple accept=".csv,.tsv,.txt,.dat,.toml,.json,.html" onChange={picked} /></label>
               <label class="file">A folder <input type="file" {...{ webkitdirectory: true }} onChange={picked} /></label>
             </div>
           </>

@@ -6,9 +6,13 @@ line (BEKKER, or target/debug/bekker); skipped visibly where one of them is miss
 
 from __future__ import annotations
 
+import contextlib
+import json
+import math
 import os
 import re
 import shutil
+import socket
 import subprocess
 import time
 from collections.abc import Iterator
@@ -48,23 +52,65 @@ def browser() -> Iterator[Any]:
         found.close()
 
 
-@pytest.fixture(scope="module")
-def address() -> Iterator[str]:
-    """One workbench for all tests: tabs of it share what was found."""
-    with subprocess.Popen([PROGRAM, "studio", "--port", "0"], stdout=subprocess.PIPE, text=True) as program:
+@contextlib.contextmanager
+def serving(*arguments: object) -> Iterator[str]:
+    """A workbench, and its address."""
+    command = [str(part) for part in (PROGRAM, "studio", *arguments)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
         assert program.stdout is not None
         found = re.search(r"http\S+", program.stdout.readline())
         assert found, "the address is printed first"
-        yield found.group(0)
-        program.terminate()
+        try:
+            yield found.group(0)
+        finally:
+            program.terminate()
 
 
-def opened(browser: Any, address: str, **options: Any) -> Any:
-    """A page that fails on errors of its script and on requests to anywhere else."""
+@pytest.fixture(scope="module")
+def address() -> Iterator[str]:
+    """One workbench for all tests: tabs of it share what was found."""
+    with serving("--port", 0) as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A drive of 4 s by the model itself, its torque recorded 10 % too large: some windows and several signals."""
+    folder = tmp_path_factory.mktemp("drive")
+    commands = [(0.05 * k, 2.0 + math.sin(0.1 * k)) for k in range(81)]
+    names = ["x", "velocity", "wheel[1].torque", "wheel[2].torque"]
+    speeds = ["wheel[1].speed_command", "wheel[2].speed_command"]
+    inputs = folder / "inputs.csv"
+    inputs.write_text("\n".join([",".join(["time", *speeds]), *(f"{t},{0.9 * v},{v}" for t, v in commands)]) + "\n")
+    made = ["simulate", "two_wheeled_speed", "--duration", "4", "--every", "0.05", "--input-file", inputs]
+    made += ["--signals", ",".join(names), "--csv", folder / "signals.csv"]
+    subprocess.run([str(part) for part in (PROGRAM, *made)], check=True, capture_output=True)
+    lines = (folder / "signals.csv").read_text().splitlines()
+    head = lines[0].split(",")
+    rows = [",".join(["time", *speeds, *names])]
+    for line, (time_, speed) in zip(lines[1:], commands, strict=False):
+        row = dict(zip(head, line.split(","), strict=True))
+        cells = [float(row[name]) * (1.1 if name.endswith("torque") else 1.0) for name in names]
+        rows.append(",".join(map(str, [time_, 0.9 * speed, speed, *cells])))
+    (folder / "drive.csv").write_text("\n".join(rows) + "\n")
+    noise = "".join(f'"{name}" = {size}\n' for name, size in zip(names, [0.01, 0.01, 0.02, 0.02], strict=True))
+    settings = 'name = "a short drive"\nkind = "traverse"\nmodel = "two_wheeled_speed"\n'
+    (folder / "experiment.toml").write_text(f'{settings}[noise]\n{noise}[[run]]\nfile = "drive.csv"\n')
+    return folder
+
+
+def watched(browser: Any, address: str, **options: Any) -> Any:
+    """A page that notes errors of its script and requests to anywhere else."""
     page = browser.new_context(accept_downloads=True, **options).new_page()
     page.strange = []
     page.on("pageerror", lambda error: page.strange.append(str(error)))
     page.on("request", lambda request: request.url.startswith((address.split("?")[0], "data:", "blob:")) or page.strange.append(request.url))
+    return page
+
+
+def opened(browser: Any, address: str, **options: Any) -> Any:
+    """The page with its calibrated model."""
+    page = watched(browser, address, **options)
     page.goto(address)
     until(page, "window.bekker?.experiment?.calibration && window.bekker.trial && window.bekker.view.at === 1")
     return page
@@ -205,3 +251,197 @@ def test_files_are_mapped_and_opened(browser: Any, address: str, tmp_path: Path)
     page.get_by_label("CSV files").set_input_files([table, settings])
     page.get_by_role("alert").filter(has_text="trial 7.csv").wait_for(timeout=PATIENCE)
     assert page.strange == []
+
+
+@pytest.fixture(scope="module")
+def report(browser: Any, address: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page of a diagnosis, saved from the workbench."""
+    page = opened(browser, address)
+    if not page.evaluate("Boolean(window.bekker.diagnosis)"):
+        page.evaluate("window.bekker.begin('rank')")
+        until(page, "window.bekker.diagnosis")
+    saved = tmp_path_factory.mktemp("report") / "diagnosis.html"
+    with page.expect_download(timeout=PATIENCE) as download:
+        page.get_by_role("button", name="Save page of the diagnosis").first.click()
+    download.value.save_as(saved)
+    return saved
+
+
+def test_the_saved_report_is_the_page_without_a_server(browser: Any, address: str, report: Path) -> None:
+    assert report.stat().st_size < 8_000_000
+    page = watched(browser, report.as_uri())
+    page.goto(report.as_uri())
+    until(page, "window.bekker?.trial")
+    page.get_by_text("One effect is missing from the model: slip sinkage.").first.wait_for()
+    assert page.get_by_text("The largest difference from a simulation half way between").count() == 1
+    fitted = overall(page)
+    assert fitted < 1.25
+    # A colleague switches the effect off, another one on, and moves the strength of the first.
+    page.get_by_role("switch", name="slip sinkage").click()
+    until(page, "window.bekker.view.on.length === 0")
+    assert overall(page) > 2.0
+    page.get_by_role("switch", name="exit angle").click()
+    until(page, "window.bekker.view.on.join() === 'exit_angle'")
+    page.get_by_role("switch", name="slip sinkage").click()
+    until(page, "window.bekker.view.on.join() === 'slip_sinkage'")
+    assert abs(overall(page) - fitted) < 1e-3
+    slider = page.get_by_role("slider", name="n1")
+    slider.focus()
+    for _ in range(60):
+        page.keyboard.press("ArrowRight")
+    until(page, "Object.keys(window.bekker.view.set).length > 0")
+    moved = overall(page)
+    assert moved > 1.05 * fitted
+    # The server's simulation at the same values agrees within what the page states.
+    values = page.evaluate("window.bekker.values()")
+    live = opened(browser, address)
+    identity = live.evaluate("window.bekker.experiment.id")
+    answer = live.evaluate(
+        "([id, values]) => fetch(`api/experiments/${id}/trial`, { method: 'POST', body: JSON.stringify({ values }) }).then((one) => one.json())",
+        [identity, values],
+    )
+    simulated = live.evaluate("(rmse) => window.bekker.overall(rmse)", answer["rmse"])
+    stated = page.evaluate("window.bekker.saved.worst().ratio")
+    assert stated <= 0.5
+    assert abs(simulated - moved) <= stated
+    # The address holds the state, links go to the text, and its figures are drawn.
+    page.reload()
+    until(page, "window.bekker?.trial")
+    assert abs(overall(page) - moved) < 1e-6
+    page.get_by_role("link", name="Which effect?").click()
+    assert "at=" in page.url
+    page.get_by_role("link", name="The error, step by step").click()
+    until(page, "document.querySelector('#report .plot canvas')")
+    with page.expect_download() as download:
+        page.get_by_role("button", name="Save the model of this step").click()
+    assert "slip_sinkage" in download.value.path().read_text()
+    assert page.strange == []
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_the_saved_report_breaks_no_rule_of_accessibility(browser: Any, report: Path, scheme: str) -> None:
+    page = watched(browser, report.as_uri(), color_scheme=scheme, viewport={"width": 390, "height": 900})
+    page.goto(report.as_uri())
+    until(page, "window.bekker?.trial")
+    assert violations(page) == []
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), "nothing sticks out"
+
+
+def test_several_experiments_two_models_and_an_fmu(browser: Any, drive: Path, tmp_path: Path) -> None:
+    with serving("--port", 0, drive, ROOT / "examples/sand_wheel") as address:
+        page = opened(browser, address, viewport={"width": 1440, "height": 900})
+        # Two models beside the measurements, and their differences at a cursor.
+        page.get_by_label("Beside it").select_option(label="as given")
+        until(page, "window.bekker.other")
+        page.get_by_label("A", exact=True).fill("2")
+        page.get_by_label("A", exact=True).press("Tab")
+        page.get_by_role("rowheader", name="model − as given").first.wait_for()
+        # A window of the drive can be looked at.
+        page.get_by_role("button", name="run drive, 0").first.click()
+        until(page, "window.bekker.view.range")
+        # What no calibration moves can be moved by hand all the same.
+        before = overall(page)
+        page.get_by_text("What is taken as known").click()
+        page.get_by_label("Find a parameter").fill("wheel radius")
+        page.get_by_role("slider", name="wheel.radius").focus()
+        for _ in range(30):
+            page.keyboard.press("ArrowRight")
+        until(page, f"Math.abs(window.bekker.overall(window.bekker.trial.rmse) - {before}) > 0.01")
+        page.get_by_role("button", name="Discard").click()
+        until(page, f"Math.abs(window.bekker.overall(window.bekker.trial.rmse) - {before}) < 1e-9")
+        assert violations(page) == []
+        with page.expect_download(timeout=PATIENCE) as download:
+            page.get_by_role("button", name="Save FMU").first.click()
+        assert download.value.path().read_bytes()[:2] == b"PK"
+        # What the experiment can tell apart is stopped on its way.
+        page.get_by_role("button", name="What can this experiment tell apart?").click()
+        page.locator("section[aria-labelledby=next]").get_by_role("button", name="Stop").click()
+        until(page, "!window.bekker.jobs.has('separate')")
+        # The other experiment takes the soil of this one.
+        page.locator("header select").select_option(label="a wheel on dry sand")
+        until(page, "window.bekker.experiment?.kind === 'single_wheel' && window.bekker.view.at === 1 && window.bekker.trial")
+        page.get_by_text("Soil and other calibrated parameters").click()
+        page.get_by_label("Take the soil of").select_option(label="a short drive")
+        until(page, "Object.keys(window.bekker.view.set).some((name) => name.startsWith('soil.'))")
+        # A plan's page brings its map.
+        plan = tmp_path / "plan.html"
+        made = ["plan", "benign:3", "--start", "1,1", "--goal", "3,3", "--html", plan]
+        subprocess.run([str(part) for part in (PROGRAM, *made)], check=True, capture_output=True)
+        page.get_by_role("button", name="Open files").click()
+        page.get_by_label("CSV files").set_input_files(plan)
+        page.get_by_role("heading", name="Plan: plan.html").wait_for()
+        assert violations(page) == []
+        (tmp_path / "other.json").write_text("{}")
+        page.get_by_role("button", name="Open files").click()
+        page.get_by_label("CSV files").set_input_files(tmp_path / "other.json")
+        page.get_by_role("alert").filter(has_text="is no plan").wait_for()
+        assert page.strange == []
+
+
+def test_steps_come_back_to_a_server_that_was_started_again(browser: Any) -> None:
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    with serving("--port", port) as address:
+        page = opened(browser, address)
+        page.get_by_role("switch", name="exit angle").click()
+        until(page, "window.bekker.found.has('exit_angle') && !window.bekker.jobs.has('fit')")
+        page.get_by_role("button", name="Accept exit angle").click()
+        until(page, "window.bekker.view.at === 2")
+        accepted = overall(page)
+    page.get_by_text("connection lost").wait_for()
+    with serving("--port", port):
+        until(page, "window.bekker.connected && window.bekker.experiment?.calibration && !window.bekker.jobs.has('calibrate')")
+        page.reload()
+        until(page, "window.bekker?.trial && window.bekker.steps.length === 3")
+        assert page.evaluate("window.bekker.steps[2].label") == "+ exit angle"
+        assert abs(overall(page) - accepted) < 1e-9
+
+
+def answered(page: Any, url: str, body: str, kind: str) -> None:
+    """Answers requests in the place of the server."""
+    page.route(url, lambda route: route.fulfill(body=body, content_type=kind))
+
+
+def test_plots_of_a_hundred_thousand_points(browser: Any, address: str) -> None:
+    """A synthetic log of 100,000 rows in the place of the server's answers; prints the times (`pytest -s`)."""
+    rows = 100_000
+    page = browser.new_context(viewport={"width": 1440, "height": 900}).new_page()
+    wave = [round(math.sin(0.003 * k) + 0.2 * math.sin(0.7 * k), 4) for k in range(rows)]
+    signals = ["x", "velocity", "pitch", "power"]
+    column = {"name": "signal", "unit": "m", "factor": 1}
+    data = {"time": [round(0.01 * k, 2) for k in range(rows)], **dict.fromkeys(signals, wave)}
+    run = {"name": "log", "group": None, "parameters": {}, "measured": signals, "inputs": [], "data": data, "terrain": None}
+    experiment = {
+        "id": "log", "name": "log", "kind": "traverse", "example": False, "signals": signals, "columns": dict.fromkeys(data, column),
+        "runs": [run], "noise": {name: {"value": 0.1, "source": "stated"} for name in signals}, "parameters": [], "known": [], "effects": [],
+        "calibration": {"chi_square": 1, "degrees_of_freedom": 1, "searches": 1, "agreeing": 1, "cautions": []}, "doubts": [], "sources": [],
+        "uncounted": [], "wheel": {"radius": None},
+    }  # fmt: skip
+    step = {"label": "as given", "parent": None, "effects": [], "values": {}, "rmse": dict.fromkeys(signals, 0.1)}
+    model = {"rmse": step["rmse"], "runs": [dict.fromkeys(signals, wave)], "unanswered": [], "failures": [], "motion": [], "curves": {}, "milliseconds": 0}
+    snapshot = {"steps": [step], "found": [], "diagnosis": None, "separation": None, "jobs": []}
+    answers = {
+        "api/experiments": {"experiments": [{"id": "log", "name": "log", "kind": "traverse", "example": False}], "version": "", "fmu": False},
+        "api/experiments/log": experiment,
+        "api/experiments/log/trial": model,
+    }
+    for path, answer in answers.items():
+        answered(page, f"{address}{path}", json.dumps(answer), "application/json")
+    events = f"event: snapshot\ndata: {json.dumps(snapshot)}\n\n"
+    answered(page, f"{address}api/experiments/log/events", events, "text/event-stream")
+    page.goto(f"{address}#e=log&at=0")
+    until(page, "window.bekker?.trial && document.querySelectorAll('.uplot').length === 4")
+    measure = """async () => {
+      const times = [];
+      for (let k = 0; k < 20; k += 1) {
+        const begin = performance.now();
+        window.bekker.go(k % 2 ? { range: [10 * k, 10 * k + 300], a: 10 * k } : { range: null, a: 5 * k });
+        await new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
+        times.push(performance.now() - begin);
+      }
+      return times.sort((a, b) => a - b);
+    }"""
+    times = page.evaluate(measure)
+    print(f"4 plots of {rows} rows, range and cursor to the drawn frame: median {times[10]:.0f} ms, longest {times[-1]:.0f} ms of {len(times)}")
+    assert times[-1] < 60_000

@@ -22,6 +22,7 @@ use crate::diagnosis::problem::Problem;
 use crate::diagnosis::separate::variation::Variation;
 use crate::measurement::{Experiment, Run};
 use crate::model::{Model, ModelKind};
+use bekker_modeldescription::{Lookup, Variable};
 
 pub use plan::SingleWheelPlan;
 use prediction::SingleWheelPrediction;
@@ -71,6 +72,10 @@ impl Strategy for SingleWheel {
 
     fn conditions(&self, _: &Experiment) -> Vec<String> {
         INPUTS.map(str::to_owned).to_vec()
+    }
+
+    fn parameters(&self, model: &Model) -> Vec<(Variable, f64)> {
+        Rig::of(&model.rover).list()
     }
 
     fn axes(&self) -> &'static [Axis] {

@@ -30,6 +30,7 @@ use crate::diagnosis::windows::free::FreeStart;
 use crate::diagnosis::windows::{Windows, cut};
 use crate::measurement::{Experiment, Run};
 use crate::model::{Model, ModelKind};
+use bekker_modeldescription::{Lookup, Variable};
 
 pub use plan::TraversePlan;
 use prediction::TraversePrediction;
@@ -98,6 +99,10 @@ impl Strategy for Traverse {
     }
 
     /// A run has a course of its own: there is no curve over an input.
+    fn parameters(&self, model: &Model) -> Vec<(Variable, f64)> {
+        model.clone().list()
+    }
+
     fn axes(&self) -> &'static [Axis] {
         &[]
     }
