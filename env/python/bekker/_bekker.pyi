@@ -31,6 +31,7 @@ __all__ = [
     "export_fmu",
     "fit_task",
     "import_experiment",
+    "known_soil",
     "open_studio",
     "plan",
     "planning_settings",
@@ -38,6 +39,7 @@ __all__ = [
     "presets",
     "record",
     "robots",
+    "test_effects",
 ]
 
 __version__: str
@@ -61,7 +63,7 @@ def compare(
     added: list[str],
     soil: tuple[str, str] | None,
 ) -> tuple[str, Model]: ...
-def known_soil(text: str) -> str: ...
+def known_soil(soil: str) -> str: ...
 def diagnose(
     experiment: _Experiment,
     model: tuple[Model, str] | None,
