@@ -8,7 +8,7 @@ use crate::progress::Reporter;
 use crate::saving::{Saving, print_sources};
 use crate::soil_from::{SaveSoil, SoilFrom};
 use anyhow::{Context, Result};
-use bekker::diagnosis::{Calibration, CompareOptions, Comparison, compare};
+use bekker::diagnosis::{Calibration, CompareOptions, Comparison, compare, determined_in_words};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 
@@ -50,6 +50,9 @@ impl Calibrate {
         print_sources(&comparison.sources, "")?;
         print_errors(&comparison, "")?;
         print_parameters(calibration, "")?;
+        for words in determined_in_words(&comparison.identified) {
+            say!("{words}");
+        }
         say!("weights (standard deviation of one sample, by which residuals were divided):");
         for (signal, weight) in &calibration.weights {
             let source = comparison.noise_floor.get(signal).map_or("unknown", |floor| floor.source().name());
@@ -100,5 +103,6 @@ fn as_json(comparison: &Comparison, calibration: &Calibration) -> Value {
         "agreeing": calibration.agreeing,
         "cautions": comparison.cautions,
         "soil": comparison.soil,
+        "identified": comparison.identified,
     })
 }

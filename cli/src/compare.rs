@@ -10,6 +10,7 @@ use crate::soil_from::SoilFrom;
 use anyhow::{Context, Result};
 use bekker::diagnosis::{
     Calibration, CompareOptions, Comparison, STANDARD_ERROR, UnansweredRows, Uncounted, UncountedRows, compare,
+    determined_in_words,
 };
 use bekker::report::comparison_page;
 use std::path::{Path, PathBuf};
@@ -83,6 +84,9 @@ pub fn print(comparison: &Comparison, indent: &str) -> Result<()> {
     }
     if let Some((calibration, _)) = &comparison.calibrated {
         print_parameters(calibration, indent)?;
+        for words in determined_in_words(&comparison.identified) {
+            say!("{indent}{words}");
+        }
     }
     say!("{indent}where it fails most (mean residual, measured minus modelled):");
     for failure in comparison.failures.iter().take(4) {

@@ -5,8 +5,8 @@ use crate::experiment::Source;
 use crate::finding::text;
 use crate::model::PyModel;
 use bekker::diagnosis::{
-    Calibration, CompareError, CompareOptions, Comparison, Curves, Failure, Fit, Given, NoiseFloor, UnansweredRows,
-    UncountedRows, compare as core_compare,
+    Calibration, CompareError, CompareOptions, Comparison, Curves, Failure, Fit, Given, Identified, NoiseFloor,
+    UnansweredRows, UncountedRows, compare as core_compare,
 };
 use bekker::known_soil::KnownSoil;
 use bekker::modeldescription::ParameterError;
@@ -98,6 +98,7 @@ struct Described<'a> {
     cautions: &'a [String],
     sources: &'a [String],
     soil: Option<String>,
+    identified: &'a [Identified],
 }
 
 impl<'a> Described<'a> {
@@ -117,6 +118,7 @@ impl<'a> Described<'a> {
             cautions: &core.cautions,
             sources: &core.sources,
             soil: core.soil.as_ref().and_then(|soil| soil.to_toml().ok()),
+            identified: &core.identified,
         }
     }
 }

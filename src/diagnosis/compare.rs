@@ -7,6 +7,7 @@ use super::failure::{Failure, failures};
 use super::fit::Fit;
 use super::found_soil::{found_soil, moved};
 use super::given::Given;
+use super::identified::{Identified, identified};
 use super::noise::{NoiseFloor, noise_floors};
 use super::prediction::PredictionError;
 use super::problem::Problem;
@@ -135,6 +136,9 @@ pub struct Comparison {
     /// What a calibration found of the soil, with its covariance, for other experiments; `None` without one, or where no parameter of the
     /// soil was free.
     pub soil: Option<KnownSoil>,
+    /// Which parameters a calibration determines, which only together with others, and which not; those on a bound are left out. Empty
+    /// without one.
+    pub identified: Vec<Identified>,
     best: Fit,
 }
 
@@ -203,6 +207,7 @@ fn as_given(problem: &Problem, given: Answers) -> Result<Comparison, CompareErro
         model: problem.saved(&problem.base, &start),
         workbench: Workbench::given(problem, noise_floors(experiment, layout, &given.values)),
         soil: None,
+        identified: Vec::new(),
         best,
     })
 }
@@ -239,6 +244,7 @@ fn calibrated(problem: Problem, given: Result<Answers, PredictionError>) -> Resu
         sources: problem.sources.clone(),
         model: problem.saved(&problem.base, &values),
         soil: found_soil(&posed, &prepared.noise, &prepared.baseline),
+        identified: identified(&posed, &prepared.noise, &prepared.baseline),
         best,
     })
 }

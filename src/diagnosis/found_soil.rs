@@ -2,14 +2,12 @@
 
 use super::calibrate::Calibration;
 use super::diagnose::{Noise, information};
+use super::identified::UNIFORM;
 use super::kinds::strategy;
 use super::prior_rows::JointPrior;
 use super::problem::Problem;
 use super::thresholds::PRIOR_CONTRADICTED;
 use crate::known_soil::{KnownParameter, KnownSoil, Scale};
-
-/// Variance of a uniform distribution over a width of 1 is one twelfth.
-const UNIFORM: f64 = 12.0;
 
 /// Quantile of the normal distribution to one side that leaves 4.55 %, as two standard deviations leave to both.
 const ONE_SIDED: f64 = 1.690;

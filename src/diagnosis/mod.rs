@@ -21,6 +21,7 @@ mod gauss_newton;
 mod given;
 mod guide;
 mod halt;
+mod identified;
 #[cfg(feature = "report")]
 mod json;
 mod kinds;
@@ -65,6 +66,7 @@ pub(crate) use failure::levels_of;
 pub use failure::{Failure, Level, levels};
 pub use fit::{Fit, RunFit, SignalFit};
 pub use given::Given;
+pub use identified::{Determined, Identified, determined_in_words};
 pub use kinds::{PlatePlan, ShearPlan, SingleWheelPlan, TraversePlan};
 #[cfg(feature = "report")]
 pub(crate) use local_line::LocalLine;

@@ -7,8 +7,8 @@ use super::page::{Page, escape, table};
 use super::plots::{Condition, DrawnModel, Samples, View, residuals};
 use super::saved::saved_comparison;
 use super::units::{digits, of_column, of_unit, short, spoken};
-use super::words::{sentence, source, summary, what_was_measured};
-use crate::diagnosis::{Calibration, Comparison, Failure, UnansweredRows};
+use super::words::{first_capital, sentence, source, summary, what_was_measured};
+use crate::diagnosis::{Calibration, Comparison, Failure, UnansweredRows, determined_in_words};
 use crate::report::kinds::of;
 
 /// Sentences on where the model fails.
@@ -43,6 +43,10 @@ pub fn comparison_page(comparison: &Comparison) -> String {
     add_failures(&mut page, comparison);
     if let Some((calibration, _)) = &comparison.calibrated {
         add_parameters(&mut page, calibration);
+        let determined = determined_in_words(&comparison.identified);
+        page.html(
+            &determined.iter().map(|words| format!("<p>{}.</p>", escape(&first_capital(words)))).collect::<String>(),
+        );
     }
     page.finish()
 }

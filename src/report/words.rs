@@ -9,6 +9,12 @@ use std::collections::BTreeMap;
 /// An error up to this multiple of the noise floor passes for noise: the floor itself is known to some 10 %.
 pub(super) const NOISE_ONLY: f64 = 1.15;
 
+/// A sentence's beginning.
+pub(super) fn first_capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// What was done, in one sentence.
 pub(super) fn what_was_measured(experiment: &Experiment) -> String {
     let rows: usize = experiment.runs.iter().map(|run| run.data.rows()).sum();

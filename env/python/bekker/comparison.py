@@ -25,6 +25,7 @@ __all__ = [
     "Comparison",
     "Failure",
     "Fit",
+    "Identified",
     "NoiseFloor",
     "SignalFit",
     "UnansweredRows",
@@ -98,6 +99,23 @@ class Calibration:
     searches: int
     agreeing: int
     """Searches from different starts that ended at the best cost."""
+
+
+@dataclass(frozen=True)
+class Identified:
+    """What a calibration determines of one parameter."""
+
+    name: str
+    determined: Literal["alone", "together", "not"]
+    """By itself: at most a tenth of what was open before is left; together: that would be left if the other parameters were known; not:
+    more is left even then."""
+    left: float
+    """Standard deviation over that of what was open before, by the bounds and what was known."""
+    left_alone: float
+    """The same if all other parameters were known."""
+    trade: str | None
+    """Where ``determined`` is "together": this parameter a standard error higher and how those that it trades with then move, a change
+    that the measurements hardly see."""
 
 
 @dataclass(frozen=True)
@@ -196,6 +214,9 @@ class Comparison:
     soil: Soil | None
     """What a calibration found of the soil, with its covariance, for other experiments; None without one, or where no parameter of
     the soil was free."""
+    identified: list[Identified]
+    """Which parameters a calibration determines, which only together with others, and which not; those on a bound are left out.
+    Empty without one."""
 
     def save_model(self, path: str | os.PathLike[str]) -> None:
         """Writes the model of ``fit`` as TOML, which ``simulate``, the FMU builder and the environment take.

@@ -3,7 +3,7 @@
 use crate::diagnosis::{Diagnosis, Step, Verdict};
 use crate::effects::EFFECTS;
 use crate::report::units::{digits, of_column, short, spoken};
-use crate::report::words::NOISE_ONLY;
+use crate::report::words::{NOISE_ONLY, first_capital};
 use crate::soil_test::TEST_EFFECTS;
 
 /// Signals that a sentence names at most.
@@ -88,11 +88,6 @@ pub(super) fn answer(diagnosis: &Diagnosis) -> String {
         }
         Verdict::Undetermined => "This experiment cannot decide whether an effect is missing.".to_owned(),
     }
-}
-
-fn first_capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 fn undecided(named: &[String], tied: &[String]) -> String {
