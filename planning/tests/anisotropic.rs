@@ -5,7 +5,7 @@
 use bekker::soil::Soil;
 use bekker::wheel::Wheel;
 use bekker_planning::anisotropic::{
-    DirectionalCost, FieldError, GroundEnergy, SlopeEnergy, arrival, path_cost, path_from,
+    DirectionTable, DirectionalCost, FieldError, Grid, GroundEnergy, SlopeEnergy, arrival, path_cost, path_from,
 };
 use bekker_planning::map::{ElevationMap, Interpolation, Surface};
 
@@ -14,6 +14,10 @@ const PATH: f64 = 0.01;
 
 /// The field itself is of first order in the spacing.
 const FIELD: f64 = 0.02;
+
+fn square(nodes: usize, cell: f64, origin: [f64; 2]) -> Grid {
+    Grid { columns: nodes, rows: nodes, cell, origin }
+}
 
 fn far(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
@@ -35,7 +39,7 @@ fn analytic_uniform_costs_of_any_shape_give_straight_paths() {
     let start = [3.0, 4.0];
     for (name, shape) in [("one", (|_| 1.0) as fn([f64; 2]) -> f64), ("drift", drift), ("ellipse", ellipse)] {
         let cost = |_: [f64; 2], direction: [f64; 2]| shape(direction);
-        let field = arrival(&cost, [101, 101], 0.1, [0.0, 0.0], start).unwrap();
+        let field = arrival(&cost, square(101, 0.1, [0.0, 0.0]), start).unwrap();
         for goal in [[9.5, 9.0], [0.5, 9.3], [9.0, 1.1], [3.05, 9.5], [0.3, 3.1]] {
             let length = far(goal, start);
             let exact = length * shape([(goal[0] - start[0]) / length, (goal[1] - start[1]) / length]);
@@ -55,7 +59,7 @@ fn analytic_uniform_costs_of_any_shape_give_straight_paths() {
 fn analytic_the_hyperbolic_plane_gives_its_distance() {
     let cost = |place: [f64; 2], _: [f64; 2]| 1.0 / place[0];
     let start = [2.0, 1.0];
-    let field = arrival(&cost, [181, 181], 0.05, [1.0, 0.0], start).unwrap();
+    let field = arrival(&cost, square(181, 0.05, [1.0, 0.0]), start).unwrap();
     for goal in [[2.0, 8.0], [8.0, 6.0], [1.5, 5.0]] {
         let exact = (1.0 + far(start, goal).powi(2) / (2.0 * start[0] * goal[0])).acosh();
         let path = path_from(&field, &cost, goal).unwrap();
@@ -76,7 +80,7 @@ fn agreement_a_path_over_a_hill_is_that_of_a_grid_four_times_as_fine() {
         1.0 + 2.0 * (along + along.hypot(0.3)) - 0.5
     };
     let solve = |nodes: usize| {
-        let field = arrival(&cost, [nodes, nodes], 10.0 / (nodes - 1) as f64, [0.0, 0.0], [1.0, 4.5]).unwrap();
+        let field = arrival(&cost, square(nodes, 10.0 / (nodes - 1) as f64, [0.0, 0.0]), [1.0, 4.5]).unwrap();
         path_from(&field, &cost, [9.0, 5.5]).unwrap()
     };
     let (coarse, fine) = (solve(81), solve(321));
@@ -84,7 +88,7 @@ fn agreement_a_path_over_a_hill_is_that_of_a_grid_four_times_as_fine() {
     let straight = path_cost(&cost, &[[1.0, 4.5], [9.0, 5.5]], 0.01);
     assert!(fine.cost < straight, "{} {straight}", fine.cost);
     // The other way over the same hill costs another amount.
-    let back = arrival(&cost, [81, 81], 0.125, [0.0, 0.0], [9.0, 5.5]).unwrap();
+    let back = arrival(&cost, square(81, 0.125, [0.0, 0.0]), [9.0, 5.5]).unwrap();
     assert!(path_from(&back, &cost, [1.0, 4.5]).unwrap().cost.is_finite());
 }
 
@@ -93,7 +97,7 @@ fn property_walls_are_walked_around_and_islands_are_out_of_reach() {
     let wall = |place: [f64; 2], _: [f64; 2]| {
         if (4.0..4.5).contains(&place[0]) && place[1] < 8.0 { f64::INFINITY } else { 1.0 }
     };
-    let field = arrival(&wall, [101, 101], 0.1, [0.0, 0.0], [1.0, 1.0]).unwrap();
+    let field = arrival(&wall, square(101, 0.1, [0.0, 0.0]), [1.0, 1.0]).unwrap();
     let path = path_from(&field, &wall, [8.0, 1.0]).unwrap();
     let around = far([1.0, 1.0], [4.0, 8.0]) + 0.5 + far([4.5, 8.0], [8.0, 1.0]);
     assert!((path.cost / around - 1.0).abs() < PATH, "{} {around}", path.cost);
@@ -101,17 +105,17 @@ fn property_walls_are_walked_around_and_islands_are_out_of_reach() {
         let r = far(place, [7.0, 7.0]);
         if (1.0..1.6).contains(&r) { f64::INFINITY } else { 1.0 }
     };
-    let field = arrival(&moat, [101, 101], 0.1, [0.0, 0.0], [1.0, 1.0]).unwrap();
+    let field = arrival(&moat, square(101, 0.1, [0.0, 0.0]), [1.0, 1.0]).unwrap();
     assert_eq!(path_from(&field, &moat, [7.0, 7.0]), None);
 }
 
 #[test]
 fn property_wrong_costs_and_starts_are_told() {
     let negative = |_: [f64; 2], d: [f64; 2]| d[0];
-    let grid = [21, 21];
-    assert!(matches!(arrival(&negative, grid, 1.0, [0.0; 2], [5.0, 5.0]), Err(FieldError::Cost { .. })));
+    let grid = square(21, 1.0, [0.0; 2]);
+    assert!(matches!(arrival(&negative, grid, [5.0, 5.0]), Err(FieldError::Cost { .. })));
     let one = |_: [f64; 2], _: [f64; 2]| 1.0;
-    assert_eq!(arrival(&one, grid, 1.0, [0.0; 2], [50.0, 5.0]), Err(FieldError::Start { x: 50.0, y: 5.0 }));
+    assert_eq!(arrival(&one, grid, [50.0, 5.0]), Err(FieldError::Start { x: 50.0, y: 5.0 }));
 }
 
 fn sand() -> Soil {
@@ -140,7 +144,7 @@ fn property_a_steep_dune_is_gone_around_and_left_straight_down() {
     let map = ElevationMap::from_formula(101, 101, 0.1, [0.0, 0.0], dune).unwrap();
     let surface = Surface::new(map, Interpolation::Smooth);
     let cost = GroundEnergy::new(&surface, &energy, 0.5);
-    let field = arrival(&cost, [101, 101], 0.1, [0.0, 0.0], [1.0, 4.8]).unwrap();
+    let field = arrival(&cost, square(101, 0.1, [0.0, 0.0]), [1.0, 4.8]).unwrap();
     let path = path_from(&field, &cost, [9.0, 5.2]).unwrap();
     let straight = path_cost(&cost, &[[1.0, 4.8], [9.0, 5.2]], 0.05);
     assert!(straight.is_infinite() && path.cost.is_finite() && path.length > 8.1, "{straight} {}", path.length);

@@ -1,8 +1,10 @@
 //! The cheapest path from an arrival field, and the cost of a path.
 
-use super::field::{AROUND_START, Entry, RING, way_cost};
+use super::field::AROUND_START;
+use super::table::RING;
 use super::{ArrivalField, DirectionalCost};
-use std::collections::BinaryHeap;
+use std::cmp::Ordering;
+use std::collections::{BinaryHeap, HashMap};
 
 /// Shares of an edge of the ring at which a way through it is tried, before the best is refined by a parabola.
 const SHARES: [f64; 3] = [0.0, 0.5, 1.0];
@@ -21,6 +23,10 @@ const MOVES: usize = 5;
 
 /// What a traced path may cost more than its field says before ways over nodes are tried.
 const MORE: f64 = 0.003;
+
+/// Weight of the cost to come in the search over nodes. The ways of its sixteen steps cost more than the field says by up to this share,
+/// and with a weight of one the search would look at all nodes in between.
+const GUIDED: f64 = 1.02;
 
 /// A straight way must be cheaper by this share to replace points: rounding.
 const CHEAPER: f64 = 1e-9;
@@ -43,11 +49,11 @@ pub struct AnyAnglePath {
 #[must_use]
 pub fn path_from(field: &ArrivalField, cost: &impl DirectionalCost, goal: [f64; 2]) -> Option<AnyAnglePath> {
     let expected = field.at(goal);
-    let traced = traced(field, cost, goal).map(|points| smoothed(points, cost, field.cell));
+    let traced = traced(field, cost, goal).map(|points| smoothed(points, cost, field.grid.cell));
     match traced.filter(|path| path.cost.is_finite()) {
         Some(path) if path.cost <= expected * (1.0 + MORE) => Some(path),
         path => {
-            let other = over_nodes(field, cost, goal).map(|points| smoothed(points, cost, field.cell));
+            let other = over_nodes(field, cost, goal).map(|points| smoothed(points, cost, field.grid.cell));
             let both = path.into_iter().chain(other).filter(|path| path.cost.is_finite());
             both.min_by(|a, b| a.cost.total_cmp(&b.cost))
         }
@@ -84,53 +90,78 @@ fn relax(points: &mut [[f64; 2]], cost: &impl DirectionalCost, piece: f64) {
     }
 }
 
-/// The cheapest way over nodes of the ring's steps (Dijkstra 1959), from the goal back to the start.
+/// Cost of a straight way of a few spacings, looked at each half of one so that it crosses no wall.
+fn way_cost(cost: &impl DirectionalCost, from: [f64; 2], to: [f64; 2], cell: f64) -> f64 {
+    path_cost(cost, &[from, to], 0.5 * cell)
+}
+
+/// A node in the queue, the one with the least total first.
+#[derive(PartialEq)]
+struct Entry {
+    total: f64,
+    to_goal: f64,
+    node: usize,
+}
+
+impl Eq for Entry {}
+
+impl Ord for Entry {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.total.total_cmp(&self.total).then(other.node.cmp(&self.node))
+    }
+}
+
+impl PartialOrd for Entry {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// A cheap way over nodes of the ring's steps, from the goal back to the start: A* that is guided by the cost to come.
 fn over_nodes(field: &ArrivalField, cost: &impl DirectionalCost, goal: [f64; 2]) -> Option<Vec<[f64; 2]>> {
-    let near = |at: [f64; 2]| {
-        let place = [0, 1].map(|axis| (at[axis] - field.origin[axis]) / field.cell);
-        let [columns, rows] = [(place[0], field.columns), (place[1], field.rows)]
-            .map(|(at, count)| (at.floor().max(0.0) as usize)..=(at.ceil() as usize).min(count - 1));
-        rows.flat_map(move |row| columns.clone().map(move |column| (column, row)))
-    };
-    let mut least = vec![f64::INFINITY; field.cost.len()];
-    let mut from = vec![usize::MAX; field.cost.len()];
+    let grid = &field.grid;
+    let place = |node: usize| grid.place(node % grid.columns, node / grid.columns);
+    let first: Vec<usize> = grid.around(field.start)?.map(|(_, node)| node).collect();
+    // Cost from a node to the goal, and the node that comes next; none before the goal.
+    let mut known: HashMap<usize, (f64, Option<usize>)> = HashMap::new();
     let mut queue = BinaryHeap::new();
-    for (column, row) in near(field.start) {
-        let node = row * field.columns + column;
-        least[node] = way_cost(cost, field.start, field.place(column, row), field.cell);
-        queue.push(Entry { cost: least[node], node: node as u32 });
-    }
-    while let Some(Entry { cost: here, node }) = queue.pop() {
-        let node = node as usize;
-        if here > least[node] || here.is_infinite() {
-            continue;
+    let mut offer = |queue: &mut BinaryHeap<Entry>, node: usize, to_goal: f64, next: Option<usize>| {
+        let total = to_goal + GUIDED * field.cost[node];
+        if total.is_finite() && known.get(&node).is_none_or(|(known, _)| to_goal < *known) {
+            known.insert(node, (to_goal, next));
+            queue.push(Entry { total, to_goal, node });
         }
-        let (column, row) = (node % field.columns, node / field.columns);
-        for (dc, dr) in RING {
-            let (Some(c), Some(r)) = (column.checked_add_signed(dc), row.checked_add_signed(dr)) else { continue };
-            if c >= field.columns || r >= field.rows {
-                continue;
-            }
-            let next = r * field.columns + c;
-            let total = here + way_cost(cost, field.place(column, row), field.place(c, r), field.cell);
-            if total < least[next] {
-                (least[next], from[next]) = (total, node);
-                queue.push(Entry { cost: total, node: next as u32 });
-            }
-        }
-    }
-    let total = |&(column, row): &(usize, usize)| {
-        least[row * field.columns + column] + way_cost(cost, field.place(column, row), goal, field.cell)
     };
-    let last = near(goal).min_by(|a, b| total(a).total_cmp(&total(b))).filter(|node| total(node).is_finite())?;
-    let mut points = vec![goal];
-    let mut node = last.1 * field.columns + last.0;
-    while node != usize::MAX {
-        points.push(field.place(node % field.columns, node / field.columns));
-        node = from[node];
+    for (_, node) in grid.around(goal)? {
+        offer(&mut queue, node, way_cost(cost, place(node), goal, grid.cell), None);
     }
-    points.push(field.start);
-    Some(points)
+    let mut best: Option<(f64, usize)> = None;
+    while let Some(Entry { total, to_goal, node }) = queue.pop() {
+        if best.is_some_and(|(least, _)| total >= least) {
+            break;
+        }
+        if first.contains(&node) {
+            let whole = to_goal + way_cost(cost, field.start, place(node), grid.cell);
+            if whole.is_finite() && best.is_none_or(|(least, _)| whole < least) {
+                best = Some((whole, node));
+            }
+        }
+        let (column, row) = (node % grid.columns, node / grid.columns);
+        for [dc, dr] in RING {
+            let (c, r) = (column.wrapping_add_signed(dc as isize), row.wrapping_add_signed(dr as isize));
+            if c < grid.columns && r < grid.rows {
+                let way = way_cost(cost, grid.place(c, r), place(node), grid.cell);
+                offer(&mut queue, r * grid.columns + c, to_goal + way, Some(node));
+            }
+        }
+    }
+    let mut node = best.map(|(_, node)| node);
+    let mut points = vec![field.start];
+    while let Some(at) = node {
+        points.push(place(at));
+        node = known.get(&at).and_then(|(_, next)| *next);
+    }
+    (points.len() > 1).then(|| points.into_iter().chain([goal]).rev().collect())
 }
 
 /// Points from the goal back to the start.
@@ -141,8 +172,8 @@ fn traced(field: &ArrivalField, cost: &impl DirectionalCost, goal: [f64; 2]) -> 
     let mut come = f64::INFINITY;
     let mut here = goal;
     loop {
-        let near = (here[0] - start[0]).hypot(here[1] - start[1]) <= AROUND_START * field.cell;
-        let straight = if near { path_cost(cost, &[start, here], 0.5 * field.cell) } else { f64::INFINITY };
+        let near = (here[0] - start[0]).hypot(here[1] - start[1]) <= AROUND_START * field.grid.cell;
+        let straight = if near { path_cost(cost, &[start, here], 0.5 * field.grid.cell) } else { f64::INFINITY };
         // A point between two nodes may have no way on where both of them do.
         let ways = [false, true].into_iter().filter_map(|nodes| best_way(field, cost, here, come, nodes));
         let way = ways.into_iter().find(|way| near || best_way(field, cost, way.from, way.come, false).is_some());
@@ -173,20 +204,18 @@ struct Way {
 /// The cheapest way to a place from the ring around the node next to it, from points whose cost to come is below `most`; with `nodes`
 /// from nodes only.
 fn best_way(field: &ArrivalField, cost: &impl DirectionalCost, here: [f64; 2], most: f64, nodes: bool) -> Option<Way> {
-    let [u, v] = [0, 1].map(|axis| (here[axis] - field.origin[axis]) / field.cell);
-    if !(u >= 0.0 && v >= 0.0 && u <= (field.columns - 1) as f64 && v <= (field.rows - 1) as f64) {
-        return None;
-    }
-    let base = [u.round() as isize, v.round() as isize];
+    let grid = &field.grid;
+    let [u, v] = grid.in_cells(here)?;
+    let (column, row) = (u.round() as usize, v.round() as usize);
     let node = |k: usize| {
-        let (dc, dr) = RING[k % RING.len()];
-        let (column, row) = (usize::try_from(base[0] + dc).ok()?, usize::try_from(base[1] + dr).ok()?);
-        let inside = column < field.columns && row < field.rows;
-        inside.then(|| (field.place(column, row), field.cost[row * field.columns + column]))
+        let [dc, dr] = RING[k % RING.len()];
+        let (column, row) = (column.wrapping_add_signed(dc as isize), row.wrapping_add_signed(dr as isize));
+        let inside = column < grid.columns && row < grid.rows;
+        inside.then(|| (grid.place(column, row), field.cost[row * grid.columns + column]))
     };
     let mut best: Option<Way> = None;
     let mut way = |from: [f64; 2], come: f64| {
-        let total = if come < most { come + way_cost(cost, from, here, field.cell) } else { f64::INFINITY };
+        let total = if come < most { come + way_cost(cost, from, here, grid.cell) } else { f64::INFINITY };
         if total.is_finite() && best.is_none_or(|best| total < best.total) {
             best = Some(Way { from, come, total });
         }
