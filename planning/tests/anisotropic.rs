@@ -5,7 +5,7 @@
 use bekker::soil::Soil;
 use bekker::wheel::Wheel;
 use bekker_planning::anisotropic::{
-    DirectionTable, DirectionalCost, FieldError, Grid, GroundEnergy, SlopeEnergy, arrival, path_cost, path_from,
+    DirectionalCost, FieldError, Grid, GroundEnergy, SlopeEnergy, arrival, path_cost, path_from,
 };
 use bekker_planning::map::{ElevationMap, Interpolation, Surface};
 

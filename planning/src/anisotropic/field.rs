@@ -250,7 +250,9 @@ impl<'a> Tiles<'a> {
             let here = values[at[1]][at[0]];
             let fell = |k: usize| {
                 let [column, row] = step(at, k);
-                within([column, row]) && values[row][column] < here && values[row][column] < old([column, row]) * (1.0 - FALLS)
+                within([column, row])
+                    && values[row][column] < here
+                    && values[row][column] < old([column, row]) * (1.0 - FALLS)
             };
             if !(0..DIRECTIONS).step_by(2).any(fell) {
                 continue;

@@ -6,9 +6,6 @@ use super::{ArrivalField, DirectionalCost};
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashMap};
 
-/// Shares of an edge of the ring at which a way through it is tried, before the best is refined by a parabola.
-const SHARES: [f64; 3] = [0.0, 0.5, 1.0];
-
 /// Points of a path that are tried to be replaced by one straight way, at most.
 const LONGEST_SPAN: usize = 64;
 
@@ -169,17 +166,19 @@ fn traced(field: &ArrivalField, cost: &impl DirectionalCost, goal: [f64; 2]) -> 
     let start = field.start;
     let mut points = vec![goal];
     // From the goal itself any way may come; after it the cost to come must fall with each.
-    let mut come = f64::INFINITY;
     let mut here = goal;
+    let mut through = best_way(field, cost, here, f64::INFINITY, false);
+    let mut come = f64::INFINITY;
     loop {
         let near = (here[0] - start[0]).hypot(here[1] - start[1]) <= AROUND_START * field.grid.cell;
         let straight = if near { path_cost(cost, &[start, here], 0.5 * field.grid.cell) } else { f64::INFINITY };
+        let way = |way: Way| (way, best_way(field, cost, way.from, way.come, false));
         // A point between two nodes may have no way on where both of them do.
-        let ways = [false, true].into_iter().filter_map(|nodes| best_way(field, cost, here, come, nodes));
-        let way = ways.into_iter().find(|way| near || best_way(field, cost, way.from, way.come, false).is_some());
-        match way {
-            Some(way) if straight.is_infinite() || way.total < straight => {
-                (here, come) = (way.from, way.come);
+        let leads_on = |(_, next): &(Way, Option<Way>)| near || next.is_some();
+        let nodes = || best_way(field, cost, here, come, true).map(way);
+        match through.map(way).filter(leads_on).or_else(|| nodes().filter(leads_on)) {
+            Some((way, next)) if straight.is_infinite() || way.total < straight => {
+                (here, come, through) = (way.from, way.come, next);
                 points.push(here);
             }
             _ if straight.is_finite() => {
@@ -221,18 +220,19 @@ fn best_way(field: &ArrivalField, cost: &impl DirectionalCost, here: [f64; 2], m
         }
         total
     };
+    let ring: [Option<([f64; 2], f64)>; RING.len()] = std::array::from_fn(node);
+    let over = ring.map(|node| node.map_or(f64::INFINITY, |(place, come)| way(place, come)));
     for k in 0..RING.len() {
-        let Some((one, at_one)) = node(k) else { continue };
-        let edge = |(_, at_other): &([f64; 2], f64)| !nodes && at_other.is_finite() && at_one.is_finite();
-        let Some((other, at_other)) = node(k + 1).filter(edge) else {
-            way(one, at_one);
+        let next = (k + 1) % RING.len();
+        let (Some((one, at_one)), Some((other, at_other))) = (ring[k], ring[next]) else { continue };
+        if nodes || !at_one.is_finite() || !at_other.is_finite() {
             continue;
-        };
+        }
         let mut between = |t: f64| {
             let from = [0, 1].map(|axis| (1.0 - t) * one[axis] + t * other[axis]);
             way(from, (1.0 - t) * at_one + t * at_other)
         };
-        let [first, half, last] = SHARES.map(&mut between);
+        let (first, half, last) = (over[k], between(0.5), over[next]);
         let bend = first - 2.0 * half + last;
         let t = 0.5 + 0.25 * (first - last) / bend;
         if bend > 0.0 && t > 0.0 && t < 1.0 {
@@ -242,27 +242,34 @@ fn best_way(field: &ArrivalField, cost: &impl DirectionalCost, here: [f64; 2], m
     best
 }
 
-/// Replaces points by straight ways where that is cheaper, over spans that double.
+/// Replaces points by straight ways where that is cheaper, over spans that double and overlap by half.
 fn straighten(points: &mut Vec<[f64; 2]>, cost: &impl DirectionalCost, piece: f64) {
     for _ in 0..ROUNDS {
         let before = points.len();
         let mut span = 2;
         while span <= LONGEST_SPAN {
-            let mut k = 0;
-            while k + 2 < points.len() {
-                let end = (k + span).min(points.len() - 1);
-                let old = path_cost(cost, &points[k..=end], piece);
-                if path_cost(cost, &[points[k], points[end]], piece) < old * (1.0 - CHEAPER) {
-                    points.drain(k + 1..end);
-                }
-                k += 1;
-            }
+            *points = straightened(points, cost, piece, span);
             span *= 2;
         }
         if points.len() == before {
             return;
         }
     }
+}
+
+fn straightened(points: &[[f64; 2]], cost: &impl DirectionalCost, piece: f64, span: usize) -> Vec<[f64; 2]> {
+    let costs: Vec<f64> = points.windows(2).map(|pair| path_cost(cost, pair, piece)).collect();
+    let mut kept = vec![points[0]];
+    let mut k = 0;
+    while k + 1 < points.len() {
+        let end = (k + span).min(points.len() - 1);
+        let old: f64 = costs[k..end].iter().sum();
+        let cheaper = end > k + 1 && path_cost(cost, &[points[k], points[end]], piece) < old * (1.0 - CHEAPER);
+        let next = if cheaper { end } else { (k + span / 2).min(end) };
+        kept.extend(&points[if cheaper { end } else { k + 1 }..=next]);
+        k = next;
+    }
+    kept
 }
 
 /// Cost of a polyline, by the midpoint rule in steps of at most `step` (m).

@@ -38,10 +38,15 @@ fn plain(table: &DirectionTable, start: [f64; 2]) -> Vec<f64> {
             let length = grid.cell * f64::from(RING[k][0].pow(2) + RING[k][1].pow(2)).sqrt();
             let way = |k: usize, to: [usize; 2]| 0.5 * length * (metre(here, k) + metre(to, k));
             best = best.min(cost[index(one)] + way(k, one));
-            for &(other_k, other) in around.iter().filter(|(other, _)| k % 4 == 0 && (other + 2) % 16 == k || (k + 2) % 16 == *other) {
-                let (axis, diagonal) = if k % 4 == 0 { ((k, one), (other_k, other)) } else { ((other_k, other), (k, one)) };
+            for &(other_k, other) in
+                around.iter().filter(|(other, _)| k % 4 == 0 && (other + 2) % 16 == k || (k + 2) % 16 == *other)
+            {
+                let (axis, diagonal) =
+                    if k % 4 == 0 { ((k, one), (other_k, other)) } else { ((other_k, other), (k, one)) };
                 let middle = if (axis.0 + 2) % 16 == diagonal.0 { axis.0 + 1 } else { (axis.0 + 15) % 16 };
-                let two = |node: [usize; 2], k: usize, square: f64| 0.5 * grid.cell * square.sqrt() * (metre(here, k) + metre(node, k));
+                let two = |node: [usize; 2], k: usize, square: f64| {
+                    0.5 * grid.cell * square.sqrt() * (metre(here, k) + metre(node, k))
+                };
                 let f0 = two(axis.1, axis.0, 1.0);
                 let f2 = two(diagonal.1, diagonal.0, 2.0);
                 let far = 0.5 * (metre(axis.1, middle) + metre(diagonal.1, middle));
@@ -83,7 +88,8 @@ fn searched([f0, f1, f2]: [f64; 3], [odd0, odd1]: [f64; 2], u0: f64, u1: f64) ->
 fn random(seed: u64, grid: Grid) -> DirectionTable {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let node = |_| {
-        let (level, strength, turn) = (random.random_range(0.5..2.0), random.random_range(0.0..0.8), random.random_range(0.0..6.3));
+        let (level, strength, turn) =
+            (random.random_range(0.5..2.0), random.random_range(0.0..0.8), random.random_range(0.0..6.3));
         let stretch = random.random_range(1.0..4.0_f64);
         let wall = random.random_range(0.0..1.0) < 0.2;
         // One node in fifty is passed in some directions only.
@@ -105,7 +111,8 @@ fn agreement_tiles_and_a_plain_queue_find_one_field() {
     for (seed, [columns, rows]) in GRIDS.into_iter().enumerate() {
         let grid = Grid { columns, rows, cell: 0.5, origin: [3.0, -2.0] };
         let table = random(seed as u64, grid);
-        let free = (0..columns * rows).find(|node| table.costs()[*node][0].is_finite() && node / columns > rows / 2).unwrap();
+        let free =
+            (0..columns * rows).find(|node| table.costs()[*node][0].is_finite() && node / columns > rows / 2).unwrap();
         let start = grid.place(free % columns, free / columns);
         let (tiles, plain) = (arrival_over(&table, start).unwrap().cost, plain(&table, start));
         let reached = plain.iter().filter(|cost| cost.is_finite()).count();
@@ -143,7 +150,9 @@ fn property_walls_are_not_crossed_at_nodes_or_in_blocked_directions() {
     };
     // A wall one node thick, also where its nodes touch at corners only along a diagonal of two nodes.
     let wall = filled(&|_, row| if row == 9 { [f32::INFINITY; DIRECTIONS] } else { open });
-    let stairs = filled(&|column, row| if column + row == 20 || column + row == 21 { [f32::INFINITY; DIRECTIONS] } else { open });
+    let stairs = filled(&|column, row| {
+        if column + row == 20 || column + row == 21 { [f32::INFINITY; DIRECTIONS] } else { open }
+    });
     assert!(wall.cost[10 * 20..].iter().all(|cost| cost.is_infinite()) && wall.cost[8 * 20].is_finite());
     assert!(stairs.cost[399].is_infinite() && stairs.cost[0].is_finite());
     // A river that is crossed to the north but not back.

@@ -11,6 +11,8 @@
 //! one loop without branches. Lines are taken from each of the four sides in turn until no value falls.
 
 use super::table::{DIRECTIONS, DirectionTable};
+#[cfg(target_arch = "x86_64")]
+use bekker_scalar::{Arch, Avx2};
 
 /// Nodes along a side.
 pub(super) const SIDE: usize = 64;
@@ -77,8 +79,21 @@ impl Scratch {
     }
 }
 
-/// Solves tile (column, row) of a table; `values` of it and around it come in and go out.
+/// Solves tile (column, row) of a table; `values` of it and around it come in and go out. Compiled for AVX2 as well, which x86-64
+/// processors may have, with the same operations and bits.
 pub(super) fn solve(scratch: &mut Scratch, table: &DirectionTable, tile: [usize; 2], values: &mut Box<Surrounded>) {
+    #[cfg(target_arch = "x86_64")]
+    if Avx2::there() {
+        return Avx2::wide(
+            #[inline(always)]
+            || solve_here(scratch, table, tile, values),
+        );
+    }
+    solve_here(scratch, table, tile, values);
+}
+
+#[inline(always)]
+fn solve_here(scratch: &mut Scratch, table: &DirectionTable, tile: [usize; 2], values: &mut Box<Surrounded>) {
     spread(&mut scratch.metres, table, tile);
     for (k, (side, ways)) in SIDES.iter().zip(&mut scratch.ways).enumerate() {
         let metres = |k: usize| &scratch.metres[5 * k..5 * k + 5];
@@ -90,6 +105,7 @@ pub(super) fn solve(scratch: &mut Scratch, table: &DirectionTable, tile: [usize;
 }
 
 /// Lays the table's costs out by side, way and line.
+#[inline(always)]
 fn spread(metres: &mut [Metres], table: &DirectionTable, tile: [usize; 2]) {
     /// Rows that are read together, so that lines of columns are written in the first cache.
     const TOGETHER: usize = 11;
@@ -117,6 +133,7 @@ fn spread(metres: &mut [Metres], table: &DirectionTable, tile: [usize; 2]) {
 }
 
 /// Costs of the ways from one side by the trapezoid rule. The ways back are those of the opposite side, in opposite order.
+#[inline(always)]
 fn price(side: &From, metres: &[Metres], back: &[Metres], cell: f64, ways: &mut [Ways; SIDE]) {
     let [straight, between, diagonal] = halves(cell);
     for (line, ways) in ways.iter_mut().enumerate() {
@@ -187,6 +204,7 @@ impl Clock {
 }
 
 /// Takes lines from each side in turn until none has fallen in four.
+#[inline(always)]
 fn relax(scratch: &mut Scratch) {
     let mut clock = Clock::new(&scratch.upright);
     let (mut quiet, mut is_turned) = (0, false);
@@ -210,6 +228,7 @@ fn relax(scratch: &mut Scratch) {
 }
 
 /// Takes all lines from one side; whether any has fallen.
+#[inline(always)]
 fn sweep(side: usize, ways: &[Ways; SIDE], values: &mut Surrounded, clock: &mut Clock) -> bool {
     let From { turned, lower, .. } = SIDES[side];
     let (along, across) = (usize::from(turned), usize::from(!turned));
@@ -235,6 +254,7 @@ fn sweep(side: usize, ways: &[Ways; SIDE], values: &mut Surrounded, clock: &mut 
 }
 
 /// Whether any value of a line is above one that it can come from.
+#[inline(always)]
 fn may_fall(from: &[f64; WIDE], here: &[f64; WIDE]) -> bool {
     let above = |p: usize| u32::from(smaller(smaller(from[p], from[p + 2]), from[p + 1]) < here[p + 1]);
     (0..SIDE).map(above).sum::<u32>() > 0
@@ -242,6 +262,7 @@ fn may_fall(from: &[f64; WIDE], here: &[f64; WIDE]) -> bool {
 
 /// Puts every value of a line to the least over its two triangles on one side; whether any has fallen. `gains` keeps the largest fall
 /// of each beyond rounding.
+#[inline(always)]
 fn fall(ways: &Ways, from: &[f64; WIDE], here: &mut [f64; WIDE], gains: &mut [f64; SIDE]) -> bool {
     let [first, after_first, axis, before_last, last, odd_first, odd_axis, odd_last] = ways;
     let mut fallen = 0;
@@ -290,6 +311,7 @@ pub(super) fn least(([axis, middle, diagonal], odd): Triangle, at_axis: f64, at_
 }
 
 /// Rows to columns.
+#[inline(always)]
 fn turn(from: &Surrounded, to: &mut Surrounded) {
     /// A divisor of the width, so that few cache lines are written at a time.
     const TOGETHER: usize = 6;
