@@ -8,9 +8,15 @@ use bekker_planning::anisotropic::{
     DirectionalCost, FieldError, Grid, GroundEnergy, SlopeEnergy, arrival, path_cost, path_from,
 };
 use bekker_planning::map::{ElevationMap, Interpolation, Surface};
+use bekker_planning::plan::{Measure, Request};
+use bekker_planning::robot::fsrl;
+use bekker_planning::site::{Site, SiteError};
 
 /// What the issue asks of a path: its cost within 1 % of the reference.
 const PATH: f64 = 0.01;
+
+/// Rise and fall on a way around a mound, of the energy of level ground.
+const NEARLY_LEVEL: f64 = 0.1;
 
 /// The field itself is of first order in the spacing.
 const FIELD: f64 = 0.02;
@@ -149,4 +155,33 @@ fn property_a_steep_dune_is_gone_around_and_left_straight_down() {
     let straight = path_cost(&cost, &[[1.0, 4.8], [9.0, 5.2]], 0.05);
     assert!(straight.is_infinite() && path.cost.is_finite() && path.length > 8.1, "{straight} {}", path.length);
     assert!(cost.per_metre([5.0, 2.5], [0.0, 1.0]) > cost.per_metre([5.0, 2.5], [0.0, -1.0]));
+}
+
+#[test]
+fn property_a_plan_by_energy_goes_around_a_mound_and_all_its_stands_are_safe() {
+    let mound = |x: f64, y: f64| 0.9 * (-((x - 3.0).powi(2) + (y - 3.0).powi(2)) / 1.2).exp();
+    let map = ElevationMap::from_formula(61, 61, 0.1, [0.0, 0.0], mound).unwrap();
+    let mut site = Site::new(map, fsrl(), Interpolation::Smooth);
+    let request = Request { start: [0.8, 3.0], heading: None, goal: [5.2, 3.1], most_evaluations: 20_000 };
+    assert!(matches!(site.plan_by_energy(&request), Err(SiteError::NoSoil)));
+    site.on_soil(&sand()).unwrap();
+    let plan = site.plan_by_energy(&request).unwrap();
+    let ends = [&plan.points[0], plan.points.last().unwrap()].map(|point| [point.x, point.y]);
+    assert_eq!((ends, plan.measure), ([request.start, request.goal], Measure::Energy));
+    let evaluator = site.evaluator(request.start).unwrap();
+    for point in &plan.points {
+        assert!(evaluator.assess([point.x, point.y], point.heading, None).is_ok(), "{} {}", point.x, point.y);
+    }
+    assert!(plan.points.windows(2).all(|pair| far([pair[0].x, pair[0].y], [pair[1].x, pair[1].y]) < 0.1 + 1e-9));
+    // Straight over the mound no wheel pulls enough; around it the ground is nearly level.
+    let (robot, weight) = (fsrl(), fsrl().total_mass() * site.settings.environment.gravity);
+    let wheel = Wheel { radius: robot.wheel_radius, width: robot.wheel_width, ..Wheel::default() };
+    let energy = SlopeEnergy::new(&sand(), &wheel, weight, 6, site.settings.energy.most_slip).unwrap();
+    let cost = GroundEnergy::new(site.surface(), &energy, weight * site.settings.energy.resistance);
+    assert!(path_cost(&cost, &[request.start, request.goal], 0.05).is_infinite());
+    let level = energy.at(0.0) + weight * site.settings.energy.resistance;
+    assert!(plan.length > 4.6 && plan.length < 6.5, "{} m", plan.length);
+    assert!((plan.cost / (level * plan.length) - 1.0).abs() < NEARLY_LEVEL, "{} J, {level} J/m", plan.cost);
+    let island = Request { goal: [20.0, 3.0], ..request };
+    assert!(matches!(site.plan_by_energy(&island), Err(SiteError::Plan(_))));
 }

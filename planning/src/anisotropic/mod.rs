@@ -10,12 +10,14 @@ mod field;
 mod path;
 #[cfg(test)]
 mod reference;
+mod safe;
 mod table;
 mod tile;
 
 pub use energy::{EnergyError, GroundEnergy, SlopeEnergy};
 pub use field::{ArrivalField, FieldError, arrival, arrival_over};
 pub use path::{AnyAnglePath, path_cost, path_from};
+pub use safe::plan_over;
 pub use table::{DIRECTIONS, DirectionTable, Grid};
 
 /// Cost of a metre from a place in a direction.

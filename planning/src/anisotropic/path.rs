@@ -21,9 +21,9 @@ const MOVES: usize = 5;
 /// What a traced path may cost more than its field says before ways over nodes are tried.
 const MORE: f64 = 0.003;
 
-/// Weight of the cost to come in the search over nodes. The ways of its sixteen steps cost more than the field says by up to this share,
-/// and with a weight of one the search would look at all nodes in between.
-const GUIDED: f64 = 1.02;
+/// Weight of the cost to come in the search over nodes. The ways of its sixteen steps cost more than the field says, beside walls by some
+/// percent, and with a weight of one the search would look at all nodes in between.
+const GUIDED: f64 = 1.1;
 
 /// A straight way must be cheaper by this share to replace points: rounding.
 const CHEAPER: f64 = 1e-9;
@@ -246,9 +246,10 @@ fn best_way(field: &ArrivalField, cost: &impl DirectionalCost, here: [f64; 2], m
 fn straighten(points: &mut Vec<[f64; 2]>, cost: &impl DirectionalCost, piece: f64) {
     for _ in 0..ROUNDS {
         let before = points.len();
+        let mut costs: Vec<f64> = points.windows(2).map(|pair| path_cost(cost, pair, piece)).collect();
         let mut span = 2;
         while span <= LONGEST_SPAN {
-            *points = straightened(points, cost, piece, span);
+            (*points, costs) = straightened(points, &costs, cost, piece, span);
             span *= 2;
         }
         if points.len() == before {
@@ -257,36 +258,58 @@ fn straighten(points: &mut Vec<[f64; 2]>, cost: &impl DirectionalCost, piece: f6
     }
 }
 
-fn straightened(points: &[[f64; 2]], cost: &impl DirectionalCost, piece: f64, span: usize) -> Vec<[f64; 2]> {
-    let costs: Vec<f64> = points.windows(2).map(|pair| path_cost(cost, pair, piece)).collect();
-    let mut kept = vec![points[0]];
+/// The points that are left, and the costs of the ways between them.
+fn straightened(
+    points: &[[f64; 2]],
+    costs: &[f64],
+    cost: &impl DirectionalCost,
+    piece: f64,
+    span: usize,
+) -> (Vec<[f64; 2]>, Vec<f64>) {
+    let (mut kept, mut kept_costs) = (vec![points[0]], Vec::new());
     let mut k = 0;
-    while k + 1 < points.len() {
-        let end = (k + span).min(points.len() - 1);
+    while k < costs.len() {
+        let end = (k + span).min(costs.len());
         let old: f64 = costs[k..end].iter().sum();
-        let cheaper = end > k + 1 && path_cost(cost, &[points[k], points[end]], piece) < old * (1.0 - CHEAPER);
-        let next = if cheaper { end } else { (k + span / 2).min(end) };
-        kept.extend(&points[if cheaper { end } else { k + 1 }..=next]);
+        let whole = [points[k], points[end]];
+        let next = if end > k + 1 && costs_less(cost, whole, piece, old * (1.0 - CHEAPER)) {
+            kept.push(points[end]);
+            kept_costs.push(path_cost(cost, &whole, piece));
+            end
+        } else {
+            let half = (k + span / 2).min(end);
+            kept.extend(&points[k + 1..=half]);
+            kept_costs.extend(&costs[k..half]);
+            half
+        };
         k = next;
     }
-    kept
+    (kept, kept_costs)
 }
 
 /// Cost of a polyline, by the midpoint rule in steps of at most `step` (m).
 #[must_use]
 pub fn path_cost(cost: &impl DirectionalCost, points: &[[f64; 2]], step: f64) -> f64 {
-    let part = |pair: &[[f64; 2]]| {
-        let (dx, dy) = (pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]);
-        let length = dx.hypot(dy);
-        if length == 0.0 {
-            return 0.0;
-        }
-        let count = (length / step).ceil().max(1.0);
-        let piece = |k: usize| {
-            let share = (k as f64 + 0.5) / count;
-            cost.per_metre([pair[0][0] + share * dx, pair[0][1] + share * dy], [dx / length, dy / length])
-        };
-        (0..count as usize).map(piece).sum::<f64>() * length / count
-    };
-    points.windows(2).map(part).sum()
+    points.windows(2).map(|pair| pieces(cost, [pair[0], pair[1]], step).sum::<f64>()).sum()
+}
+
+/// Costs of the pieces of a straight way.
+fn pieces(cost: &impl DirectionalCost, [from, to]: [[f64; 2]; 2], step: f64) -> impl Iterator<Item = f64> {
+    let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
+    let length = dx.hypot(dy);
+    let count = if length == 0.0 { 0.0 } else { (length / step).ceil().max(1.0) };
+    (0..count as usize).map(move |k| {
+        let share = (k as f64 + 0.5) / count;
+        let place = [from[0] + share * dx, from[1] + share * dy];
+        cost.per_metre(place, [dx / length, dy / length]) * length / count
+    })
+}
+
+/// Whether a straight way costs less than `limit`; looked at up to where it is passed.
+fn costs_less(cost: &impl DirectionalCost, way: [[f64; 2]; 2], step: f64, limit: f64) -> bool {
+    let mut sum = 0.0;
+    pieces(cost, way, step).all(|piece| {
+        sum += piece;
+        sum < limit
+    })
 }

@@ -1,7 +1,7 @@
 //! Costs of a metre in sixteen directions at every node of a grid.
 
 use super::{DirectionalCost, FieldError};
-use crate::map::MAX_NODES;
+use crate::map::{ElevationMap, MAX_NODES};
 use rayon::prelude::*;
 
 /// Directions at a node.
@@ -39,6 +39,13 @@ pub struct Grid {
     pub cell: f64,
     /// Place of node (0, 0), the south-western one, m.
     pub origin: [f64; 2],
+}
+
+/// The grid of a map's nodes.
+impl From<&ElevationMap> for Grid {
+    fn from(map: &ElevationMap) -> Self {
+        Self { columns: map.columns(), rows: map.rows(), cell: map.cell(), origin: map.origin() }
+    }
 }
 
 impl Grid {
@@ -125,15 +132,37 @@ impl DirectionTable {
     /// # Errors
     /// [`FieldError`] for a wrong grid, and where a cost is negative or no number.
     pub fn of(cost: &(impl DirectionalCost + Sync), grid: Grid) -> Result<Self, FieldError> {
-        grid.check()?;
         let directions = Self::directions();
+        Self::filled(grid, |column, row| {
+            let place = grid.place(column, row);
+            directions.map(|direction| cost.per_metre(place, direction) as f32)
+        })
+    }
+
+    /// The table of the costs of each node (column, row), on all threads.
+    ///
+    /// # Errors
+    /// [`FieldError`] for a wrong grid, and where a cost is negative or no number.
+    pub fn filled(grid: Grid, costs_of: impl Fn(usize, usize) -> [f32; DIRECTIONS] + Sync) -> Result<Self, FieldError> {
+        grid.check()?;
         let mut costs = vec![[0.0_f32; DIRECTIONS]; grid.columns * grid.rows];
         costs.par_chunks_mut(grid.columns).enumerate().for_each(|(row, line)| {
             for (column, node) in line.iter_mut().enumerate() {
-                *node = directions.map(|direction| cost.per_metre(grid.place(column, row), direction) as f32);
+                *node = costs_of(column, row);
             }
         });
         Self::new(grid, costs)
+    }
+
+    /// Closes the node nearest to a place (m) for directions within `angle` (rad) of a heading (rad from east to north).
+    pub fn close(&mut self, place: [f64; 2], heading: f64, angle: f64) {
+        let Some([u, v]) = self.grid.in_cells(place) else { return };
+        let node = v.round() as usize * self.grid.columns + u.round() as usize;
+        for (cost, [x, y]) in self.costs[node].iter_mut().zip(Self::directions()) {
+            if x * heading.cos() + y * heading.sin() > angle.cos() {
+                *cost = f32::INFINITY;
+            }
+        }
     }
 
     /// The grid.
@@ -154,14 +183,20 @@ impl DirectionalCost for DirectionTable {
     fn per_metre(&self, place: [f64; 2], direction: [f64; 2]) -> f64 {
         let Some(around) = self.grid.around(place) else { return f64::INFINITY };
         let sector = Sector::of(direction);
-        around.map(|(weight, node)| weight * sector.per_metre(&self.costs[node])).sum()
+        let mut costs = [0.0; 5];
+        for (weight, node) in around {
+            for (cost, k) in costs.iter_mut().zip(sector.ways) {
+                *cost += weight * f64::from(self.costs[node][k]);
+            }
+        }
+        sector.per_metre(costs)
     }
 }
 
 /// The eighth of a turn in which a direction lies.
 struct Sector {
-    /// The axis, the direction between and the diagonal.
-    ways: [usize; 3],
+    /// The axis, the direction between and the diagonal, and the ways back along the axis and the diagonal.
+    ways: [usize; 5],
     /// Place from the axis (0) to the diagonal (1).
     t: f64,
 }
@@ -177,19 +212,18 @@ impl Sector {
         let [ax, ay] = RING[axis].map(f64::from);
         let (along, left) = (ax * x + ay * y, ax * y - ay * x);
         let step = |count: usize| if left >= 0.0 { axis + count } else { axis + DIRECTIONS - count };
-        Self { ways: [axis, step(1) % DIRECTIONS, step(2) % DIRECTIONS], t: left.abs() / along }
+        let back = DIRECTIONS / 2;
+        let ways = [axis, step(1), step(2), axis + back, step(2) + back].map(|way| way % DIRECTIONS);
+        Self { ways, t: left.abs() / along }
     }
 
-    fn per_metre(&self, costs: &[f32; DIRECTIONS]) -> f64 {
+    /// From the costs of a metre in the five directions.
+    fn per_metre(&self, costs: [f64; 5]) -> f64 {
         let t = self.t;
-        let way = |length: f64, k: usize| length * f64::from(costs[k]);
-        let [axis, middle, diagonal] = self.ways;
-        let ways = [way(1.0, axis), way(1.25_f64.sqrt(), middle), way(2.0_f64.sqrt(), diagonal)];
-        let half_more = |way_there: f64, length: f64, k: usize| {
-            let more = 0.5 * (way_there - way(length, (k + DIRECTIONS / 2) % DIRECTIONS));
-            if more.is_finite() { more } else { 0.0 }
-        };
-        let odd = [half_more(ways[0], 1.0, axis), half_more(ways[2], 2.0_f64.sqrt(), diagonal)];
+        let [along, between, across] = [1.0, 1.25_f64.sqrt(), 2.0_f64.sqrt()];
+        let ways = [along * costs[0], between * costs[1], across * costs[2]];
+        let odd = [ways[0] - along * costs[3], ways[2] - across * costs[4]];
+        let odd = odd.map(|more| if more.is_finite() { 0.5 * more } else { 0.0 });
         let even = [ways[0] - odd[0], ways[1] - 0.5 * (odd[0] + odd[1]), ways[2] - odd[1]].map(|way| way * way);
         let square =
             even[0] * (1.0 - t) * (1.0 - 2.0 * t) + even[1] * 4.0 * t * (1.0 - t) - even[2] * t * (1.0 - 2.0 * t);
