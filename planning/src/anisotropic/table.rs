@@ -117,11 +117,12 @@ impl DirectionTable {
         if costs.len() != grid.columns * grid.rows {
             return Err(FieldError::Count { got: costs.len(), columns: grid.columns, rows: grid.rows });
         }
+        let wrong = |cost: f32| cost.is_nan() || cost < 0.0;
         // Of all that are wrong the first is named, whatever the number of threads.
-        let wrong = costs.par_iter().position_first(|node| !node.iter().all(|cost| *cost >= 0.0));
-        if let Some(node) = wrong {
+        let first = costs.par_iter().position_first(|node| node.iter().copied().any(wrong));
+        if let Some(node) = first {
             let [x, y] = grid.place(node % grid.columns, node / grid.columns);
-            let cost = costs[node].into_iter().find(|cost| !(*cost >= 0.0)).unwrap_or(f32::NAN);
+            let cost = costs[node].into_iter().find(|cost| wrong(*cost)).unwrap_or(f32::NAN);
             return Err(FieldError::Cost { x, y, cost: f64::from(cost) });
         }
         Ok(Self { grid, costs })
