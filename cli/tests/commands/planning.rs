@@ -40,8 +40,9 @@ fn property_a_plan_is_told_and_written_as_table_and_page() {
 #[test]
 fn property_a_plan_by_energy_is_told_in_joules_and_needs_soil() {
     let (plan, page) = (file("energy.json"), file("energy.html"));
-    let by_energy = ["plan", "benign:3", "--start", "1,1", "--goal", "2,1.6", "--by-energy"];
-    let out = done(&[&by_energy[..], &["--soil", "fsrl", "--json", shown(&plan), "--html", shown(&page)]].concat());
+    let by_energy = ["plan", "benign:3", "--start", "1,1", "--goal", "0.89,2.09", "--by-energy"];
+    let out =
+        done(&[&by_energy[..], &["--soil", "fsrl_ditch", "--json", shown(&plan), "--html", shown(&page)]].concat());
     assert!(out.contains("path of") && out.contains(", energy ") && out.contains(" J\n"), "{out}");
     let points = json(&plan)["points"].as_array().map_or(0, Vec::len);
     assert!(points > 10, "{points}");

@@ -16,6 +16,8 @@ struct Search<'a, 'b> {
     table: DirectionTable,
     request: Request,
     evaluations: usize,
+    /// Nodes that the cost alone closes in some direction.
+    closed: usize,
     failures: Vec<([f64; 2], f64, Failure)>,
 }
 
@@ -28,7 +30,8 @@ pub fn plan_over(evaluator: &Evaluator, table: DirectionTable, request: &Request
     let map = evaluator.placing().surface().map();
     ground_node(map, "start", request.start)?;
     ground_node(map, "goal", request.goal)?;
-    let mut search = Search { evaluator, table, request: *request, evaluations: 0, failures: Vec::new() };
+    let closed = table.costs().iter().filter(|costs| costs.iter().any(|cost| cost.is_infinite())).count();
+    let mut search = Search { evaluator, table, request: *request, evaluations: 0, closed, failures: Vec::new() };
     if let Some(heading) = request.heading {
         let [x, y] = request.start;
         search.assess(request.start, heading).map_err(|reason| PlanError::CannotStand {
@@ -97,6 +100,9 @@ impl Search<'_, '_> {
         let mut kinds: BTreeMap<&'static str, usize> = BTreeMap::new();
         for (.., failure) in &self.failures {
             *kinds.entry(failure.kind()).or_default() += 1;
+        }
+        if self.closed > 0 {
+            kinds.insert("slip, slide or unknown ground", self.closed);
         }
         let mut failures: Vec<(&'static str, usize)> = kinds.into_iter().collect();
         failures.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
