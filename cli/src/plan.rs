@@ -5,7 +5,7 @@ use crate::output::{check_all_writable, say, write, write_json};
 use anyhow::Result;
 use bekker::modeldescription::Lookup;
 use bekker_planning::answer::PlanAnswer;
-use bekker_planning::plan::Request;
+use bekker_planning::plan::{Measure, Request};
 use std::path::PathBuf;
 
 /// Columns of the path as CSV.
@@ -25,6 +25,9 @@ pub struct Plan {
     /// Heading at the start, from east towards north, degrees; any where missing.
     #[arg(long, allow_hyphen_values = true)]
     heading: Option<f64>,
+    /// The path on which the wheels need the least energy by the wheel-soil model, at any angle; needs --soil.
+    #[arg(long)]
+    by_energy: bool,
     /// Most places to evaluate before giving up.
     #[arg(long, default_value_t = 100_000)]
     most_evaluations: usize,
@@ -55,9 +58,10 @@ impl Plan {
         check_all_writable([&self.json, &self.csv, &self.html])?;
         site.remarks().iter().try_for_each(|remark| crate::output::line(format_args!("map: {remark}")))?;
         let heading = self.heading.map(degrees).transpose()?;
-        let plan = site.plan(&Request { start, heading, goal, most_evaluations: self.most_evaluations })?;
+        let request = Request { start, heading, goal, most_evaluations: self.most_evaluations };
+        let plan = if self.by_energy { site.plan_by_energy(&request)? } else { site.plan(&request)? };
         let answer = PlanAnswer::new(&site, &plan);
-        print(&answer)?;
+        print(&answer, plan.measure)?;
         if let Some(file) = &self.csv {
             write(file, &csv(&answer))?;
         }
@@ -68,9 +72,9 @@ impl Plan {
     }
 }
 
-fn print(answer: &PlanAnswer) -> Result<()> {
+fn print(answer: &PlanAnswer, measure: Measure) -> Result<()> {
     let smallest = |of: &dyn Fn(usize) -> f64| (0..answer.points.len()).map(of).fold(f64::INFINITY, f64::min);
-    say!("path of {:.2} m in {} points, performance index {:.3}", answer.length, answer.points.len(), answer.cost);
+    say!("path of {:.2} m in {} points, {}", answer.length, answer.points.len(), measure.told(answer.cost));
     say!(
         "{} searches, {} places evaluated, {} of them unsafe",
         answer.searches,

@@ -86,6 +86,9 @@ fn refuse(refused: &SiteError) -> PyErr {
         | SiteError::RobotFile { .. }
         | SiteError::RobotText(_)
         | SiteError::Robot(_)
+        | SiteError::NoSoil
+        | SiteError::Energy(_)
+        | SiteError::Field(_)
         | SiteError::Shear(_) => ModelError::new_err(message),
         SiteError::Plan(PlanError::Unreachable(reached)) => PlanningError::new_err((message, reached.nearest)),
         SiteError::Pose(_) | SiteError::Plan(_) => PlanningError::new_err(message),

@@ -4,7 +4,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a benchmark may fail by panicking")]
 
-use bekker_planning::anisotropic::{GroundEnergy, Open, SlopeEnergy, arrival, path_from};
+use bekker_planning::anisotropic::{
+    AnyAnglePath, DirectionTable, Grid, GroundEnergy, SlopeEnergy, arrival_over, path_from,
+};
 use bekker_planning::force::{Assumptions, Load, Programme, Shear};
 use bekker_planning::map::{Difficulty, GroundShape, Interpolation, Surface, generated, rocky};
 use bekker_planning::plan::{CostField, Evaluator, PerformanceIndex};
@@ -80,27 +82,85 @@ fn stance(bencher: Bencher) {
 /// Nodes along a side: 147,000 and 344,000 in all, and the 2000 x 2000.
 const SIDES: [usize; 3] = [383, 586, 2000];
 
-/// Any-angle field and path from corner to corner over a cost by direction that is given as a formula.
-#[divan::bench(args = SIDES, sample_count = 3, sample_size = 1)]
-fn any_angle_given_cost(bencher: Bencher, side: usize) {
-    let cost = Open(|_: [f64; 2], d: [f64; 2]| 1.0 + 0.6 * (0.8 * d[0] + 0.6 * d[1]));
-    let goal = [side as f64 - 6.0; 2];
-    bencher.bench(|| path_from(&arrival(&cost, [side, side], 1.0, [0.0, 0.0], [5.0, 5.0]).unwrap(), &cost, goal));
+fn square(side: usize, cell: f64) -> Grid {
+    Grid { columns: side, rows: side, cell, origin: [0.0; 2] }
 }
 
-/// The field alone on energy from the wheel-soil model over a map.
-#[divan::bench(args = [383, 586], sample_count = 3, sample_size = 1)]
-fn any_angle_energy(bencher: Bencher, side: usize) {
+/// A drift as of a current.
+fn drift(_: [f64; 2], d: [f64; 2]) -> f64 {
+    1.0 + 0.6 * (0.8 * d[0] + 0.6 * d[1])
+}
+
+/// A cost that changes by a factor of four and more with the place and jumps along lines, with walls that leave gaps.
+fn uneven([x, y]: [f64; 2], d: [f64; 2]) -> f64 {
+    if x % 200.0 < 4.0 && (y + 150.0 * (x / 200.0).floor()) % 300.0 > 60.0 {
+        return f64::INFINITY;
+    }
+    let (a, b) = (((x + 2.0 * y) / 40.0).fract() - 0.5, ((x - y + 4000.0) / 57.0).fract() - 0.5);
+    1.0 + 0.9 * (a * d[0] + b * d[1]) + 0.8 * a * b
+}
+
+/// Field and path from corner to corner.
+fn crossed(table: &DirectionTable) -> AnyAnglePath {
+    let (grid, near) = (table.grid(), 5.0 * table.grid().cell);
+    let goal = grid.place(grid.columns - 6, grid.rows - 6);
+    path_from(&arrival_over(table, [near, near]).unwrap(), table, goal).unwrap()
+}
+
+/// Any-angle field and path from corner to corner over a table of costs by direction.
+#[divan::bench(args = SIDES, sample_count = 7, sample_size = 1)]
+fn any_angle_given_cost(bencher: Bencher, side: usize) {
+    let table = DirectionTable::of(&drift, square(side, 1.0)).unwrap();
+    bencher.bench(|| crossed(&table));
+}
+
+/// The field alone.
+#[divan::bench(args = SIDES, sample_count = 7, sample_size = 1)]
+fn any_angle_field(bencher: Bencher, side: usize) {
+    let table = DirectionTable::of(&drift, square(side, 1.0)).unwrap();
+    bencher.bench(|| arrival_over(&table, [5.0, 5.0]));
+}
+
+/// Field and path where the cost is uneven and there are walls.
+#[divan::bench(args = SIDES, sample_count = 7, sample_size = 1)]
+fn any_angle_uneven_cost(bencher: Bencher, side: usize) {
+    let table = DirectionTable::of(&uneven, square(side, 1.0)).unwrap();
+    bencher.bench(|| crossed(&table));
+}
+
+/// The table of a formula.
+#[divan::bench(args = SIDES, sample_count = 7, sample_size = 1)]
+fn any_angle_table_of_a_formula(bencher: Bencher, side: usize) {
+    bencher.bench(|| DirectionTable::of(&drift, square(side, 1.0)));
+}
+
+/// Energies of the wheel-soil model over generated ground.
+fn with_energy<T>(side: usize, then: impl FnOnce(&GroundEnergy, Grid) -> T) -> T {
     let shape = GroundShape { nodes: side, cell: 0.1, feature: 0.8, roughness: 0.05, swell: 0.1 };
     let ground = Surface::new(generated(&shape, 1).unwrap(), Interpolation::Smooth);
     let rover = bekker::rover::Rover::fsrl();
     let energy = SlopeEnergy::new(&rover.soil, &rover.wheel, 6.1 * 9.81, 6, 0.6).unwrap();
-    let cost = GroundEnergy::new(&ground, &energy, 0.5);
-    bencher.bench(|| arrival(&cost, [side, side], 0.1, [0.0, 0.0], [1.0, 1.0]));
+    then(&GroundEnergy::new(&ground, &energy, 0.5), Grid::from(ground.map()))
+}
+
+/// The table of these energies: what the model adds.
+#[divan::bench(args = SIDES, sample_count = 7, sample_size = 1)]
+fn any_angle_table_of_energies(bencher: Bencher, side: usize) {
+    with_energy(side, |cost, _| bencher.bench_local(|| cost.table()));
+}
+
+/// Field and path over that table; the path is drawn over the energies themselves.
+#[divan::bench(args = SIDES, sample_count = 7, sample_size = 1)]
+fn any_angle_energy(bencher: Bencher, side: usize) {
+    with_energy(side, |cost, grid| {
+        let table = cost.table().unwrap();
+        let goal = grid.place(side - 11, side - 11);
+        bencher.bench_local(|| path_from(&arrival_over(&table, [1.0, 1.0]).unwrap(), cost, goal));
+    });
 }
 
 /// Peer: `pathfinding`'s Dijkstra over the same nodes, eight directions, costs in whole numbers as it needs them.
-#[divan::bench(args = SIDES, sample_count = 3, sample_size = 1)]
+#[divan::bench(args = SIDES, sample_count = 7, sample_size = 1)]
 fn peer_pathfinding_dijkstra(bencher: Bencher, side: usize) {
     let next = |&(c, r): &(i32, i32)| {
         let steps = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];

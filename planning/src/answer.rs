@@ -99,7 +99,7 @@ pub struct FailureAnswer {
 pub struct PlanAnswer {
     /// Length, m.
     pub length: f64,
-    /// Performance index.
+    /// Performance index, or energy (J) of a plan by energy.
     pub cost: f64,
     /// Searches made.
     pub searches: usize,

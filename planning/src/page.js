@@ -11,7 +11,7 @@ const height = (c, r) =>
 const least = (values) => values.reduce((a, b) => Math.min(a, b), Infinity);
 
 document.getElementById("summary").textContent =
-  `Performance index ${answer.cost.toFixed(2)}; ${answer.searches} searches, ${answer.evaluations} places evaluated, ` +
+  `Least ${data.cost}; ${answer.searches} searches, ${answer.evaluations} places evaluated, ` +
   `${answer.failures.length} of them unsafe. Smallest stability angle ${degrees(least(answer.points.map((p) => p.stability))).toFixed(1)} degrees.` +
   answer.remarks.map((remark) => ` Map: ${remark}.`).join("");
 

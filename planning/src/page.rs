@@ -39,6 +39,8 @@ struct Rover {
 
 #[derive(Serialize)]
 struct Data<'a> {
+    /// The cost in words.
+    cost: String,
     map: Heights,
     answer: &'a PlanAnswer,
     rovers: Vec<Rover>,
@@ -53,6 +55,7 @@ pub fn plan_page(site: &Site, plan: &Plan, answer: &PlanAnswer) -> String {
     let robot = site.robot();
     let weight = robot.total_mass() * site.settings.environment.gravity;
     let data = Data {
+        cost: plan.measure.told(plan.cost),
         map: heights(site.surface().map()),
         answer,
         rovers: plan.points.iter().map(|point| rover(site, &point.assessment.pose.attitude)).collect(),

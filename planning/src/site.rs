@@ -1,5 +1,6 @@
 //! Ground, robot and settings in one value: what the command line and Python work on.
 
+use crate::anisotropic::{EnergyError, FieldError, GroundEnergy, SlopeEnergy, plan_over};
 use crate::force::{Assumptions, Load, Programme, Shear, ShearError};
 use crate::map::{
     CsvGrid, Difficulty, ElevationMap, Interpolation, MapError, MapReadError, RangeError, Surface, blurred, rocky,
@@ -32,6 +33,16 @@ parameters! {
     }
 }
 
+parameters! {
+    /// What a plan by energy counts.
+    pub struct Energy {
+        /// Resistance beside that of the soil, of drives and roughness, as a share of the weight.
+        resistance: [Unit::ONE] = 0.02, 0.0..=1.0, Fixed, "assumption: a small positive share, so that no way is free";
+        /// Largest slip on the way.
+        most_slip: [Unit::ONE] = 0.5, 0.01..=0.95, Fixed, "that at which the force analysis takes the soil's strength";
+    }
+}
+
 /// All numbers that a plan needs beside map and robot, by name.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Settings {
@@ -47,6 +58,8 @@ pub struct Settings {
     pub range_error: RangeError,
     /// Error of dead reckoning.
     pub localisation: Localisation,
+    /// Plans by energy.
+    pub energy: Energy,
 }
 
 impl Parameters<f64> for Settings {
@@ -57,6 +70,7 @@ impl Parameters<f64> for Settings {
         self.index.visit(&join(prefix, "index"), f);
         self.range_error.visit(&join(prefix, "range_error"), f);
         self.localisation.visit(&join(prefix, "localisation"), f);
+        self.energy.visit(&join(prefix, "energy"), f);
     }
 
     fn values(&self, f: &mut dyn FnMut(f64)) {
@@ -66,6 +80,7 @@ impl Parameters<f64> for Settings {
         self.index.values(f);
         self.range_error.values(f);
         self.localisation.values(f);
+        self.energy.values(f);
     }
 }
 
@@ -127,6 +142,15 @@ pub enum SiteError {
     /// The soil does not carry the robot.
     #[error(transparent)]
     Shear(#[from] ShearError),
+    /// A plan by energy without soil.
+    #[error("a plan by energy needs the soil under the wheels; firm ground costs the same everywhere")]
+    NoSoil,
+    /// The soil does not carry the robot forward.
+    #[error(transparent)]
+    Energy(#[from] EnergyError),
+    /// No costs by direction.
+    #[error(transparent)]
+    Field(#[from] FieldError),
     /// No pose.
     #[error(transparent)]
     Pose(#[from] PoseError),
@@ -146,7 +170,7 @@ pub struct Site {
     pub assumptions: Assumptions,
     /// Values of the robot's active joints; 0 where empty.
     pub active: Vec<f64>,
-    soil: Option<Shear>,
+    soil: Option<(Soil, Shear)>,
     /// What was changed in the map: "12 spikes smoothed".
     changes: Vec<String>,
 }
@@ -197,10 +221,17 @@ impl Site {
     /// # Errors
     /// [`SiteError::Shear`] where the soil does not carry the wheels.
     pub fn on_soil(&mut self, soil: &Soil) -> Result<(), SiteError> {
-        let wheel = Wheel { radius: self.robot.wheel_radius, width: self.robot.wheel_width, ..Wheel::default() };
-        let load = self.robot.total_mass() * self.settings.environment.gravity / self.robot.wheels.len() as f64;
-        self.soil = Some(Shear::of(soil, &wheel, load)?);
+        let (wheel, load) = (self.wheel(), self.weight() / self.robot.wheels.len() as f64);
+        self.soil = Some((*soil, Shear::of(soil, &wheel, load)?));
         Ok(())
+    }
+
+    fn wheel(&self) -> Wheel {
+        Wheel { radius: self.robot.wheel_radius, width: self.robot.wheel_width, ..Wheel::default() }
+    }
+
+    fn weight(&self) -> f64 {
+        self.robot.total_mass() * self.settings.environment.gravity
     }
 
     /// The ground.
@@ -218,7 +249,7 @@ impl Site {
     /// Strength of the ground.
     #[must_use]
     pub fn shear(&self) -> Shear {
-        self.soil.unwrap_or_else(|| Shear::firm(self.settings.traction.friction))
+        self.soil.map_or_else(|| Shear::firm(self.settings.traction.friction), |(_, shear)| shear)
     }
 
     /// What is doubtful in the map, and what was changed in it.
@@ -270,6 +301,22 @@ impl Site {
         let field = CostField::new(&seen, &self.robot, &self.settings.index);
         let mut planner = Planner::new(self.evaluator(request.start)?, field, self.settings.localisation);
         Ok(planner.plan(request)?)
+    }
+}
+
+impl Site {
+    /// The path on which the wheels need the least energy by the wheel-soil model, and every stand is safe.
+    ///
+    /// # Errors
+    /// [`SiteError::NoSoil`] on firm ground, and as [`Site::plan`].
+    pub fn plan_by_energy(&self, request: &Request) -> Result<Plan, SiteError> {
+        let (soil, _) = self.soil.as_ref().ok_or(SiteError::NoSoil)?;
+        let (weight, most_slip) = (self.weight(), self.settings.energy.most_slip);
+        let energy = SlopeEnergy::new(soil, &self.wheel(), weight, self.robot.wheels.len(), most_slip)?;
+        let seen = blurred(self.surface.map(), request.start, &self.settings.range_error)?;
+        let seen = Surface::new(seen, self.surface.interpolation());
+        let cost = GroundEnergy::new(&seen, &energy, weight * self.settings.energy.resistance);
+        Ok(plan_over(&self.evaluator(request.start)?, cost.table()?, request)?)
     }
 }
 

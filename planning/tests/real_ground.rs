@@ -8,7 +8,7 @@ mod prediction;
 
 use bekker::soil::Soil;
 use bekker::wheel::Wheel;
-use bekker_planning::anisotropic::{GroundEnergy, SlopeEnergy, arrival, path_cost, path_from};
+use bekker_planning::anisotropic::{Grid, GroundEnergy, SlopeEnergy, arrival, path_cost, path_from};
 use bekker_planning::map::{CsvGrid, Doubt, ElevationMap, Interpolation, Surface};
 use libtest_mimic::{Arguments, Completion, Trial};
 use std::path::{Path, PathBuf};
@@ -85,7 +85,9 @@ fn paths(file: &Path) {
     for (start, goal) in [([58.0, 114.0], [100.0, 60.0]), ([30.0, 120.0], [90.0, 115.0])] {
         let solve = |fine: usize| {
             let nodes = 199 * fine + 1;
-            let field = arrival(&cost, [nodes, nodes], 1.0 / fine as f64, [0.0, 0.0], start).unwrap();
+            let field =
+                arrival(&cost, Grid { columns: nodes, rows: nodes, cell: 1.0 / fine as f64, origin: [0.0; 2] }, start)
+                    .unwrap();
             path_from(&field, &cost, goal).unwrap()
         };
         let (coarse, fine) = (solve(1), solve(2));

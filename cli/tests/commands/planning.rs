@@ -38,6 +38,20 @@ fn property_a_plan_is_told_and_written_as_table_and_page() {
 }
 
 #[test]
+fn property_a_plan_by_energy_is_told_in_joules_and_needs_soil() {
+    let (plan, page) = (file("energy.json"), file("energy.html"));
+    let by_energy = ["plan", "benign:3", "--start", "1,1", "--goal", "0.89,2.09", "--by-energy"];
+    let out =
+        done(&[&by_energy[..], &["--soil", "fsrl_ditch", "--json", shown(&plan), "--html", shown(&page)]].concat());
+    assert!(out.contains("path of") && out.contains(", energy ") && out.contains(" J\n"), "{out}");
+    let points = json(&plan)["points"].as_array().map_or(0, Vec::len);
+    assert!(points > 10, "{points}");
+    let page = std::fs::read_to_string(&page).expect("the page is there");
+    assert!(page.contains("on which every stand holds") && page.contains("\"energy "));
+    refused(&by_energy, &["by energy", "soil"]);
+}
+
+#[test]
 fn property_what_cannot_be_planned_is_told_in_one_line() {
     let plan = |map, start, goal| ["plan", map, "--start", start, "--goal", goal];
     refused(&plan("benign:3", "1,1", "60,6"), &["the goal (60, 6) is off the map"]);

@@ -1,6 +1,6 @@
 //! Energy of a metre on a slope, from the core's wheel on its soil.
 
-use super::DirectionalCost;
+use super::{DIRECTIONS, DirectionTable, DirectionalCost, FieldError, Grid};
 use crate::map::{ElevationMap, Surface};
 use bekker::carriage::{Rig, SteadyError, SteadyPoint, steady_point};
 use bekker::effects::Effects;
@@ -166,6 +166,36 @@ impl<'a> GroundEnergy<'a> {
         self.energy.weight
     }
 
+    /// The costs at the map's nodes in the directions of a table. Slopes are taken once a node, and a way and the way back share theirs.
+    ///
+    /// # Errors
+    /// [`FieldError`] where a cost is no number.
+    pub fn table(&self) -> Result<DirectionTable, FieldError> {
+        let directions = DirectionTable::directions();
+        DirectionTable::filled(Grid::from(self.map), |column, row| {
+            let slopes = self.slopes[row * self.map.columns() + column];
+            let mut costs = [f32::INFINITY; DIRECTIONS];
+            for (k, direction) in directions[..DIRECTIONS / 2].iter().enumerate() {
+                let [there, back] = self.there_and_back(slopes, *direction);
+                (costs[k], costs[k + DIRECTIONS / 2]) = (there as f32, back as f32);
+            }
+            costs
+        })
+    }
+
+    /// Costs of a metre in plan view in a direction and back, on a slope.
+    fn there_and_back(&self, [slope_x, slope_y]: [f64; 2], direction: [f64; 2]) -> [f64; 2] {
+        let along = slope_x * direction[0] + slope_y * direction[1];
+        let across = slope_y * direction[0] - slope_x * direction[1];
+        // Unknown ground has no slope that is less.
+        if across.is_nan() || across.abs() > self.across {
+            return [f64::INFINITY; 2];
+        }
+        // A metre in plan view is longer on the ground.
+        let (angle, longer) = (along.atan(), (1.0 + along * along).sqrt());
+        [angle, -angle].map(|angle| (self.energy.signed(angle) + self.beside).max(0.0) * longer)
+    }
+
     /// Slopes in x and y at a place; NaN off the map and beside unknown ground.
     fn slopes(&self, place: [f64; 2]) -> [f64; 2] {
         let [u, v] = self.map.in_cells(place);
@@ -183,14 +213,6 @@ impl<'a> GroundEnergy<'a> {
 
 impl DirectionalCost for GroundEnergy<'_> {
     fn per_metre(&self, place: [f64; 2], direction: [f64; 2]) -> f64 {
-        let [slope_x, slope_y] = self.slopes(place);
-        let along = slope_x * direction[0] + slope_y * direction[1];
-        let across = slope_y * direction[0] - slope_x * direction[1];
-        // Unknown ground has no slope that is less.
-        if across.is_nan() || across.abs() > self.across {
-            return f64::INFINITY;
-        }
-        // A metre in plan view is longer on the ground.
-        (self.energy.signed(along.atan()) + self.beside).max(0.0) * 1.0_f64.hypot(along)
+        self.there_and_back(self.slopes(place), direction)[0]
     }
 }

@@ -11,7 +11,8 @@ mod search;
 pub use binary::{BinaryPath, binary_path, obstacle_density, obstacles};
 pub use evaluate::{Assessment, Evaluator, Failure, Limits};
 pub use index::{CostField, PerformanceIndex};
-pub use outcome::{PathPoint, Plan, PlanError, Unreachable};
+pub use outcome::{Measure, PathPoint, Plan, PlanError, Unreachable};
+pub(crate) use planner::ground_node;
 pub use planner::{Localisation, Planner, Request};
 
 use crate::map::ElevationMap;

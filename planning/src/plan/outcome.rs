@@ -17,6 +17,26 @@ pub struct PathPoint {
     pub assessment: Assessment,
 }
 
+/// What a plan is the cheapest in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    /// The performance index (3.5).
+    Index,
+    /// Energy of the wheels, J.
+    Energy,
+}
+
+impl Measure {
+    /// A cost of it in words.
+    #[must_use]
+    pub fn told(self, cost: f64) -> String {
+        match self {
+            Self::Index => format!("performance index {cost:.3}"),
+            Self::Energy => format!("energy {cost:.1} J"),
+        }
+    }
+}
+
 /// A safe path.
 #[derive(Clone, Debug)]
 pub struct Plan {
@@ -24,8 +44,10 @@ pub struct Plan {
     pub points: Vec<PathPoint>,
     /// Length, m.
     pub length: f64,
-    /// Performance index (3.5).
+    /// Performance index (3.5), or energy, J.
     pub cost: f64,
+    /// Which of them.
+    pub measure: Measure,
     /// Searches made.
     pub searches: usize,
     /// Stands evaluated.

@@ -2,7 +2,7 @@
 
 use super::evaluate::{Assessment, Evaluator, Failure};
 use super::index::CostField;
-use super::outcome::{PathPoint, Plan, PlanError, Unreachable};
+use super::outcome::{Measure, PathPoint, Plan, PlanError, Unreachable};
 use super::search::{Found, Task, search};
 use super::{HEADINGS, Stand};
 use crate::map::ElevationMap;
@@ -62,7 +62,8 @@ impl<'a> Planner<'a> {
     /// # Errors
     /// [`PlanError`] names start or goal where the rover cannot stand there, or the nearest point that can be reached.
     pub fn plan(&mut self, request: &Request) -> Result<Plan, PlanError> {
-        let [start, goal] = [("start", request.start), ("goal", request.goal)].map(|(which, at)| self.node(which, at));
+        let [start, goal] =
+            [("start", request.start), ("goal", request.goal)].map(|(which, at)| ground_node(self.map(), which, at));
         let ((column, row), goal) = (start?, goal?);
         let heading = request.heading.map(|angle| (angle / FRAC_PI_4).round().rem_euclid(HEADINGS as f64) as usize);
         let start = Stand { column, row, heading: heading.unwrap_or(0) };
@@ -94,15 +95,6 @@ impl<'a> Planner<'a> {
             }
         }
         Err(PlanError::GivenUp { searches: 0, evaluations: 0 })
-    }
-
-    /// The node of a place, where there is ground.
-    fn node(&self, which: &'static str, [x, y]: [f64; 2]) -> Result<(usize, usize), PlanError> {
-        let map = self.map();
-        let Some((column, row)) = map.nearest([x, y]) else {
-            return Err(PlanError::OffMap { which, x, y, bounds: map.bounds() });
-        };
-        if map.height(column, row).is_nan() { Err(PlanError::Hole { which, x, y }) } else { Ok((column, row)) }
     }
 
     /// Evaluates the headings at start or goal; at least one must be fit.
@@ -195,7 +187,15 @@ impl<'a> Planner<'a> {
         }
         let length = points.last().map_or(0.0, |last| last.travelled);
         let evaluations = self.known.len() - before;
-        Plan { points, length, cost: found.cost, searches, evaluations, failures: self.failures() }
+        Plan {
+            points,
+            length,
+            cost: found.cost,
+            measure: Measure::Index,
+            searches,
+            evaluations,
+            failures: self.failures(),
+        }
     }
 
     /// All stands known to fail, in the order of the grid.
@@ -216,6 +216,18 @@ impl<'a> Planner<'a> {
         failures.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
         Unreachable { nearest, distance: (nearest[0] - goal[0]).hypot(nearest[1] - goal[1]), failures }
     }
+}
+
+/// The node of a place, where there is ground.
+pub(crate) fn ground_node(
+    map: &ElevationMap,
+    which: &'static str,
+    [x, y]: [f64; 2],
+) -> Result<(usize, usize), PlanError> {
+    let Some((column, row)) = map.nearest([x, y]) else {
+        return Err(PlanError::OffMap { which, x, y, bounds: map.bounds() });
+    };
+    if map.height(column, row).is_nan() { Err(PlanError::Hole { which, x, y }) } else { Ok((column, row)) }
 }
 
 fn assess(evaluator: &Evaluator, stand: Stand) -> Result<Assessment, Failure> {
