@@ -158,7 +158,7 @@ mod tests {
         // a + b is measured to 0.001, c to 0.01; each was open to 1.
         let sum = 1e6;
         let measured = DMatrix::from_row_slice(3, 3, &[sum, sum, 0.0, sum, sum, 0.0, 0.0, 0.0, 1e4]);
-        let found = of_precisions(&["a", "b", "c"], &measured, &DMatrix::identity(3, 3), &plain).unwrap();
+        let found = of_precisions(&["a", "b", "c"], &measured, &DMatrix::identity(3, 3), &plain).expect("precisions");
         let how: Vec<Determined> = found.iter().map(|one| one.determined).collect();
         assert_eq!(how, [Determined::Together, Determined::Together, Determined::Alone]);
         // Of two unknowns with one equation each keeps half of its variance.
@@ -170,7 +170,7 @@ mod tests {
     #[test]
     fn analytic_what_nothing_measures_is_not_determined() {
         let measured = DMatrix::from_row_slice(2, 2, &[1e4, 0.0, 0.0, 0.0]);
-        let found = of_precisions(&["a", "b"], &measured, &DMatrix::identity(2, 2), &plain).unwrap();
+        let found = of_precisions(&["a", "b"], &measured, &DMatrix::identity(2, 2), &plain).expect("precisions");
         assert_eq!((found[1].determined, found[1].left, found[1].left_alone), (Determined::Not, 1.0, 1.0));
         let words = determined_in_words(&found);
         assert_eq!(words, ["determined by these measurements: a", "not determined by them: b"]);
