@@ -99,7 +99,7 @@ fn json(answer: &impl Serialize) -> PyResult<String> {
     serde_json::to_string(answer).map_err(|refused| ModelError::new_err(refused.to_string()))
 }
 
-/// A plan as JSON and as a page.
+/// A plan as JSON and as a page; by the performance index, or by the energy that the wheels need.
 #[pyfunction]
 pub fn plan(
     py: Python<'_>,
@@ -108,10 +108,12 @@ pub fn plan(
     goal: [f64; 2],
     heading: Option<f64>,
     most_evaluations: usize,
+    by_energy: bool,
 ) -> PyResult<(String, String)> {
     let site = site.open()?;
     let request = Request { start, heading, goal, most_evaluations };
-    let planned = py.detach(|| error::fenced(|| site.plan(&request)))?;
+    let planned =
+        py.detach(|| error::fenced(|| if by_energy { site.plan_by_energy(&request) } else { site.plan(&request) }))?;
     let plan = planned.map_err(|refused| refuse(&refused))?;
     let answer = PlanAnswer::new(&site, &plan);
     Ok((json(&answer)?, plan_page(&site, &plan, &answer)))

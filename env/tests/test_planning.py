@@ -40,6 +40,15 @@ def test_property_a_path_over_a_slope_is_safe_at_every_point(tmp_path: Path) -> 
     assert page.startswith("<!doctype html>") and f"{plan.length:.2f} m" in page
 
 
+def test_analytic_by_energy_a_path_on_level_ground_is_straight() -> None:
+    plan = bekker.plan(slope(0.0), (1.0, 1.0), (4.0, 3.0), cell=0.1, soil="fsrl_ditch", by_energy=True)
+    # A path at any angle, where the index knows eight headings; 1 % is the bound of the field's paths.
+    assert plan.length == pytest.approx(math.hypot(3.0, 2.0), rel=0.01)
+    assert plan.cost > 0.0 and " J" in plan.page
+    with pytest.raises(ModelError, match="soil"):
+        bekker.plan(slope(0.0), (1.0, 1.0), (4.0, 3.0), cell=0.1, by_energy=True)
+
+
 def test_agreement_arrays_and_files_give_the_same_plan(tmp_path: Path) -> None:
     heights = slope(0.1)
     np.save(tmp_path / "map.npy", heights)

@@ -124,7 +124,7 @@ class Plan:
     length: float
     """m."""
     cost: float
-    """Performance index (3.5)."""
+    """Performance index (3.5), or by energy that of the wheels, J."""
     searches: int
     evaluations: int
     """Places evaluated."""
@@ -163,9 +163,12 @@ def plan(
     soil: ModelLike | None = None,
     settings: Mapping[str, float] | None = None,
     active: Sequence[float] = (),
+    by_energy: bool = False,
     most_evaluations: int = 100_000,
 ) -> Plan:
     """The cheapest path by the performance index (3.5) of Iagnemma 2001 on which the robot is safe at every point.
+
+    With ``by_energy`` it is the path on which the wheels need the least energy by the wheel-soil model, at any angle; needs ``soil``.
 
     Args:
         ground: heights, a file or generated ground.
@@ -182,6 +185,7 @@ def plan(
         soil: a model whose soil lies there, in place of firm ground.
         settings: numbers of :func:`planning_settings` by name, SI units.
         active: values of the robot's active joints, rad or m; 0 where empty.
+        by_energy: the least energy of the wheels (J) as the cost, in the place of the performance index.
         most_evaluations: most places to evaluate before giving up.
 
     Raises:
@@ -194,7 +198,7 @@ def plan(
     """
     site = _site(ground, robot, cell, origin, from_north, smooth, spikes, fill_holes, soil, settings, active)
     places = _place("start", start), _place("goal", goal)
-    found, page = _bekker.plan(site, *places, heading, most_evaluations)
+    found, page = _bekker.plan(site, *places, heading, most_evaluations, by_energy)
     answer = json.loads(found)
     points = answer.pop("points")
     columns = {name: _numbers(point[name] for point in points) for name in _COLUMNS}
