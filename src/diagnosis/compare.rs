@@ -2,7 +2,7 @@
 
 use super::calibrate::Calibration;
 use super::curves::{Curves, curves_of_calibration};
-use super::diagnose::{calibrated_baseline, left_prior};
+use super::diagnose::{calibrated_baseline, information, left_prior};
 use super::failure::{Failure, failures};
 use super::fit::Fit;
 use super::found_soil::{found_soil, moved};
@@ -225,6 +225,7 @@ fn calibrated(problem: Problem, given: Result<Answers, PredictionError>) -> Resu
     let best = Fit::new(experiment, &posed.layout, &prepared.modelled).in_motion(&posed, &[], &values)?;
     let start: Vec<f64> = problem.base.iter().map(|free| free.start).collect();
     let unanswered = given.as_ref().map_or_else(|_| Vec::new(), |given| listed(given.missing(&problem.layout)));
+    let information = information(&posed, &prepared.noise, &prepared.baseline);
     let workbench = Workbench::prepared(&posed, &prepared);
     Ok(Comparison {
         experiment: experiment.clone(),
@@ -243,8 +244,8 @@ fn calibrated(problem: Problem, given: Result<Answers, PredictionError>) -> Resu
         cautions: prepared.cautions,
         sources: problem.sources.clone(),
         model: problem.saved(&problem.base, &values),
-        soil: found_soil(&posed, &prepared.noise, &prepared.baseline),
-        identified: identified(&posed, &prepared.noise, &prepared.baseline),
+        soil: information.as_ref().and_then(|all| found_soil(&posed, &prepared.baseline, all)),
+        identified: information.map_or_else(Vec::new, |all| identified(&posed, &prepared.baseline, &all)),
         best,
     })
 }

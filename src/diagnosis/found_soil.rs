@@ -1,8 +1,7 @@
 //! The soil that a calibration found, with its covariance, for other experiments.
 
 use super::calibrate::Calibration;
-use super::diagnose::{Noise, information};
-use super::identified::UNIFORM;
+use super::information::Information;
 use super::kinds::strategy;
 use super::prior_rows::JointPrior;
 use super::problem::Problem;
@@ -12,18 +11,10 @@ use crate::known_soil::{KnownParameter, KnownSoil, Scale};
 /// Quantile of the normal distribution to one side that leaves 4.55 %, as two standard deviations leave to both.
 const ONE_SIDED: f64 = 1.690;
 
-/// What a calibrated baseline says of the soil; `None` where no parameter of it was free, or the model gives nothing there.
-pub(crate) fn found_soil(problem: &Problem, noise: &Noise, fit: &Calibration) -> Option<KnownSoil> {
+/// What a calibrated baseline says of the soil; `None` where no parameter of it was free.
+pub(crate) fn found_soil(problem: &Problem, fit: &Calibration, information: &Information) -> Option<KnownSoil> {
     let (free, values) = (&problem.base, fit.values());
-    let scatter = (fit.chi_square / fit.degrees_of_freedom.max(1) as f64).max(1.0);
-    // What is measured and what was known before, by search coordinate.
-    let (measured, known) = information(problem, noise, &values)?;
-    let mut precision = measured / scatter + known;
-    for (k, free) in free.iter().enumerate() {
-        let (lower, upper) = free.bounds();
-        precision[(k, k)] += UNIFORM / (upper - lower).powi(2);
-    }
-    let covariance = precision.cholesky()?.inverse();
+    let covariance = information.after().cholesky()?.inverse();
     let of_soil: Vec<usize> = (0..free.len()).filter(|k| free[*k].variable.name.starts_with("soil.")).collect();
     // From search coordinates to those of the file.
     let scale = |k: usize| if free[k].is_logarithmic() { Scale::Logarithm } else { Scale::Linear };

@@ -5,13 +5,11 @@
 //! others were known says whether only the others stand in the way.
 
 use super::calibrate::Calibration;
-use super::diagnose::{Noise, information};
+use super::information::Information;
 use super::problem::Problem;
 use nalgebra::DMatrix;
 use serde::Serialize;
 
-/// Variance of a uniform distribution over a width of 1 is one twelfth.
-pub(super) const UNIFORM: f64 = 12.0;
 /// Share of what was open before that may be left of a parameter that counts as determined.
 const DETERMINED: f64 = 0.1;
 /// Correlation from which a parameter is named among those that another one trades with.
@@ -47,15 +45,9 @@ pub struct Identified {
     pub trade: Option<String>,
 }
 
-/// What the measurements determine of the parameters of a calibrated baseline; empty where the model gives nothing there.
-pub(crate) fn identified(problem: &Problem, noise: &Noise, fit: &Calibration) -> Vec<Identified> {
+/// What the measurements determine of the parameters of a calibrated baseline.
+pub(crate) fn identified(problem: &Problem, fit: &Calibration, information: &Information) -> Vec<Identified> {
     let (free, values) = (&problem.base, fit.values());
-    let scatter = (fit.chi_square / fit.degrees_of_freedom.max(1) as f64).max(1.0);
-    let Some((measured, mut before)) = information(problem, noise, &values) else { return Vec::new() };
-    for (k, free) in free.iter().enumerate() {
-        let (lower, upper) = free.bounds();
-        before[(k, k)] += UNIFORM / (upper - lower).powi(2);
-    }
     let step = |k: usize, change: f64| {
         let (name, unit) = (&free[k].variable.name, free[k].variable.unit.symbol);
         let moved = free[k].value(free[k].coordinate(values[k]) + change);
@@ -67,20 +59,18 @@ pub(crate) fn identified(problem: &Problem, noise: &Noise, fit: &Calibration) ->
         }
     };
     let names: Vec<&str> = free.iter().map(|free| free.variable.name.as_str()).collect();
-    let mut found = of_precisions(&names, &(measured / scatter), &before, &step).unwrap_or_default();
+    let mut found = of_precisions(&names, &information.before(), &information.after(), &step).unwrap_or_default();
     found.retain(|one| fit.parameters.iter().any(|own| own.variable.name == one.name && !own.at_bound));
     found
 }
 
-/// The same from precisions of the search coordinates: of what was measured, and of what was known before. `None` where nothing is known
-/// of some direction.
+/// The same from precisions of the search coordinates before and after the experiment. `None` where nothing is known of some direction.
 fn of_precisions(
     names: &[&str],
-    measured: &DMatrix<f64>,
     before: &DMatrix<f64>,
+    precision: &DMatrix<f64>,
     step: &dyn Fn(usize, f64) -> String,
 ) -> Option<Vec<Identified>> {
-    let precision = measured + before;
     let (open, after) = (before.clone().cholesky()?.inverse(), precision.clone().cholesky()?.inverse());
     let of = |k: usize| {
         let left = (after[(k, k)] / open[(k, k)]).sqrt();
@@ -158,7 +148,8 @@ mod tests {
         // a + b is measured to 0.001, c to 0.01; each was open to 1.
         let sum = 1e6;
         let measured = DMatrix::from_row_slice(3, 3, &[sum, sum, 0.0, sum, sum, 0.0, 0.0, 0.0, 1e4]);
-        let found = of_precisions(&["a", "b", "c"], &measured, &DMatrix::identity(3, 3), &plain).expect("precisions");
+        let before = DMatrix::identity(3, 3);
+        let found = of_precisions(&["a", "b", "c"], &before, &(measured + &before), &plain).expect("precisions");
         let how: Vec<Determined> = found.iter().map(|one| one.determined).collect();
         assert_eq!(how, [Determined::Together, Determined::Together, Determined::Alone]);
         // Of two unknowns with one equation each keeps half of its variance.
@@ -170,7 +161,8 @@ mod tests {
     #[test]
     fn analytic_what_nothing_measures_is_not_determined() {
         let measured = DMatrix::from_row_slice(2, 2, &[1e4, 0.0, 0.0, 0.0]);
-        let found = of_precisions(&["a", "b"], &measured, &DMatrix::identity(2, 2), &plain).expect("precisions");
+        let before = DMatrix::identity(2, 2);
+        let found = of_precisions(&["a", "b"], &before, &(measured + &before), &plain).expect("precisions");
         assert_eq!((found[1].determined, found[1].left, found[1].left_alone), (Determined::Not, 1.0, 1.0));
         let words = determined_in_words(&found);
         assert_eq!(words, ["determined by these measurements: a", "not determined by them: b"]);

@@ -22,6 +22,7 @@ mod given;
 mod guide;
 mod halt;
 mod identified;
+mod information;
 #[cfg(feature = "report")]
 mod json;
 mod kinds;

@@ -6,6 +6,7 @@ use crate::diagnosis::calibrate::{Calibration, calibrate, calibrate_from, settle
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::effort::Effort;
 use crate::diagnosis::given::Given;
+use crate::diagnosis::information::Information;
 use crate::diagnosis::least_squares::Pace;
 use crate::diagnosis::noise::{NoiseModel, Whitening};
 use crate::diagnosis::prediction::Predict;
@@ -14,7 +15,6 @@ use crate::diagnosis::problem::Problem;
 use crate::diagnosis::weighted::Weighted;
 use crate::diagnosis::windows::Window;
 use crate::measurement::Experiment;
-use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -166,19 +166,26 @@ pub(super) fn with_problem<R>(
     posed.predict(&free, fit).ok()?
 }
 
-/// What the measurements tell of the baseline's parameters at these values, and what was known before: both as precisions of the
-/// search coordinates. `None` where the model gives nothing there.
-pub(crate) fn information(problem: &Problem, noise: &Noise, values: &[f64]) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
-    let task = problem.task(&[], vec![values.to_vec()]);
+/// What the measurements tell of the parameters of a calibrated baseline, and what was known before. `None` where the model gives nothing
+/// there.
+pub(crate) fn information(problem: &Problem, noise: &Noise, fit: &Calibration) -> Option<Information> {
+    let values = fit.values();
+    let task = problem.task(&[], vec![values.clone()]);
+    let scatter = (fit.chi_square / fit.degrees_of_freedom.max(1) as f64).max(1.0);
+    let widths = problem.base.iter().map(|free| {
+        let (lower, upper) = free.bounds();
+        upper - lower
+    });
     with_problem(problem, noise, &task, false, |weighted, _| {
-        let linear = weighted.linear(&weighted.coordinates(values));
+        let linear = weighted.linear(&weighted.coordinates(&values));
         let columns = linear.columns(1, values.len());
         if columns.iter().any(|x| !x.is_finite()) {
             return None;
         }
         let measured = weighted.whitening.len();
         let of = |from: usize, count: usize| columns.rows(from, count).tr_mul(&columns.rows(from, count));
-        Some((of(0, measured), of(measured, columns.nrows() - measured)))
+        let known = of(measured, columns.nrows() - measured);
+        Some(Information { measured: of(0, measured) / scatter, known, widths: widths.collect() })
     })
 }
 

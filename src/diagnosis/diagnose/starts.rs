@@ -12,18 +12,13 @@ impl Search<'_> {
         let signature = &stage.sensitivities.signatures[k];
         let effects = self.with(stage, k);
         let Some(candidate) = self.problem.candidate(&signature.id) else { return (effects, Vec::new()) };
-        let soil = &self.origin(stage)[..self.problem.base.len()];
+        let soil = &stage.fit.values()[..self.problem.base.len()];
         let (_, view, coefficients) = &stage.gains.singles[k];
         let promised = signature.views.get(*view).map(|view| view.start(&candidate.free, coefficients));
         let mut starts: Vec<Vec<f64>> = promised.iter().map(|own| self.joined(stage, k, soil, own)).collect();
         let further = self.problem.strategy().further_starts(!starts.is_empty());
         starts.extend(self.shares(stage, k, soil, further));
         (effects, starts)
-    }
-
-    /// Where fits of further effects start.
-    fn origin(&self, stage: &Stage) -> Vec<f64> {
-        self.problem.strategy().origin(&stage.fit)
     }
 
     /// Starts at a soil with candidate number `k` at these shares of its ranges.
@@ -35,7 +30,7 @@ impl Search<'_> {
 
     /// Values of all free parameters: a soil, the stage's effects as they are, and candidate number `k` at `own`.
     fn joined(&self, stage: &Stage, k: usize, soil: &[f64], own: &[f64]) -> Vec<f64> {
-        let values = self.origin(stage);
+        let values = stage.fit.values();
         let kept = stage.effects.iter().map(|id| (id.as_str(), self.problem.part(&stage.effects, &values, id)));
         let parts: Vec<(&str, &[f64])> = kept.chain([(stage.sensitivities.signatures[k].id.as_str(), own)]).collect();
         self.problem.assemble(soil, &parts)

@@ -202,17 +202,22 @@ pub(crate) trait Strategy: Debug + Sync {
     /// Bound of the work of a stage of the diagnosis, in single fits, for the estimate of the time left.
     fn work(&self, phase: Phase) -> f64;
 
-    /// Shares of a candidate's ranges from which its fit starts besides where the sensitivities lead, if `promised`.
-    fn further_starts(&self, promised: bool) -> &'static [f64];
-
-    /// Values of a fit from which fits with a further effect start.
-    fn origin(&self, fit: &Calibration) -> Vec<f64>;
+    /// Shares of a candidate's ranges from which its fit starts besides where the sensitivities lead, if `promised`: in case the neutral
+    /// value is a poor place to look from. A flexible wheel's misfit first rises with its compliance, since the calibration leans the other
+    /// way.
+    fn further_starts(&self, _promised: bool) -> &'static [f64] {
+        &[0.1, 0.3, 0.6]
+    }
 
     /// Whether rovers can be led at the measured velocity, to find a way to a better fit than this one.
-    fn can_be_led(&self, problem: &Problem, fit: &Calibration) -> bool;
+    fn can_be_led(&self, _problem: &Problem, _fit: &Calibration) -> bool {
+        false
+    }
 
-    /// How folds are left out of this fit.
-    fn left_out(&self, problem: &Problem, fit: &Calibration) -> LeftOut;
+    /// How folds are left out of this fit: where fits are cheap, by a refit.
+    fn left_out(&self, _problem: &Problem, _fit: &Calibration) -> LeftOut {
+        LeftOut::Refit
+    }
 
     /// Further experiments that the model can be asked about.
     fn variations(&self, model: &Model, experiment: &Experiment, halt: Halt) -> Vec<Variation>;

@@ -5,9 +5,8 @@ mod prediction;
 mod shapes;
 mod variations;
 
-use super::{Budget, LeftOut, Strategy};
+use super::{Budget, Strategy};
 use crate::carriage::Rig;
-use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::curves::Axis;
 use crate::diagnosis::diagnose::{Phase, Shape};
@@ -27,10 +26,6 @@ use bekker_modeldescription::{Lookup, Variable};
 pub use plan::SingleWheelPlan;
 use prediction::SingleWheelPrediction;
 pub(crate) use prediction::signal;
-
-/// Further starts as shares of a parameter's range, in case the neutral value is a poor place to look from: a flexible
-/// wheel's misfit first rises with its compliance, since the calibration leans the other way.
-const STARTS: [f64; 3] = [0.1, 0.3, 0.6];
 
 /// The inputs of a steady point.
 const INPUTS: [&str; 3] = ["slip", "load", "wheel_speed"];
@@ -119,24 +114,6 @@ impl Strategy for SingleWheel {
             Phase::Next => 2.0,
             Phase::Done => 0.0,
         }
-    }
-
-    fn further_starts(&self, _: bool) -> &'static [f64] {
-        &STARTS
-    }
-
-    /// The values as they are: several strengths of the effect lead off the bounds as well; moved inwards first, the published
-    /// wheel's fits ended slightly worse.
-    fn origin(&self, fit: &Calibration) -> Vec<f64> {
-        fit.values()
-    }
-
-    fn can_be_led(&self, _: &Problem, _: &Calibration) -> bool {
-        false
-    }
-
-    fn left_out(&self, _: &Problem, _: &Calibration) -> LeftOut {
-        LeftOut::Refit
     }
 
     fn variations(&self, model: &Model, experiment: &Experiment, _: Halt) -> Vec<Variation> {

@@ -6,7 +6,7 @@ mod prediction;
 mod shapes;
 mod variations;
 
-use super::{Budget, LeftOut, Strategy};
+use super::{Budget, Strategy};
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::curves::Axis;
@@ -30,9 +30,6 @@ use bekker_modeldescription::{Lookup, Variable};
 
 pub use plan::{PlatePlan, ShearPlan};
 use prediction::SoilTestPrediction;
-
-/// Further starts as shares of a parameter's range, in case the neutral value is a poor place to look from.
-const STARTS: [f64; 3] = [0.1, 0.3, 0.6];
 
 /// The strategy for a test of the soil.
 #[derive(Debug)]
@@ -201,22 +198,6 @@ impl Strategy for SoilTest {
             Phase::Next => 2.0,
             Phase::Done => 0.0,
         }
-    }
-
-    fn further_starts(&self, _: bool) -> &'static [f64] {
-        &STARTS
-    }
-
-    fn origin(&self, fit: &Calibration) -> Vec<f64> {
-        fit.values()
-    }
-
-    fn can_be_led(&self, _: &Problem, _: &Calibration) -> bool {
-        false
-    }
-
-    fn left_out(&self, _: &Problem, _: &Calibration) -> LeftOut {
-        LeftOut::Refit
     }
 
     fn variations(&self, _: &Model, experiment: &Experiment, _: Halt) -> Vec<Variation> {

@@ -147,11 +147,6 @@ impl Strategy for Traverse {
         if promised { &[] } else { &STARTS }
     }
 
-    /// Values as they are: a Gauss-Newton step leaves a bound where the slope points inwards.
-    fn origin(&self, fit: &Calibration) -> Vec<f64> {
-        fit.values()
-    }
-
     /// Near the measurements a rover needs no lead, and in windows it begins anew every few seconds.
     fn can_be_led(&self, problem: &Problem, fit: &Calibration) -> bool {
         fit.is_far() && !problem.is_cut()
