@@ -9,7 +9,7 @@ parameters! {
     /// Position, velocity and pitch are recorded later than what the drives and wheels give.
     pub struct TrackingDelay {
         /// Dead time.
-        dead_time: [Unit::SECOND] = 0.0, 0.0..=0.5, Effect, "GPS, motion capture and filters of attitude: 50-300 ms";
+        dead_time: [Unit::SECOND] = 0.0, 0.0..=0.5, Effect, "assumption: latency of GPS, motion capture and filters of attitude";
     }
 }
 
