@@ -253,6 +253,7 @@ fn experiment() -> Experiment {
         noise: BTreeMap::new(),
         runs,
         doubts: Vec::new(),
+        parts: Vec::new(),
     }
 }
 

@@ -79,7 +79,7 @@ fn print_partial(diagnosis: &Diagnosis) -> Result<()> {
 
 /// The verdict in a sentence.
 fn sentence(diagnosis: &Diagnosis) -> String {
-    let effects = diagnosis.involved().join(", ");
+    let effects = diagnosis.involved_in_words().join(", ");
     let share = 100.0 * diagnosis.explained_share;
     let word = diagnosis.verdict.name();
     match (diagnosis.verdict, diagnosis.involved().len()) {

@@ -25,6 +25,25 @@ pub struct ModelArguments {
     changes: Vec<String>,
 }
 
+/// Changes to a model that is named otherwise.
+#[derive(clap::Args)]
+pub struct ModelChanges {
+    /// Add effects of your own: a TOML file with `[[effect]]` tables; may be given several times.
+    #[arg(long, value_name = "FILE")]
+    effects_from: Vec<PathBuf>,
+    /// Set a parameter by its name, SI units; may be given several times. It goes before the model and the experiment's
+    /// [parameters], and a calibration leaves it as it is unless it has a prior.
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    changes: Vec<String>,
+}
+
+impl ModelChanges {
+    /// The changes with the model that is named; `None` for that of the experiment or a plain one.
+    pub fn with(self, model: Option<String>) -> ModelArguments {
+        ModelArguments::of(model, self.effects_from, self.changes)
+    }
+}
+
 impl ModelArguments {
     /// The same of a command on which the model is an option.
     pub fn of(model: Option<String>, effects_from: Vec<PathBuf>, changes: Vec<String>) -> Self {

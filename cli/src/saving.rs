@@ -24,6 +24,9 @@ impl Saving {
     pub fn prepare(self, experiment: &Experiment) -> Result<Prepared> {
         self.save.iter().try_for_each(|path| check_writable(path))?;
         let Some(name) = &self.vehicle else { return Ok(Prepared { path: self.save, vehicle: None }) };
+        if !experiment.parts.is_empty() {
+            bail!("--vehicle {name}: of several experiments each keeps its own rig; leave --vehicle out");
+        }
         if experiment.kind == Kind::Traverse {
             bail!(
                 "--vehicle {name}: a traverse is driven by the rover of its own MODEL; --vehicle is for a single wheel or a test of the soil"
@@ -47,6 +50,16 @@ impl Prepared {
     /// The file, where one is asked for.
     pub fn path(&self) -> Option<&PathBuf> {
         self.path.as_ref()
+    }
+
+    /// The same for one of several experiments: its name stands behind that of the file.
+    pub fn of_part(&self, name: &str) -> Self {
+        let beside = |path: &PathBuf| {
+            let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+            let ending = path.extension().map(|ending| format!(".{}", ending.to_string_lossy())).unwrap_or_default();
+            path.with_file_name(format!("{stem}-{name}{ending}"))
+        };
+        Self { path: self.path.as_ref().map(beside), vehicle: self.vehicle.clone() }
     }
 
     /// Writes the model, where that is asked for, says what it is, and whether a rover can use what was measured.

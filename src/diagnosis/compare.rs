@@ -100,6 +100,17 @@ pub enum CompareError {
     },
 }
 
+impl CompareError {
+    /// The same where it was found in one of several experiments.
+    pub(super) fn of_part(self, name: &str) -> Self {
+        match self {
+            Self::Parameter { place, source } => Self::Parameter { place: format!("{name}: {place}"), source },
+            Self::Vehicle(words) => Self::Vehicle(format!("{name}: {words}")),
+            other => other,
+        }
+    }
+}
+
 /// A model beside an experiment. Arrays are by run and signal, in SI units.
 #[derive(Clone, Debug)]
 pub struct Comparison {

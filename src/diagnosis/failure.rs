@@ -178,7 +178,7 @@ fn classes(samples: &[(f64, f64)]) -> Vec<&[(f64, f64)]> {
 pub(crate) fn failures(experiment: &Experiment, fit: &Fit, floors: &BTreeMap<String, NoiseFloor>) -> Vec<Failure> {
     let mut all = Vec::new();
     for (signal, floor) in floors {
-        for condition in strategy(experiment.kind).conditions(experiment) {
+        for condition in strategy(experiment).conditions(experiment) {
             if condition == *signal {
                 continue;
             }

@@ -18,13 +18,37 @@ pub(crate) struct Free {
     pub prior: Option<Prior>,
     /// What a known soil says of it by itself; in a fit it counts with the others of that soil, see `prior_rows`.
     pub shared: Option<Prior>,
+    /// Where it acts, of several experiments that are fitted together; `None` where it acts in all of them.
+    pub within: Option<Within>,
+}
+
+/// The parts of a joint experiment in which a parameter acts.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Within {
+    /// Their numbers, rising.
+    pub parts: Vec<usize>,
+    /// Name of the parameter in the model of each of them.
+    pub name: String,
 }
 
 impl Free {
     /// Errors of the sensors of an experiment, which every fit moves within their priors.
     pub fn of_sensors(experiment: &Experiment) -> impl Iterator<Item = Self> {
         let known = experiment.sensor_parameters().into_iter();
-        known.map(|(variable, prior)| Self { start: prior.mean, prior: Some(prior), shared: None, variable })
+        known.map(|(variable, prior)| Self {
+            start: prior.mean,
+            prior: Some(prior),
+            shared: None,
+            within: None,
+            variable,
+        })
+    }
+
+    /// The same as part number `part` of a joint experiment knows it; `None` where it does not act there.
+    pub fn in_part(&self, part: usize) -> Option<Self> {
+        let Some(within) = &self.within else { return Some(self.clone()) };
+        let variable = Variable { name: within.name.clone(), ..self.variable.clone() };
+        within.parts.contains(&part).then(|| Self { variable, within: None, ..self.clone() })
     }
 
     /// Whether it is an error of a sensor rather than a parameter of the model.

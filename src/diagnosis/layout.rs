@@ -37,8 +37,7 @@ pub(crate) struct Layout {
 
 impl Layout {
     pub fn new(experiment: &Experiment) -> Self {
-        let strategy = strategy(experiment.kind);
-        let starts = experiment.runs.iter().map(|run| strategy.uncounted_rows(run)).collect();
+        let starts = strategy(experiment).uncounted_rows(experiment);
         let mut layout = Self {
             blocks: Vec::new(),
             measured: Vec::new(),

@@ -74,6 +74,7 @@ pub(crate) use local_line::LocalLine;
 pub use motion::Motion;
 pub use noise::{FloorSource, NoiseFloor, NoiseModel, Pooled};
 pub use prediction::{Derivatives, PredictionError};
+pub use problem::plain_effect;
 pub use replay::{Replay, ReplayError};
 pub use responses::{Response, interpolation_weights};
 pub use sensitivity::{Sensitivity, modelled, sensitivity};

@@ -34,12 +34,12 @@ pub struct Motion {
 }
 
 /// How the model moves in each run with `effects` added and its free parameters at `values`; empty for a kind of experiment in
-/// which nothing drives, and where the simulations were asked to end.
+/// which nothing drives, of several experiments, and where the simulations were asked to end.
 ///
 /// # Errors
 /// [`PredictionError`] where the model cannot be placed on the experiment's runs.
 pub(crate) fn motions(problem: &Problem, effects: &[String], values: &[f64]) -> Result<Vec<Motion>, PredictionError> {
-    if problem.experiment.kind != Kind::Traverse {
+    if problem.experiment.kind != Kind::Traverse || !problem.experiment.parts.is_empty() {
         return Ok(Vec::new());
     }
     let free = problem.free(effects);

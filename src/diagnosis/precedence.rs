@@ -70,7 +70,7 @@ struct Layer {
 /// Finds the model and the values of all parameters for each run of `experiment`.
 pub(super) fn resolve(given: &Given, experiment: &Experiment) -> Result<Resolved, CompareError> {
     let choice = choose(given, experiment)?;
-    let strategy = strategy(experiment.kind);
+    let strategy = strategy(experiment);
     let found = strategy.finds(&choice)?;
     let Choice { mut model, label, rank, mut sources } = choice;
     // A rover's vocabulary contains that of its wheel, so that parameters of a vehicle are taken, and do nothing.
@@ -260,7 +260,7 @@ fn used_soil(
             format!("{} +- {}{}", figure(p.value), figure(p.sd), unit_of(name, variables))
         })
     };
-    let strategy = strategy(experiment.kind);
+    let strategy = strategy(experiment);
     let listed = |name: &str| soil.parameters.iter().any(|parameter| parameter.name == name);
     for (name, prior) in experiment.priors.iter().filter(|(name, _)| listed(name)) {
         let (mean, deviation, unit) = (figure(prior.mean), figure(prior.deviation), unit_of(name, variables));
@@ -393,7 +393,7 @@ fn built_in(given: &Given, experiment: &Experiment) -> Result<Choice, CompareErr
     if by_speed {
         model.control.kind = ControlKind::Speed;
     }
-    let wheels = strategy(experiment.kind).commanded_wheels(experiment);
+    let wheels = strategy(experiment).commanded_wheels(experiment);
     let mut sources = Vec::new();
     if wheels > model.rover.wheels.len() {
         let (places, said) = wheel_places(given, experiment, wheels)?;

@@ -62,7 +62,7 @@ fn predicting<R>(
             let place = "sensitivity".to_owned();
             return Err(CompareError::Parameter { place, source: problem.known.unknown(name) });
         };
-        free.push(Free { variable: variable.clone(), start: *start, prior: None, shared: None });
+        free.push(Free { variable: variable.clone(), start: *start, prior: None, shared: None, within: None });
     }
     let start: Vec<f64> = free.iter().map(|free| free.start).collect();
     problem.predict(&free, |predict| f(predict, &start))?

@@ -4,6 +4,7 @@ use super::course::{average, repeats_of_equal_rigs};
 use super::doubts::Doubts;
 use super::error::{ExperimentError, Problem};
 use super::files::Files;
+use super::joint::Part;
 use super::reading::read_runs;
 use super::sensor::Sensor;
 use super::settings::Settings;
@@ -71,7 +72,7 @@ pub struct Prior {
 pub struct Experiment {
     /// Name for people.
     pub name: String,
-    /// What was done.
+    /// What was done; where several experiments are joined, in the first of them.
     pub kind: Kind,
     /// The folder it was read from; empty where it was made in memory.
     pub folder: PathBuf,
@@ -93,6 +94,8 @@ pub struct Experiment {
     pub runs: Vec<Run>,
     /// What is allowed but unlikely: signs, units and sizes that may be mistaken, with what would mend them.
     pub doubts: Vec<String>,
+    /// The experiments that this one consists of, see [`joint`](Self::joint); none where it is a single one.
+    pub parts: Vec<Part>,
 }
 
 /// One recording: a file of an experiment, or the rows of a file that have the same parameters.
@@ -162,6 +165,7 @@ impl Experiment {
             sensors: settings.sensors.iter().map(|(name, (sensor, _))| (name.clone(), *sensor)).collect(),
             runs,
             doubts: Vec::new(),
+            parts: Vec::new(),
         };
         experiment.doubts = doubts.texts();
         experiment.doubts.extend(suspicion::of_parameters(&experiment));

@@ -106,6 +106,11 @@ impl Table {
         self.column(name)?.get(row).copied().filter(|v| !v.is_nan())
     }
 
+    /// The same with other names of columns, which stay different from each other.
+    pub(crate) fn renamed(&self, name: impl Fn(&str) -> String) -> Self {
+        Self { names: self.names.iter().map(|own| name(own)).collect(), columns: self.columns.clone() }
+    }
+
     /// Writes one header line and one line a row; numbers read back to the same bits, a missing cell is empty.
     ///
     /// # Errors

@@ -120,27 +120,27 @@ def noisy(rng, clean, noise, soil):
     return clean * (1.0 + soil * rng.standard_normal() + noise * along) + cell
 
 
-def plate_runs(case, strength, noise, soil, repeats, rng, diameters=DIAMETERS):
+def plate_runs(case, strength, noise, soil, repeats, rng, diameters=DIAMETERS, ground=LETE):
     """Name, group, settings, header and rows of each test."""
     for diameter in diameters:
         for speed_name, speed in SPEEDS.items():
             group = f"plate{1e3 * diameter:.0f}_{speed_name}"
             for repeat in range(repeats):
                 z = 0.03 * ((np.arange(ROWS) + rng.uniform(0.8, 1.2, ROWS)) / ROWS) ** 1.5
-                clean = pressure(case, strength, z, diameter, speed, rng) * np.pi * diameter**2 / 4.0
+                clean = pressure(case, strength, z, diameter, speed, rng, ground) * np.pi * diameter**2 / 4.0
                 force = noisy(rng, clean, noise, soil)
                 rows = [f"{1e3 * a:.3f},{b:.3f}" for a, b in zip(z, force)]
                 settings = f'{{ "plate.diameter" = {diameter}, "plate.speed" = {speed} }}'
                 yield f"{group}_{'abcdefgh'[repeat]}", group, settings, "sinkage_mm,force_n", rows
 
 
-def shear_runs(case, strength, noise, soil, repeats, rng):
+def shear_runs(case, strength, noise, soil, repeats, rng, ground=LETE):
     for sigma in STRESSES:
         for speed_name, speed in SHEAR_SPEEDS.items():
             group = f"stress{1e-3 * sigma:.0f}_{speed_name}"
             for repeat in range(repeats):
                 j = 0.08 * ((np.arange(ROWS) + rng.uniform(0.8, 1.2, ROWS)) / ROWS) ** 2
-                tau = noisy(rng, shear_stress(case, strength, j, sigma, speed), noise, soil)
+                tau = noisy(rng, shear_stress(case, strength, j, sigma, speed, ground), noise, soil)
                 rows = [f"{1e3 * a:.3f},{1e-3 * sigma:.3f},{1e-3 * b:.4f}" for a, b in zip(j, tau)]
                 settings = f'{{ "shear_box.speed" = {speed} }}'
                 yield f"{group}_{'abcdefgh'[repeat]}", group, settings, "displacement_mm,normal_kpa,shear_kpa", rows
@@ -165,14 +165,14 @@ HEADS = {
 }
 
 
-def write(folder, kind, case, seed, strength=None, noise=0.02, soil=0.04, repeats=3, diameters=DIAMETERS, name=None):
-    """Writes an experiment folder."""
+def write(folder, kind, case, seed, strength=None, noise=0.02, soil=0.04, repeats=3, diameters=DIAMETERS, name=None, ground=LETE):
+    """Writes an experiment folder; `ground` is the soil, with the keys of LETE."""
     rng = np.random.default_rng(seed)
     strength = STRENGTHS[case] if strength is None else strength
     runs = (
-        plate_runs(case, strength, noise, soil, repeats, rng, diameters)
+        plate_runs(case, strength, noise, soil, repeats, rng, diameters, ground)
         if kind == "plate_sinkage"
-        else shear_runs(case, strength, noise, soil, repeats, rng)
+        else shear_runs(case, strength, noise, soil, repeats, rng, ground)
     )
     toml = [
         "# Made by tests/generators/soil_tests.py; do not edit.",

@@ -94,5 +94,6 @@ pub fn drive(change: impl Fn(usize, &mut Vec<Option<f64>>) -> bool) -> Experimen
             measured: MEASURED.map(str::to_owned).to_vec(),
         }],
         doubts: Vec::new(),
+        parts: Vec::new(),
     }
 }

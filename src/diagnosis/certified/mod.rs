@@ -79,7 +79,15 @@ impl Problem {
                 Logarithms | Values => (-largest, largest),
             }
         });
-        bounds.map(|(min, max)| Free { variable: parameter(min, max), start: 0.0, prior: None, shared: None }).collect()
+        bounds
+            .map(|(min, max)| Free {
+                variable: parameter(min, max),
+                start: 0.0,
+                prior: None,
+                shared: None,
+                within: None,
+            })
+            .collect()
     }
 
     /// Residuals, the first column, and their Jacobian in the parameters.

@@ -47,7 +47,9 @@ pub(crate) fn whole_drive(
     let without_gap = |run: &usize| {
         problem.windows[*run].iter().all(|window| window.rows.start == 0 || window.begin < window.rows.start)
     };
-    let runs: Vec<usize> = (0..problem.experiment.runs.len()).filter(without_gap).collect();
+    // Of several experiments some may have been no drives.
+    let drives = |run: &usize| problem.experiment.runs[*run].data.column("time").is_some();
+    let runs: Vec<usize> = (0..problem.experiment.runs.len()).filter(drives).filter(without_gap).collect();
     let mut whole = problem.only(&runs);
     whole.windows = runs.iter().map(|run| joined(&problem.windows[*run])).collect();
     whole.halt = Halt::default();

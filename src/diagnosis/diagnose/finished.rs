@@ -18,11 +18,13 @@ use crate::diagnosis::failure::{Failure, failures};
 use crate::diagnosis::fit::Fit;
 use crate::diagnosis::found_soil::moved;
 use crate::diagnosis::linear_algebra::norm;
+use crate::diagnosis::problem::Problem;
 use crate::diagnosis::separate::{Question, Suggestion, suggest};
 use crate::diagnosis::thresholds::DETECTABLE;
 use crate::diagnosis::uncounted::uncounted;
 use crate::diagnosis::workbench::Workbench;
 use crate::model::Model;
+use std::collections::BTreeMap;
 
 /// A finished search.
 pub(crate) struct Finished<'a> {
@@ -80,6 +82,8 @@ impl Finished<'_> {
             suggestions: Vec::new(),
             cautions: self.cautions(judgement, chosen, options, &improved),
             improved,
+            improved_parts: problem.saved_parts(&problem.free(chosen), &self.fitted(chosen).values()),
+            places: places(problem, judgement),
             sources: problem.sources.iter().cloned().chain(super::soil::offer(problem)).collect(),
             effects: judgement.effects.clone(),
             candidates,
@@ -169,6 +173,13 @@ impl Finished<'_> {
         };
         suggest(&question)
     }
+}
+
+/// Of several experiments, those in which the effects that the verdict is about act.
+fn places(problem: &Problem, judgement: &Judgement) -> BTreeMap<String, Vec<String>> {
+    let involved = judgement.effects.iter().chain(&judgement.tied);
+    let places = involved.map(|id| (id.clone(), problem.parts_with(id)));
+    places.filter(|(_, parts)| !parts.is_empty()).collect()
 }
 
 fn steps(finished: &Finished, chosen: &[String]) -> Result<Vec<Step>, CompareError> {

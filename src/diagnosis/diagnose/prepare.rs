@@ -136,7 +136,7 @@ struct Found {
 /// The noise as repeats, statements and the residual of a first fit tell it.
 fn noise_about(problem: &mut Problem, repeats: &Repeats, first: &Calibration) -> Result<Found, CompareError> {
     let predicted = modelled(problem, &first.values())?.values;
-    problem.layout.scale = problem.strategy().noise_scale(&problem.layout, &predicted);
+    problem.layout.scale = problem.strategy().noise_scale(problem, &predicted);
     let problem = &*problem;
     let residual = minus(&problem.layout.measured, &predicted);
     let flexible = discrepancy::columns(problem, &predicted);
@@ -149,7 +149,7 @@ fn noise_about(problem: &mut Problem, repeats: &Repeats, first: &Calibration) ->
         smooth: &modulations,
         flexible: &flexible,
         calibrated: problem.base.len(),
-        assumed_scatter: problem.strategy().assumed_scatter(),
+        assumed_scatter: problem.strategy().assumed_scatter(&problem.experiment),
     });
     let mut noise = Noise::new(decided.models.clone());
     noise.scale.clone_from(&problem.layout.scale);

@@ -4,11 +4,12 @@
 //! against the other. Keys may be added, none changes its meaning.
 
 use super::drive::WholeDrive;
-use super::serialised::{by_name, deviations, name_of};
+use super::serialised::{by_name, by_plain_effect, deviations, name_of, plain};
 use crate::diagnosis::calibrate::{CalibratedParameter, Calibration};
 use crate::diagnosis::curves::Curves;
 use crate::diagnosis::fit::Fit;
 use crate::diagnosis::noise::{FloorSource, NoiseModel};
+use crate::diagnosis::problem::plain_effect;
 use crate::diagnosis::separate::Suggestion;
 use crate::diagnosis::{Failure, NoiseFloor, UnansweredRows, UncountedRows, Workbench};
 use crate::measurement::Experiment;
@@ -175,8 +176,13 @@ pub struct Diagnosis {
     /// The answer.
     pub verdict: Verdict,
     /// Effects that account for the structure, or a part of it where unexplained; none where undetermined: all that remain
-    /// possible there stand in `candidates` with `tied`.
+    /// possible there stand in `candidates` with `tied`. Where several experiments were diagnosed together, an effect that acts in some of
+    /// them only has their names behind its own (`slip_sinkage in wheel_2`); in JSON the ids are plain.
+    #[serde(serialize_with = "plain")]
     pub effects: Vec<String>,
+    /// Where several experiments were diagnosed together: for each effect that the verdict is about the experiments in which it acts.
+    #[serde(rename = "where", serialize_with = "by_plain_effect", skip_serializing_if = "BTreeMap::is_empty")]
+    pub places: BTreeMap<String, Vec<String>>,
     /// Noise floor of each signal: standard deviation of one sample.
     #[serde(serialize_with = "deviations")]
     pub noise_floor: BTreeMap<String, NoiseFloor>,
@@ -235,6 +241,9 @@ pub struct Diagnosis {
     /// single wheel was measured and no rover is named.
     #[serde(skip)]
     pub improved: Model,
+    /// Of several experiments the same for each, by its name; empty for one experiment.
+    #[serde(skip)]
+    pub improved_parts: Vec<(String, Model)>,
     /// The experiment with the calibrated baseline, on which other models can be tried.
     #[serde(skip)]
     pub workbench: Workbench,
@@ -275,6 +284,16 @@ impl Diagnosis {
         } else {
             self.effects.clone()
         }
+    }
+
+    /// The same in words, with where they act if several experiments were diagnosed together.
+    #[must_use]
+    pub fn involved_in_words(&self) -> Vec<String> {
+        let words = |id: String| match self.places.get(&id) {
+            Some(places) if plain_effect(&id) == id => format!("{id} in {}", places.join(" and ")),
+            _ => id,
+        };
+        self.involved().into_iter().map(words).collect()
     }
 
     /// Which model [`improved`](Self::improved) is, in words.

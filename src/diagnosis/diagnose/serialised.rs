@@ -2,6 +2,7 @@
 
 use super::result::ParameterResult;
 use crate::diagnosis::noise::NoiseFloor;
+use crate::diagnosis::problem::plain_effect;
 use crate::measurement::Experiment;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
@@ -9,6 +10,29 @@ use std::collections::BTreeMap;
 /// An experiment as its name.
 pub(super) fn name_of<S: Serializer>(experiment: &Experiment, to: S) -> Result<S::Ok, S::Error> {
     experiment.name.serialize(to)
+}
+
+/// Effects without where they act, each once.
+pub(super) fn plain<S: Serializer>(effects: &[String], to: S) -> Result<S::Ok, S::Error> {
+    let mut plain: Vec<&str> = Vec::new();
+    for id in effects.iter().map(|id| plain_effect(id)) {
+        if !plain.contains(&id) {
+            plain.push(id);
+        }
+    }
+    plain.serialize(to)
+}
+
+/// Where effects act, by their plain ids: one that acts in one experiment and, in a set with it, in another, acts in both.
+pub(super) fn by_plain_effect<S: Serializer>(places: &BTreeMap<String, Vec<String>>, to: S) -> Result<S::Ok, S::Error> {
+    let mut all: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for (id, parts) in places {
+        let own = all.entry(plain_effect(id)).or_default();
+        for part in parts.iter().filter(|part| !own.contains(&part.as_str())).collect::<Vec<_>>() {
+            own.push(part);
+        }
+    }
+    all.serialize(to)
 }
 
 /// Noise floors as the standard deviation of one sample; null where it is unknown.

@@ -104,12 +104,16 @@ pub(crate) fn prune(problem: &mut Problem, values: &[f64]) -> Result<Vec<String>
                     .for_each(|(alive, column)| *alive |= !rounding.hides(column));
             }
         }
-        columns.extend(own.into_iter().zip(&alive).filter(|(_, alive)| **alive).map(|(column, _)| column));
+        let seen =
+            own.into_iter().zip(&alive).filter(|(_, alive)| **alive).map(|(column, _)| column).collect::<Vec<_>>();
         let mut alive = alive.into_iter();
         candidate.free.retain(|_| alive.next().unwrap_or(false));
-        if candidate.free.is_empty() { gone.push(candidate.id) } else { kept.push(candidate) }
+        if candidate.free.is_empty() { gone.push(candidate.id) } else { kept.push((candidate, seen)) }
     }
-    problem.library = kept;
+    problem.in_visible_parts(&mut kept, &mut gone);
+    let (library, seen): (Vec<Candidate>, Vec<Vec<Vec<f64>>>) = kept.into_iter().unzip();
+    columns.extend(seen.into_iter().flatten());
+    problem.library = library;
     let candidates: Vec<&Candidate> = problem.library.iter().collect();
     let sensitivities = with_views(problem, &[], &candidates, values, modelled, columns)?;
     problem.know_sensitivities(values, sensitivities);

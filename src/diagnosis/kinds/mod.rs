@@ -4,6 +4,7 @@
 //! A further kind is a folder beside these, a line in [`strategy`], and a format of its files in
 //! [`measurement`](crate::measurement).
 
+mod joint;
 mod single_wheel;
 mod soil_test;
 mod traverse;
@@ -27,9 +28,10 @@ use super::separate::variation::Variation;
 use super::windows::Windows;
 use super::windows::free::FreeStart;
 use crate::effects::Facts;
-use crate::measurement::{Experiment, Kind, Run};
+use crate::measurement::{Experiment, Kind};
 use crate::model::{Model, ModelKind};
 use bekker_modeldescription::Variable;
+use std::collections::BTreeMap;
 use std::fmt::Debug;
 
 pub use single_wheel::SingleWheelPlan;
@@ -37,9 +39,13 @@ pub(crate) use single_wheel::signal;
 pub use soil_test::{PlatePlan, ShearPlan};
 pub use traverse::TraversePlan;
 
-/// The strategy for a kind of experiment.
-pub(crate) fn strategy(kind: Kind) -> &'static dyn Strategy {
-    match kind {
+/// The strategy for an experiment.
+pub(crate) fn strategy(experiment: &Experiment) -> &'static dyn Strategy {
+    if !experiment.parts.is_empty() {
+        let driven = experiment.parts.iter().any(|part| part.experiment.kind == Kind::Traverse);
+        return if driven { &joint::DRIVEN } else { &joint::STEADY };
+    }
+    match experiment.kind {
         Kind::SingleWheel => &single_wheel::SingleWheel,
         Kind::Traverse => &traverse::Traverse,
         Kind::PlateSinkage => &soil_test::PLATE,
@@ -128,14 +134,14 @@ pub(crate) trait Strategy: Debug + Sync {
     }
 
     /// Size of the noise of each value in the layout's order, relative to that of a usual one; empty where all have the same.
-    fn noise_scale(&self, _layout: &Layout, _modelled: &[f64]) -> Vec<f64> {
+    fn noise_scale(&self, _problem: &Problem, _modelled: &[f64]) -> Vec<f64> {
         Vec::new()
     }
 
-    /// Standard deviation of a whole run as a share of what is measured, where no repeat tells it; `None` where runs count as exact
-    /// then.
-    fn assumed_scatter(&self) -> Option<f64> {
-        None
+    /// Standard deviation of a whole run as a share of what is measured, by signal, where no repeat tells it; none for signals of which
+    /// runs count as exact then.
+    fn assumed_scatter(&self, _experiment: &Experiment) -> BTreeMap<String, f64> {
+        BTreeMap::new()
     }
 
     /// What such an experiment tells, or cannot tell, of the calibrated baseline, in words.
@@ -149,8 +155,10 @@ pub(crate) trait Strategy: Debug + Sync {
     /// What is said of an improved model that cannot be used as it is; `None` where it can.
     fn unfit(&self, improved: &Model) -> Option<String>;
 
-    /// Number of rows at the start of a run that no fit counts.
-    fn uncounted_rows(&self, run: &Run) -> usize;
+    /// For each run the number of rows at its start that no fit counts.
+    fn uncounted_rows(&self, experiment: &Experiment) -> Vec<usize> {
+        vec![0; experiment.runs.len()]
+    }
 
     /// Inner steps of the simulation that a diagnosis may take where they are exact enough, s, the longest first; none where the
     /// model's own stays.

@@ -29,8 +29,8 @@ pub(crate) struct FittedResidual<'a> {
     pub flexible: &'a [Vec<f64>],
     /// Number of calibrated parameters.
     pub calibrated: usize,
-    /// Standard deviation of a whole run, as a share of what is measured, where no repeat tells it.
-    pub assumed_scatter: Option<f64>,
+    /// Standard deviation of a whole run, as a share of what is measured, by signal, where no repeat tells it.
+    pub assumed_scatter: BTreeMap<String, f64>,
 }
 
 /// The noise of all signals.
@@ -59,8 +59,8 @@ pub(crate) fn decide(fitted: &FittedResidual) -> Decided {
             }),
         };
         let repeated = fitted.repeats.degrees_of_freedom(fitted.layout, &signal) > 0;
-        let model = match fitted.assumed_scatter.filter(|_| !repeated) {
-            Some(share) => fitted.with_scatter(&signal, model, share, &mut decided.cautions),
+        let model = match fitted.assumed_scatter.get(&signal).filter(|_| !repeated) {
+            Some(share) => fitted.with_scatter(&signal, model, *share, &mut decided.cautions),
             None => model,
         };
         decided.models.insert(signal, model);
@@ -120,7 +120,8 @@ impl FittedResidual<'_> {
         let left = LEAST_LEFT.max(LEAST_SHARE_LEFT * values as f64);
         let most = values as f64 - self.calibrated_share() - left;
         // A level and the smooth functions are the least that can be called a curve.
-        if most < 1.0 + self.smooth.len() as f64 {
+        let smooth = self.smooth.iter().filter(|function| self.varies(signal, function)).count();
+        if most < 1.0 + smooth as f64 {
             return None;
         }
         let basis = self.curve(signal, most as usize);
@@ -174,6 +175,12 @@ impl FittedResidual<'_> {
             basis.add(&self.blank(signal, &column));
         }
         basis
+    }
+
+    /// Whether a function of the conditions is one of those of a signal at all: in a joint experiment it is zero in other parts.
+    fn varies(&self, signal: &str, function: &[Vec<f64>]) -> bool {
+        let mut blocks = self.layout.blocks.iter().filter(|block| block.signal == signal);
+        blocks.any(|block| function[block.run].iter().any(|value| *value != 0.0))
     }
 
     /// The values of one signal where it has a residual that counts, in units of the noise of each; 0 elsewhere.

@@ -159,6 +159,7 @@ mod tests {
             effects: Vec::new(),
             runs: vec![run(0), run(1)],
             doubts: Vec::new(),
+            parts: Vec::new(),
         }
     }
 

@@ -1,6 +1,7 @@
 //! What a diagnosis works on: an experiment, the model placed on each of its runs, the parameters that a calibration
 //! moves, and the effects that may be added.
 
+mod joint;
 mod parameters;
 mod windows;
 
@@ -24,6 +25,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+pub use joint::plain_effect;
 pub(super) use parameters::class_priors;
 use parameters::{base_parameters, library};
 
@@ -66,6 +68,8 @@ pub(crate) struct Problem<'a> {
     found: ModelKind,
     /// Values that were set by hand.
     set: BTreeMap<String, f64>,
+    /// The experiments that are fitted together, each as it is posed by itself; none where there is one.
+    parts: Vec<Arc<Problem<'static>>>,
 }
 
 impl<'a> Problem<'a> {
@@ -76,29 +80,28 @@ impl<'a> Problem<'a> {
     /// of the experiment cannot be found.
     pub fn new(given: impl Into<Given>, experiment: &'a Experiment, added: &[String]) -> Result<Self, CompareError> {
         let given = given.into();
-        let Resolved { mut known, runs: models, held, priors, joint, found, sources } = resolve(&given, experiment)?;
-        let strategy = strategy(experiment.kind);
-        let many_widths = strategy.many_widths(experiment, &models);
+        if !experiment.parts.is_empty() {
+            return Self::of_parts(&given, experiment, added);
+        }
+        Self::single(&given, experiment, added, false)
+    }
+
+    /// Of one experiment; `other_widths` where k_c is told from k_phi by other experiments.
+    fn single(
+        given: &Given,
+        experiment: &'a Experiment,
+        added: &[String],
+        other_widths: bool,
+    ) -> Result<Self, CompareError> {
+        let Resolved { mut known, runs: models, held, priors, joint, found, sources } = resolve(given, experiment)?;
+        let strategy = strategy(experiment);
+        let many_widths = other_widths || strategy.many_widths(experiment, &models);
         let mut base = base_parameters(&mut known, experiment, &held, &priors, joint.as_ref(), many_widths);
         base.retain(|free| strategy.calibrates(&free.variable.name));
         let mut library = library(&mut known, &held, &base);
         library.retain(|candidate| strategy.may_act(known.facts_of(&candidate.id).as_ref()));
         base.extend(Free::of_sensors(experiment));
-        let mut kept = Vec::new();
-        refuse_twice(added)?;
-        for id in added {
-            let Some(candidate) = library.iter().find(|candidate| candidate.id == *id) else {
-                return Err(unknown_effect(id, &library));
-            };
-            base.extend(candidate.free.iter().cloned());
-        }
-        for candidate in library {
-            // An effect that the given model has switched on is part of the baseline, at its value.
-            let neutral = candidate.free.iter().all(|free| free.start == free.variable.default);
-            if neutral && !added.contains(&candidate.id) {
-                kept.push(candidate);
-            }
-        }
+        let kept = add(added, library, &mut base)?;
         Ok(Self {
             experiment: Cow::Borrowed(experiment),
             layout: Layout::new(experiment),
@@ -116,6 +119,7 @@ impl<'a> Problem<'a> {
             sources,
             found,
             set: given.values().clone(),
+            parts: Vec::new(),
         })
     }
 
@@ -138,6 +142,7 @@ impl<'a> Problem<'a> {
             sources: self.sources,
             found: self.found,
             set: self.set,
+            parts: self.parts,
         }
     }
 
@@ -154,7 +159,7 @@ impl<'a> Problem<'a> {
 
     /// What depends on the kind of the experiment.
     pub fn strategy(&self) -> &'static dyn Strategy {
-        strategy(self.experiment.kind)
+        strategy(&self.experiment)
     }
 
     /// Keeps only the candidates named.
@@ -244,6 +249,9 @@ impl<'a> Problem<'a> {
 
     /// Sets a parameter on every run that does not state its own value.
     pub fn fix(&mut self, name: &str, value: f64) {
+        if !self.parts.is_empty() {
+            return self.fix_in_parts(name, value);
+        }
         for (model, run) in self.models.iter_mut().zip(&self.experiment.runs) {
             if !run.parameters.contains_key(name) {
                 set_unchecked(model, name, value);
@@ -260,8 +268,7 @@ impl<'a> Problem<'a> {
 
     /// The same for some of the runs.
     pub fn only(&self, runs: &[usize]) -> Problem<'a> {
-        let mut experiment = (*self.experiment).clone();
-        experiment.runs = runs.iter().map(|run| self.experiment.runs[*run].clone()).collect();
+        let experiment = self.experiment.with_runs(runs);
         Problem {
             layout: self.layout.of_runs(&experiment, runs),
             experiment: Cow::Owned(experiment),
@@ -279,6 +286,7 @@ impl<'a> Problem<'a> {
             sources: self.sources.clone(),
             found: self.found,
             set: self.set.clone(),
+            parts: self.parts.clone(),
         }
     }
 
@@ -352,6 +360,20 @@ fn set_unchecked(model: &mut Model, name: &str, value: f64) {
             *place = value;
         }
     });
+}
+
+/// Adds effects to the baseline's free parameters; what is left are the candidates.
+fn add(added: &[String], library: Vec<Candidate>, base: &mut Vec<Free>) -> Result<Vec<Candidate>, CompareError> {
+    refuse_twice(added)?;
+    for id in added {
+        let Some(candidate) = library.iter().find(|candidate| candidate.id == *id) else {
+            return Err(unknown_effect(id, &library));
+        };
+        base.extend(candidate.free.iter().cloned());
+    }
+    // An effect that the given model has switched on is part of the baseline, at its value.
+    let neutral = |candidate: &Candidate| candidate.free.iter().all(|free| free.start == free.variable.default);
+    Ok(library.into_iter().filter(|candidate| neutral(candidate) && !added.contains(&candidate.id)).collect())
 }
 
 fn refuse_twice(ids: &[String]) -> Result<(), CompareError> {

@@ -50,7 +50,7 @@ pub(super) fn base_parameters(
                 variable.min = variable.min.max(low);
                 variable.max = variable.max.min(high);
             }
-            Free { prior, shared, variable, start }
+            Free { prior, shared, within: None, variable, start }
         })
         .collect()
 }
@@ -64,7 +64,7 @@ pub(super) fn library(model: &mut Model, held: &BTreeSet<String>, base: &[Free])
             continue;
         }
         let id = effect_id(&variable).to_owned();
-        let free = Free { variable, start: value, prior: None, shared: None };
+        let free = Free { variable, start: value, prior: None, shared: None, within: None };
         match library.iter_mut().find(|candidate| candidate.id == id) {
             Some(candidate) => candidate.free.push(free),
             None => library.push(Candidate { id, free: vec![free] }),

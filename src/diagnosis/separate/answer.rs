@@ -102,7 +102,7 @@ fn with_look<R>(question: &Question, variation: &Variation, f: impl FnOnce(&Prob
     let values: Vec<f64> = problem.base.iter().map(|free| free.start).collect();
     let modelled = problem.predict(&problem.base, |predict| predict.values(&values)).ok()?.ok()?;
     let mut noise = models(&planned_noise(&problem, &modelled));
-    problem.layout.scale = problem.strategy().noise_scale(&problem.layout, &modelled);
+    problem.layout.scale = problem.strategy().noise_scale(&problem, &modelled);
     for (signal, model) in &mut noise {
         if let Some(known) = question.noise.get(signal) {
             *model = *known;

@@ -62,6 +62,7 @@ pub(crate) fn experiment(name: &str, kind: Kind, parameters: &BTreeMap<String, f
         noise: BTreeMap::new(),
         runs,
         doubts: Vec::new(),
+        parts: Vec::new(),
     }
 }
 

@@ -212,7 +212,7 @@ fn as_given(problem: &mut Problem) -> Result<Reference, CompareError> {
     let values: Vec<f64> = problem.base.iter().map(|free| free.start).collect();
     let modelled = problem.predict(&problem.base, |predict| predict.values(&values))??;
     let noise = planned_noise(problem, &modelled);
-    problem.layout.scale = problem.strategy().noise_scale(&problem.layout, &modelled);
+    problem.layout.scale = problem.strategy().noise_scale(problem, &modelled);
     let invisible = prune(problem, &values)?;
     Ok((values, noise, invisible))
 }
@@ -238,9 +238,10 @@ pub(crate) fn planned_noise(problem: &Problem, modelled: &[f64]) -> BTreeMap<Str
         let values: Vec<f64> = blocks.flat_map(|block| modelled[block.range.clone()].iter().copied()).collect();
         (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt()
     };
+    let scatter = problem.strategy().assumed_scatter(&problem.experiment);
     let noise = |signal: String| {
         let mut assumed = planned(&problem.experiment, &signal, largest(&signal));
-        if let Some(share) = problem.strategy().assumed_scatter() {
+        if let Some(share) = scatter.get(&signal) {
             assumed.model = assumed.model.with_runs_apart(share * usual(&signal));
         }
         (signal, assumed)

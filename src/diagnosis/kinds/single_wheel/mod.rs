@@ -19,7 +19,7 @@ use crate::diagnosis::precedence::{Choice, Rank};
 use crate::diagnosis::prediction::{Predict, PredictionError};
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::separate::variation::Variation;
-use crate::measurement::{Experiment, Run};
+use crate::measurement::Experiment;
 use crate::model::{Model, ModelKind};
 use bekker_modeldescription::{Lookup, Variable};
 
@@ -49,10 +49,6 @@ impl Strategy for SingleWheel {
     fn unfit(&self, improved: &Model) -> Option<String> {
         let unfit = improved.check_drive().err()?;
         Some(format!("the improved model puts the measured wheel and soil on a rover that cannot use them: {unfit}"))
-    }
-
-    fn uncounted_rows(&self, _: &Run) -> usize {
-        0
     }
 
     /// Steady points have no step.

@@ -23,10 +23,11 @@ use crate::diagnosis::problem::Problem;
 use crate::diagnosis::separate::variation::Variation;
 use crate::diagnosis::thresholds::{SMALLEST_SCALE, SOIL_SCATTER};
 use crate::effects::Facts;
-use crate::measurement::{Experiment, Run};
+use crate::measurement::Experiment;
 use crate::model::{Model, ModelKind};
 use crate::soil_test::{SoilTest as Tested, TestRig};
 use bekker_modeldescription::{Lookup, Variable};
+use std::collections::BTreeMap;
 
 pub use plan::{PlatePlan, ShearPlan};
 use prediction::SoilTestPrediction;
@@ -109,10 +110,6 @@ impl Strategy for SoilTest {
         Some(format!("the improved model puts a rover on a soil that does not carry it: {unfit}"))
     }
 
-    fn uncounted_rows(&self, _: &Run) -> usize {
-        0
-    }
-
     fn coarse_steps(&self, _: &Experiment) -> Vec<f64> {
         Vec::new()
     }
@@ -125,7 +122,8 @@ impl Strategy for SoilTest {
 
     /// Soils differ from one preparation to the next by a share of what they resist, and so does what is measured of one along a
     /// test: noise grows with the stress, in a run under a small plate as in one under a large plate.
-    fn noise_scale(&self, layout: &Layout, modelled: &[f64]) -> Vec<f64> {
+    fn noise_scale(&self, problem: &Problem, modelled: &[f64]) -> Vec<f64> {
+        let layout = &problem.layout;
         let mut scale = vec![1.0; layout.len()];
         for signal in self.signals {
             let blocks = || layout.blocks.iter().filter(|block| block.signal == *signal);
@@ -141,8 +139,8 @@ impl Strategy for SoilTest {
         scale
     }
 
-    fn assumed_scatter(&self) -> Option<f64> {
-        Some(SOIL_SCATTER)
+    fn assumed_scatter(&self, experiment: &Experiment) -> BTreeMap<String, f64> {
+        experiment.signals().into_iter().map(|signal| (signal, SOIL_SCATTER)).collect()
     }
 
     fn remarks(&self, problem: &Problem, whitening: &Whitening, fit: &Calibration, modelled: &[f64]) -> Vec<String> {

@@ -28,7 +28,7 @@ use crate::diagnosis::separate::variation::Variation;
 use crate::diagnosis::thresholds::REACH_ALIKE;
 use crate::diagnosis::windows::free::FreeStart;
 use crate::diagnosis::windows::{Windows, cut};
-use crate::measurement::{Experiment, Run};
+use crate::measurement::Experiment;
 use crate::model::{Model, ModelKind};
 use bekker_modeldescription::{Lookup, Variable};
 
@@ -67,8 +67,8 @@ impl Strategy for Traverse {
         None
     }
 
-    fn uncounted_rows(&self, run: &Run) -> usize {
-        cut::uncounted(run)
+    fn uncounted_rows(&self, experiment: &Experiment) -> Vec<usize> {
+        experiment.runs.iter().map(cut::uncounted).collect()
     }
 
     /// Rows off the grid are met to half a step, which the comparison with the next finer step judges too.

@@ -225,7 +225,7 @@ mod tests {
         let acts = |variable: &Variable, value: f64| variable.role == Role::Effect && value != variable.default;
         let effects = model.list().into_iter().filter(|(variable, value)| acts(variable, *value));
         let mut free = problem.base.clone();
-        free.extend(effects.map(|(variable, start)| Free { variable, start, prior: None, shared: None }));
+        free.extend(effects.map(|(variable, start)| Free { variable, start, prior: None, shared: None, within: None }));
         let values: Vec<f64> = free.iter().map(|free| free.start).collect();
         check(&prediction(&problem, &free).unwrap(), &values);
     }

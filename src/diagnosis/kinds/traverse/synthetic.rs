@@ -49,5 +49,6 @@ pub(crate) fn experiment(drive: &str, steep: bool) -> Experiment {
         noise: BTreeMap::new(),
         runs: (0..3).map(|k| run(k, drive, steep)).collect(),
         doubts: Vec::new(),
+        parts: Vec::new(),
     }
 }

@@ -1,0 +1,221 @@
+//! Several experiments on one soil, fitted together: each part is predicted by the strategy of its own kind.
+
+mod prediction;
+
+use super::{Budget, LeftOut, Strategy, strategy};
+use crate::diagnosis::calibrate::Calibration;
+use crate::diagnosis::compare::CompareError;
+use crate::diagnosis::curves::Axis;
+use crate::diagnosis::diagnose::{Phase, Shape};
+use crate::diagnosis::effort::Effort;
+use crate::diagnosis::free::Free;
+use crate::diagnosis::halt::Halt;
+use crate::diagnosis::layout::Layout;
+use crate::diagnosis::least_squares::Pace;
+use crate::diagnosis::precedence::Choice;
+use crate::diagnosis::prediction::{Predict, PredictionError};
+use crate::diagnosis::problem::Problem;
+use crate::diagnosis::separate::variation::Variation;
+use crate::diagnosis::thresholds::REACH_ALIKE;
+use crate::diagnosis::windows::Windows;
+use crate::diagnosis::windows::free::FreeStart;
+use crate::measurement::{Experiment, Part};
+use crate::model::{Model, ModelKind};
+use bekker_modeldescription::Variable;
+use prediction::JointPrediction;
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// Single effects that are refitted: each has two or three forms, by where it acts.
+const SINGLES: usize = 24;
+
+/// The strategy for a set of experiments.
+#[derive(Debug)]
+pub(super) struct Joint {
+    /// Whether a rover drives in one of them, whose simulation takes tenths of a second.
+    driven: bool,
+}
+
+/// Of wheels on carriages and tests of the soil.
+pub(super) const STEADY: Joint = Joint { driven: false };
+/// With drives among them.
+pub(super) const DRIVEN: Joint = Joint { driven: true };
+
+/// The parts with the runs of each.
+fn parts(experiment: &Experiment) -> impl Iterator<Item = (&Part, Range<usize>)> {
+    experiment.parts.iter().zip(experiment.runs_of_parts())
+}
+
+/// Shapes of each part, which are zero in the others.
+fn of_parts(
+    experiment: &Experiment,
+    layout: &Layout,
+    modelled: &[f64],
+    shapes: impl Fn(&dyn Strategy, &Experiment, &Layout, &[f64]) -> Vec<Shape>,
+) -> Vec<Shape> {
+    let zero: Shape = experiment.runs.iter().map(|run| vec![0.0; run.data.rows()]).collect();
+    let mut all = Vec::new();
+    for (part, runs) in parts(experiment) {
+        let own = &part.experiment;
+        let of_part = layout.of_runs(own, &runs.clone().collect::<Vec<_>>());
+        let values = of_part_values(layout, &runs, modelled);
+        for shape in shapes(strategy(own), own, &of_part, &values) {
+            let mut whole = zero.clone();
+            whole[runs.clone()].clone_from_slice(&shape);
+            all.push(whole);
+        }
+    }
+    all
+}
+
+/// The values of some runs that follow each other.
+fn of_part_values(layout: &Layout, runs: &Range<usize>, values: &[f64]) -> Vec<f64> {
+    let blocks = layout.blocks.iter().filter(|block| runs.contains(&block.run));
+    blocks.flat_map(|block| values[block.range.clone()].iter().copied()).collect()
+}
+
+impl Strategy for Joint {
+    /// Each part has a model of its own; the first one's stands for all.
+    fn finds(&self, choice: &Choice) -> Result<ModelKind, CompareError> {
+        Ok(choice.model.kind)
+    }
+
+    fn noise_scale(&self, problem: &Problem, modelled: &[f64]) -> Vec<f64> {
+        let mut all = Vec::new();
+        let mut differ = false;
+        for (k, (part, runs)) in parts(&problem.experiment).enumerate() {
+            let values = of_part_values(&problem.layout, &runs, modelled);
+            let scale = strategy(&part.experiment).noise_scale(&problem.part_of(k), &values);
+            differ |= !scale.is_empty();
+            all.extend(if scale.is_empty() { vec![1.0; values.len()] } else { scale });
+        }
+        if differ { all } else { Vec::new() }
+    }
+
+    fn assumed_scatter(&self, experiment: &Experiment) -> BTreeMap<String, f64> {
+        let of_part = |(part, _): (&Part, _)| {
+            let own = strategy(&part.experiment).assumed_scatter(&part.experiment);
+            own.into_iter().map(|(signal, share)| (part.signal(&signal), share)).collect::<Vec<_>>()
+        };
+        parts(experiment).flat_map(of_part).collect()
+    }
+
+    fn commanded_wheels(&self, experiment: &Experiment) -> usize {
+        parts(experiment)
+            .map(|(part, _)| strategy(&part.experiment).commanded_wheels(&part.experiment))
+            .max()
+            .unwrap_or(0)
+    }
+
+    /// Said of each part's own model.
+    fn unfit(&self, _: &Model) -> Option<String> {
+        None
+    }
+
+    fn uncounted_rows(&self, experiment: &Experiment) -> Vec<usize> {
+        parts(experiment).flat_map(|(part, _)| strategy(&part.experiment).uncounted_rows(&part.experiment)).collect()
+    }
+
+    fn coarse_steps(&self, experiment: &Experiment) -> Vec<f64> {
+        let steps = parts(experiment).map(|(part, _)| strategy(&part.experiment).coarse_steps(&part.experiment));
+        steps.max_by_key(Vec::len).unwrap_or_default()
+    }
+
+    fn prediction<'p>(&self, problem: &'p Problem, free: &'p [Free]) -> Result<Box<dyn Predict + 'p>, PredictionError> {
+        Ok(Box::new(JointPrediction::new(problem, free)))
+    }
+
+    fn windows(&self, experiment: &Experiment, models: &[Model]) -> Windows {
+        let mut all = Windows::new();
+        for (part, runs) in parts(experiment) {
+            let own = strategy(&part.experiment).windows(&part.experiment, &models[runs.clone()]);
+            all.extend(if own.is_empty() { vec![Vec::new(); runs.len()] } else { own });
+        }
+        all
+    }
+
+    fn free_starts(&self, problem: &Problem, free: &[Free], values: &[f64]) -> Result<Vec<FreeStart>, PredictionError> {
+        JointPrediction::new(problem, free).free_starts(values)
+    }
+
+    fn conditions(&self, experiment: &Experiment) -> Vec<String> {
+        let mut names: Vec<String> = Vec::new();
+        for (part, _) in parts(experiment) {
+            let measured = part.experiment.signals();
+            for name in strategy(&part.experiment).conditions(&part.experiment) {
+                let name = if measured.contains(&name) { part.signal(&name) } else { name };
+                if !names.contains(&name) {
+                    names.push(name);
+                }
+            }
+        }
+        names
+    }
+
+    /// Curves are drawn of each part by itself.
+    fn axes(&self) -> &'static [Axis] {
+        &[]
+    }
+
+    fn parameters(&self, _: &Model) -> Vec<(Variable, f64)> {
+        Vec::new()
+    }
+
+    fn discrepancy(&self, experiment: &Experiment, layout: &Layout, modelled: &[f64]) -> Vec<Shape> {
+        of_parts(experiment, layout, modelled, |own, experiment, layout, values| {
+            own.discrepancy(experiment, layout, values)
+        })
+    }
+
+    fn modulations(&self, experiment: &Experiment, layout: &Layout, modelled: &[f64]) -> Vec<Shape> {
+        of_parts(experiment, layout, modelled, |own, experiment, layout, values| {
+            own.modulations(experiment, layout, values)
+        })
+    }
+
+    /// Effects come in two or three forms, by where they act: those that promise the most are refitted.
+    fn budget(&self) -> Budget {
+        let calibration = if self.driven {
+            Effort { draws: 0, searches: 0, pace: Pace::BRISK, until_agreed: Some((24, 6)) }
+        } else {
+            Effort { draws: 64, searches: 5, pace: Pace::PATIENT, until_agreed: None }
+        };
+        Budget {
+            calibration,
+            singles: Some(SINGLES),
+            pairs: if self.driven { 4 } else { 24 },
+            soil_classes: if self.driven { 1 } else { usize::MAX },
+            profiles_of_calibrated: !self.driven,
+            refits_from_larger: self.driven,
+            by_products: self.driven,
+            alike_reach: self.driven.then_some(REACH_ALIKE),
+            predicts_whole: true,
+        }
+    }
+
+    /// The number of fits, and what other work takes in fits.
+    fn work(&self, phase: Phase) -> f64 {
+        match phase {
+            Phase::Baseline | Phase::Noise => 2.0,
+            Phase::Singles => 24.0,
+            Phase::Sets => 30.0,
+            Phase::LeftOut => 12.0,
+            Phase::Rivals | Phase::Profiles => 8.0,
+            Phase::Next => 1.0,
+            Phase::Done => 0.0,
+        }
+    }
+
+    fn further_starts(&self, promised: bool) -> &'static [f64] {
+        if promised { &[] } else { &[0.1, 0.3, 0.6] }
+    }
+
+    fn left_out(&self, _: &Problem, _: &Calibration) -> LeftOut {
+        if self.driven { LeftOut::Step } else { LeftOut::Refit }
+    }
+
+    /// Further experiments are planned for a part by itself.
+    fn variations(&self, _: &Model, _: &Experiment, _: Halt) -> Vec<Variation> {
+        Vec::new()
+    }
+}

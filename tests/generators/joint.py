@@ -1,0 +1,121 @@
+#!/usr/bin/env python3
+"""Makes several experiments on one soil, with one effect hidden in one or all of them.
+
+    python3 tests/generators/joint.py --parts wheel,other_wheel --case slip_sinkage --place other_wheel --seed 3 FOLDER
+
+FOLDER gets a folder for each part and truth.json: the effect, in which parts it acts, its size in standard deviations as seen by
+the part alone. Parts are `wheel` and `other_wheel` (two wheels of different size on a carriage), `plates` and `shear` (tests of the same
+soil). The strength is at least 1.5 times what the part alone can see. Needs numpy only.
+"""
+
+import argparse
+import json
+import pathlib
+import sys
+
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+
+import cases  # noqa: E402
+import hidden  # noqa: E402
+import soil_tests  # noqa: E402
+import soils  # noqa: E402
+from bench_wheel import WheelBench  # noqa: E402
+from detect import Detector  # noqa: E402
+
+WHEELS = ("wheel", "other_wheel")
+TESTS = {"plates": "plate_sinkage", "shear": "shear"}
+PARTS = (*WHEELS, *TESTS)
+NOISE = 0.02
+# Dimensions of the second wheel over those of the first: wider, smaller, and under other loads.
+WIDER, SMALLER, HEAVIER = 1.6, 0.8, 1.3
+
+
+class OnSoil(WheelBench):
+    """A wheel on a soil that is given as k_c and k_phi."""
+
+    def __init__(self, seed, soil, rig, heavier):
+        self.given, self.given_rig, self.heavier = soil, rig, heavier
+        self.draw(np.random.default_rng([seed, 1]), False)
+
+    def draw(self, rng, poor):
+        super().draw(rng, poor)
+        self.rig = self.given_rig
+        k_c, soil = self.given["k_c"], {k: v for k, v in self.given.items() if k != "k_c"}
+        # The contact's width is the smaller side of it.
+        self.soil_name, self.soil = "shared", {**soil, "k_phi": soil["k_phi"] + k_c / self.rig["width"]}
+        self.set_points = [(round(self.heavier * load, 1), speed) for load, speed in self.set_points]
+
+
+def shared_soil(seed):
+    """A soil with k_c and k_phi of its own, and two wheels that it carries."""
+    rng = np.random.default_rng([seed, 9])
+    for _ in range(200):
+        rig = {"radius": float(rng.choice([0.10, 0.12])), "width": float(rng.choice([0.08, 0.10]))}
+        name = str(rng.choice(soils.FIRM))
+        n, k_c, k_phi, cohesion, angle, modulus, c1, c2 = soils.TABLE[name]
+        spread = lambda size: float(np.exp(size * np.clip(rng.standard_normal(), -2.0, 2.0)))
+        soil = {
+            "k_c": k_c * spread(0.15), "k_phi": k_phi * spread(0.15), "exponent": n * spread(0.05),
+            "cohesion": cohesion * spread(0.15), "friction_angle": float(np.radians(angle)) * spread(0.04),
+            "shear_modulus": modulus * spread(0.12), "c1": c1 * spread(0.08), "c2": c2 * spread(0.15),
+        }  # fmt: skip
+        other = {"radius": SMALLER * rig["radius"], "width": WIDER * rig["width"]}
+        benches = {"wheel": OnSoil(seed, soil, rig, 1.0), "other_wheel": OnSoil(seed + 1, soil, other, HEAVIER)}
+        clean = [bench.simulate([{}, {"slip_sinkage.ding": 0.3}]) for bench in benches.values()]
+        if all(np.all(np.isfinite(signals)) for signals in clean):
+            return name, soil, benches
+    raise RuntimeError("no soil carries both wheels")
+
+
+def make(folder, parts, case, place, seed, level=NOISE, multiple=None, form=None):
+    """Writes the folders and returns the truth. `place` is the part with the effect, or `all` for every wheel."""
+    folder = pathlib.Path(folder)
+    name, soil, benches = shared_soil(seed)
+    there = [part for part in parts if place in (part, "all") and (part in WHEELS) != (case in soil_tests.STRENGTHS and case != "clean")]
+    truth = {"parts": list(parts), "case": case, "where": [] if case == "clean" else there, "seed": seed, "noise": level}
+    truth |= {"soil_name": name, "soil": {f"soil.{key}": value for key, value in soil.items()}, "effects": []}
+    strength = None
+    for k, part in enumerate(parts):
+        own = seed + 1000 * (k + 1)
+        if part in TESTS:
+            ground = {"k_c": soil["k_c"], "k_phi": soil["k_phi"], "n": soil["exponent"], "c": soil["cohesion"],
+                      "phi": float(np.degrees(soil["friction_angle"])), "K": soil["shear_modulus"]}  # fmt: skip
+            soil_tests.write(folder / part, TESTS[part], case if part in there else "clean", own, ground=ground, noise=level)
+            continue
+        detector = Detector(benches[part], level, hidden.REPLICATES, cases.library(cases.WHEEL, False))
+        inside = case if part in truth["where"] else "clean"
+        if inside != "clean" and strength is not None:
+            # The same strength in every part.
+            signature = detector.signature(detector.effect(cases.find(cases.WHEEL, case, form), strength))
+            multiple = float(np.linalg.norm(signature)) / hidden.DETECTABLE
+        made = hidden.make(folder / part, cases.WHEEL, inside, form, level, own, multiple, detector=detector)
+        for effect in made["effects"]:
+            strength = effect["strength"]
+            truth["effects"].append({**effect, "part": part})
+    (folder / "truth.json").write_text(json.dumps(truth, indent=1, sort_keys=True) + "\n", encoding="ascii", newline="\n")
+    return truth
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--parts", default="wheel,other_wheel", help=f"of {', '.join(PARTS)}")
+    parser.add_argument("--case", default="clean")
+    parser.add_argument("--place", default="all")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--noise", type=float, default=NOISE)
+    parser.add_argument("--multiple", type=float, help="of the smallest strength that the part alone can see")
+    parser.add_argument("folder", metavar="FOLDER")
+    a = parser.parse_args()
+    parts = a.parts.split(",")
+    unknown = [part for part in [*parts, a.place] if part not in (*PARTS, "all")]
+    if unknown:
+        parser.error(f"no part {', '.join(unknown)}; parts are {', '.join(PARTS)}")
+    truth = make(a.folder, parts, a.case, a.place, a.seed, a.noise, a.multiple)
+    for effect in truth["effects"]:
+        print(f"{effect['case']} = {effect['strength']:.4g} in {effect['part']}: {effect['deviations']:.1f} deviations there alone")
+
+
+if __name__ == "__main__":
+    main()
