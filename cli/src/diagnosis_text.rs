@@ -3,7 +3,7 @@
 use crate::output::say;
 use anyhow::Result;
 use bekker::diagnosis::{
-    CandidateResult, Diagnosis, ParameterResult, STANDARD_ERROR, UncountedGroup, UncountedRows, Verdict,
+    CandidateResult, Diagnosis, ParameterResult, STANDARD_ERROR, Step, UncountedGroup, UncountedRows, Verdict,
 };
 
 /// Candidates that are listed.
@@ -106,24 +106,27 @@ fn sentence(diagnosis: &Diagnosis) -> String {
 /// Errors step by step, fitted and on what was left out.
 fn print_steps(diagnosis: &Diagnosis) -> Result<()> {
     say!("\nerror (RMS, SI) fitted / on what was left out; noise floor: {}", diagnosis.noise_floor_source.name());
-    let mut header = format!("  {:22}", "signal");
+    let wide = column(diagnosis.baseline().rmse.keys());
+    let added = |step: &Step| step.added.as_ref().map_or_else(|| "calibrated".to_owned(), |id| format!("+ {id}"));
+    let names: Vec<String> = diagnosis.steps.iter().map(added).collect();
+    let of_step = names.iter().map(String::len).max().unwrap_or(0).max(23);
+    let mut header = format!("  {:wide$}", "signal");
     if diagnosis.given.is_some() {
         header += &format!(" {:>10}", "as given");
     }
-    for step in &diagnosis.steps {
-        let name = step.added.as_ref().map_or_else(|| "calibrated".to_owned(), |id| format!("+ {id}"));
-        header += &format!(" {name:>23}");
+    for name in &names {
+        header += &format!(" {name:>of_step$}");
     }
     say!("{header} {:>10}", "noise");
     let cell = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.3e}"));
     for signal in diagnosis.baseline().rmse.keys() {
-        let mut line = format!("  {signal:22}");
+        let mut line = format!("  {signal:wide$}");
         if let Some(given) = &diagnosis.given {
             line += &format!(" {:>10}", cell(given.rmse.get(signal).copied()));
         }
         for step in &diagnosis.steps {
             let (fitted, held) = (step.rmse.get(signal).copied(), step.heldout_rmse.get(signal).copied());
-            line += &format!(" {:>23}", format!("{} / {}", cell(fitted), cell(held)));
+            line += &format!(" {:>of_step$}", format!("{} / {}", cell(fitted), cell(held)));
         }
         let floor = diagnosis.noise_floor.get(signal).and_then(|floor| floor.value());
         say!("{line} {:>10}", cell(floor));
@@ -140,19 +143,20 @@ fn print_steps(diagnosis: &Diagnosis) -> Result<()> {
 }
 
 fn print_candidates(diagnosis: &Diagnosis) -> Result<()> {
+    let wide = column(diagnosis.candidates.iter().take(LISTED).map(|candidate| &candidate.effect));
     if !diagnosis.candidates.is_empty() {
         say!("\ncandidates (p not below {:.4}):", diagnosis.smallest_p);
-        say!("  {:22} {:>11} {:>8} {:>10} {:>9} {:>9}", "effect", "probability", "p", "gain", "held out", "visible");
+        say!("  {:wide$} {:>11} {:>8} {:>10} {:>9} {:>9}", "effect", "probability", "p", "gain", "held out", "visible");
     }
     for candidate in diagnosis.candidates.iter().take(LISTED) {
-        say!("{}", line(candidate));
+        say!("{}", line(candidate, wide));
     }
     let rest: Vec<&str> = diagnosis.candidates.iter().skip(LISTED).map(|other| other.effect.as_str()).collect();
     if !rest.is_empty() {
         say!("  less probable: {}", rest.join(", "));
     }
     say!(
-        "  {:22} {:>11}\n  {:22} {:>11}",
+        "  {:wide$} {:>11}\n  {:wide$} {:>11}",
         "the baseline is enough",
         probability(diagnosis.share.enough),
         "something else",
@@ -172,7 +176,12 @@ fn probability(p: f64) -> String {
     if p.is_nan() { "-".to_owned() } else { format!("{p:.3}") }
 }
 
-fn line(candidate: &CandidateResult) -> String {
+/// Width of a column of names.
+fn column<'n>(names: impl Iterator<Item = &'n String>) -> usize {
+    names.map(String::len).max().unwrap_or(0).max(22)
+}
+
+fn line(candidate: &CandidateResult, wide: usize) -> String {
     let held = candidate
         .heldout_gain
         .map_or_else(|| "-".to_owned(), |gain| format!("{:+.1}", (10.0 * gain).round() / 10.0 + 0.0));
@@ -182,7 +191,7 @@ fn line(candidate: &CandidateResult) -> String {
         (false, true) => "",
     };
     format!(
-        "  {:22} {:>11} {:>8.4} {:>10.1} {held:>9} {:>7.0} %{marks}",
+        "  {:wide$} {:>11} {:>8.4} {:>10.1} {held:>9} {:>7.0} %{marks}",
         candidate.effect,
         probability(candidate.probability),
         candidate.p_value,
@@ -195,14 +204,15 @@ fn line(candidate: &CandidateResult) -> String {
 /// Free parameters of the final model, with bounds and flags.
 fn print_parameters(diagnosis: &Diagnosis) -> Result<()> {
     say!("\nfree parameters of the final model (+- is the {STANDARD_ERROR}):");
+    let wide = column(diagnosis.last().parameters.iter().map(|own| &own.fitted.variable.name)).max(26);
     for parameter in &diagnosis.last().parameters {
         let interval = diagnosis.profiles.iter().find(|profile| profile.name == parameter.fitted.variable.name);
-        say!("{}", parameter_line(parameter, interval.map(|profile| profile.interval)));
+        say!("{}", parameter_line(parameter, wide, interval.map(|profile| profile.interval)));
     }
     Ok(())
 }
 
-fn parameter_line(parameter: &ParameterResult, interval: Option<(Option<f64>, Option<f64>)>) -> String {
+fn parameter_line(parameter: &ParameterResult, wide: usize, interval: Option<(Option<f64>, Option<f64>)>) -> String {
     let (fitted, variable) = (&parameter.fitted, &parameter.fitted.variable);
     let deviation = fitted.deviation.map_or_else(String::new, |deviation| format!(" +- {deviation:.2e}"));
     let unit = Some(variable.unit.symbol).filter(|symbol| *symbol != "1").unwrap_or_default();
@@ -222,5 +232,5 @@ fn parameter_line(parameter: &ParameterResult, interval: Option<(Option<f64>, Op
         flags.push(format!("{shift:+.1} sigma from its prior"));
     }
     let kind = if parameter.effect { "effect" } else { "" };
-    format!("  {:26} {value:34} {kind:6} ({})", variable.name, flags.join("; "))
+    format!("  {:wide$} {value:34} {kind:6} ({})", variable.name, flags.join("; "))
 }

@@ -1,7 +1,7 @@
 //! Experiments: a folder, or arrays of Python's.
 
 use crate::error::{self, InputError, ModelError};
-use bekker::measurement::{Cells, Columns, Experiment, ExperimentError, Kind, Proposal, WriteError};
+use bekker::measurement::{Cells, Columns, Experiment, ExperimentError, Kind, Problem, Proposal, WriteError};
 use numpy::PyReadonlyArray1;
 use pyo3::exceptions::PyFileExistsError;
 use pyo3::prelude::*;
@@ -15,6 +15,8 @@ pub enum Source<'py> {
     /// Settings as in `experiment.toml`, and the columns of each table that they name.
     Arrays(String, BTreeMap<String, Vec<(String, Column<'py>)>>),
     Folder(PathBuf),
+    /// Several experiments on one soil.
+    Several(Vec<Source<'py>>),
 }
 
 /// A column of Python's.
@@ -29,6 +31,15 @@ impl Source<'_> {
     pub fn read(self, py: Python<'_>) -> PyResult<(Experiment, Material)> {
         let material = match self {
             Self::Folder(folder) => Material::Folder(folder),
+            Self::Several(sources) => {
+                let read = sources.into_iter().map(|source| source.read(py)).collect::<PyResult<Vec<_>>>()?;
+                let (experiments, materials): (Vec<_>, Vec<_>) = read.into_iter().unzip();
+                let joint =
+                    Experiment::joint(experiments).map_err(|refused| InputError::new_err(refused.to_string()))?;
+                let names = joint.parts.iter().map(|part| part.name.clone());
+                let materials = names.zip(materials).collect();
+                return Ok((joint, Material::Several(materials)));
+            }
             Self::Arrays(settings, tables) => {
                 let cells = |(name, column)| match column {
                     Column::Numbers(array) => (name, Cells::Numbers(array.as_array().to_vec())),
@@ -58,6 +69,8 @@ pub enum Material {
         settings: String,
         tables: BTreeMap<String, Columns>,
     },
+    /// Several experiments on one soil, with the names that they have there.
+    Several(Vec<(String, Material)>),
 }
 
 impl Material {
@@ -68,6 +81,10 @@ impl Material {
                 Experiment::texts(folder).map(Self::Texts).map_err(|refused| self.refused(&refused))
             }
             Self::Texts(_) | Self::Arrays { .. } => Ok(self.clone()),
+            Self::Several(parts) => {
+                let portable = |(name, part): &(String, Self)| Ok((name.clone(), part.portable()?));
+                parts.iter().map(portable).collect::<PyResult<_>>().map(Self::Several)
+            }
         }
     }
 
@@ -76,13 +93,23 @@ impl Material {
             Self::Folder(folder) => Experiment::read(folder),
             Self::Texts(texts) => Experiment::from_texts(texts),
             Self::Arrays { settings, tables } => Experiment::from_arrays(settings, tables),
+            Self::Several(parts) => {
+                let read = |(name, part): &(String, Self)| Ok((name.clone(), part.read()?));
+                let parts = parts.iter().map(read).collect::<Result<_, ExperimentError>>()?;
+                Experiment::joint_named(parts).map_err(|refused| ExperimentError {
+                    file: PathBuf::new(),
+                    line: None,
+                    column: None,
+                    problem: Box::new(Problem::Setting(refused.to_string())),
+                })
+            }
         }
     }
 
     fn refused(&self, refused: &ExperimentError) -> PyErr {
         match self {
             Self::Arrays { .. } => InputError::new_err(in_memory(refused)),
-            Self::Folder(_) | Self::Texts(_) => ModelError::new_err(refused.to_string()),
+            Self::Folder(_) | Self::Texts(_) | Self::Several(_) => ModelError::new_err(refused.to_string()),
         }
     }
 }

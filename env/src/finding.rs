@@ -1,9 +1,10 @@
 //! A diagnosis on its way to Python: the JSON of the core, and beside it what only the Python objects hold.
 
-use crate::error::{self, ModelError};
+use crate::error::{self, InputError, ModelError};
 use crate::model::PyModel;
 use bekker::diagnosis::{CandidateResult, Diagnosis, Failure, FinalParameter, Fit, NoiseFloor, ParameterResult, Step};
 use bekker::measurement::{Kind, Run};
+use bekker::model::Model;
 use pyo3::prelude::*;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
@@ -34,12 +35,23 @@ impl NativeDiagnosis {
 
     /// The report, one self-contained HTML page.
     fn html(&self, py: Python<'_>) -> PyResult<String> {
+        if !self.core.experiment.parts.is_empty() {
+            return Err(InputError::new_err(
+                "there is no page of several experiments yet: use to_json, or compare each with its improved model",
+            ));
+        }
         Ok(py.detach(|| error::fenced(|| bekker::report::diagnosis_page(&self.core)))?)
     }
 
     /// The improved model.
     fn improved(&self) -> PyModel {
         PyModel { core: self.core.improved.clone() }
+    }
+
+    /// Of several experiments the improved model of each, by its name.
+    fn improved_parts(&self) -> Vec<(String, PyModel)> {
+        let of = |(name, core): &(String, Model)| (name.clone(), PyModel { core: core.clone() });
+        self.core.improved_parts.iter().map(of).collect()
     }
 }
 

@@ -35,17 +35,26 @@ impl Experiment {
     /// # Errors
     /// [`JointError`] for fewer than two, or one that is joined already.
     pub fn joint(experiments: Vec<Self>) -> Result<Self, JointError> {
+        let mut named: Vec<(String, Self)> = Vec::new();
+        for experiment in experiments {
+            let name = unlike(&short_name(&experiment), &named);
+            named.push((name, experiment));
+        }
+        Self::joint_named(named)
+    }
+
+    /// The same under names that are given; they are different, and in letters, digits, `_` and `-`.
+    ///
+    /// # Errors
+    /// As [`joint`](Self::joint).
+    pub fn joint_named(experiments: Vec<(String, Self)>) -> Result<Self, JointError> {
         if experiments.len() < 2 {
             return Err(JointError::TooFew(experiments.len()));
         }
-        let mut parts: Vec<Part> = Vec::new();
-        for experiment in experiments {
-            if !experiment.parts.is_empty() {
-                return Err(JointError::Nested(experiment.name));
-            }
-            let name = unlike(&short_name(&experiment), &parts);
-            parts.push(Part { name, experiment });
+        if let Some((_, nested)) = experiments.iter().find(|(_, experiment)| !experiment.parts.is_empty()) {
+            return Err(JointError::Nested(nested.name.clone()));
         }
+        let parts: Vec<Part> = experiments.into_iter().map(|(name, experiment)| Part { name, experiment }).collect();
         let names: Vec<&str> = parts.iter().map(|part| part.name.as_str()).collect();
         Ok(Self {
             name: names.join(" + "),
@@ -139,8 +148,8 @@ fn short_name(experiment: &Experiment) -> String {
 }
 
 /// `name`, with a number where a part has it already.
-fn unlike(name: &str, parts: &[Part]) -> String {
-    let taken = |name: &str| parts.iter().any(|part| part.name == name);
+fn unlike(name: &str, parts: &[(String, Experiment)]) -> String {
+    let taken = |name: &str| parts.iter().any(|(known, _)| known == name);
     let numbered = (2..).map(|number| format!("{name}_{number}"));
     std::iter::once(name.to_owned()).chain(numbered).find(|name| !taken(name)).unwrap_or_default()
 }

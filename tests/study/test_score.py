@@ -27,6 +27,9 @@ def test_analytic_what_a_condition_is_besides_is_not_wrong():
     assert score.outcome({"case": "clean", "effects": []}, said("effect_missing", "sensor_lag")) == "false_alarm"
     assert score.outcome({"case": "a", "effects": [effect("a")], **late}, said("effect_missing", "a", "sensor_lag")) == "right"
     assert score.outcome({"case": "a", "effects": [effect("a")], **late}, said("effect_missing", "b", "sensor_lag")) == "wrong"
+    tie = said("undetermined", tied=("a", "b", "tracking_delay"))
+    assert score.outcome({"case": "a", "effects": [effect("a", ["b"])], **late}, tie) == "right_tie"
+    assert score.outcome({"case": "a", "effects": [effect("a", ["b"])]}, tie) == "broad_tie"
     hidden = {"case": "sensor_lag", "effects": [effect("sensor_lag")], **late}
     assert score.outcome(hidden, said("effect_missing", "sensor_lag")) == "right"
 

@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,7 +15,7 @@ from ._bekker import Model
 from .comparison import Failure, Fit, NoiseFloor, UnansweredRows, UncountedRows
 from .curves import Curves
 from .errors import BekkerError, DiagnosisInterrupted, InputError
-from .experiment import ExperimentLike, source
+from .experiment import ExperimentLike, sources
 from .findings import (
     Candidate,
     LackOfFit,
@@ -92,6 +92,9 @@ class Diagnosis:
     ``undetermined``: candidates tie, or the experiment cannot see the difference."""
     effects: list[str]
     """The effects that the verdict names, in part where ``unexplained``; none where ``undetermined``, see :attr:`tied`."""
+    where: dict[str, list[str]]
+    """Where several experiments were diagnosed together: for each effect that the verdict is about, the experiments in which it
+    acts. Candidates that act in some only are called ``slip_sinkage in wheel_2``. Empty for one experiment."""
     noise_floor: dict[str, NoiseFloor]
     """Standard deviation of one sample by signal."""
     noise_floor_source: Literal["stated", "replicates", "unknown"]
@@ -146,6 +149,8 @@ class Diagnosis:
     RoverEnv. Compared with the same experiment it gives the same errors. A wheel on a carriage (``improved.kind``), for
     :func:`bekker.steady_points`, where a single wheel was measured and no rover is named: ``rover.with_rig_of(improved)`` puts
     it on one. What the experiment says of single runs is not part of it."""
+    improved_parts: dict[str, Model]
+    """Of several experiments the improved model of each, by its name, of which :attr:`improved` is the first; empty for one."""
     sources: list[str]
     """What was taken from where, where two places disagree; priors of a class of soil; what drives the rover where no command
     was recorded."""
@@ -289,7 +294,7 @@ class Diagnosis:
 
 
 def diagnose(
-    experiment: ExperimentLike,
+    experiment: ExperimentLike | Sequence[ExperimentLike],
     model: ModelLike | None = None,
     *,
     parameters: Mapping[str, float] | None = None,
@@ -314,7 +319,9 @@ def diagnose(
     interpreter is free for other threads meanwhile; Ctrl-C cuts the simulations at hand short and leaves what was found.
 
     Args:
-        experiment: the folder with ``experiment.toml``, or an :class:`bekker.Experiment`.
+        experiment: the folder with ``experiment.toml``, or an :class:`bekker.Experiment`; or a sequence of these, made on one soil: the
+            soil's parameters are shared, each experiment keeps its rig and its noise, and an effect may act in some of them only,
+            which :attr:`Diagnosis.where` says. Signals and runs then have the name of their experiment before their own.
         model: a Model, the name of a preset, TOML text, or the path of a TOML file; where None, the one that the experiment
             names, or else a plain wheel, or a rover with as many wheels as the commands name.
         parameters: values by name that go before the model and the experiment's ``parameters``, though not before a run's own;
@@ -345,7 +352,7 @@ def diagnose(
     # Fewer cannot give a p-value under 0.01, so that nothing would ever be named.
     _whole("draws", draws, 100)
     native, raised = _bekker.diagnose(
-        source(experiment),
+        sources(experiment),
         *given(model, parameters),
         None if candidates is None else names_of("candidates", candidates),
         names_of("added", added or ()),
@@ -390,6 +397,6 @@ def _list(start: str, names: list[str]) -> str:
 
 def _diagnosis(native: "_bekker.NativeDiagnosis") -> Diagnosis:
     text = native.json()
-    # Only a drive that was cut into windows has the key.
-    found = {"whole_drive": None} | merged(json.loads(text), json.loads(native.details()))
-    return built(Diagnosis, found, improved=native.improved(), _json=text, _native=native)
+    # Only a drive that was cut into windows has the first key, and only several experiments have the second.
+    found = {"whole_drive": None, "where": {}} | merged(json.loads(text), json.loads(native.details()))
+    return built(Diagnosis, found, improved=native.improved(), improved_parts=dict(native.improved_parts()), _json=text, _native=native)

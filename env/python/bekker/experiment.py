@@ -135,6 +135,13 @@ def source(experiment: ExperimentLike) -> str | Arrays:
     raise InputError(f"experiment: expected a folder or a bekker.Experiment, found {type(experiment).__name__}")
 
 
+def sources(experiments: ExperimentLike | Sequence[ExperimentLike]) -> str | Arrays | list[str | Arrays]:
+    """What the native side takes for one experiment, or for several on one soil."""
+    if isinstance(experiments, Sequence) and not isinstance(experiments, str):
+        return [source(experiment) for experiment in experiments]
+    return source(experiments)
+
+
 def _arrays(experiment: Experiment) -> Arrays:
     lines = [f"name = {toml_text.text(experiment.name)}", f"kind = {toml_text.text(experiment.kind)}"]
     lines.append(f"ignore = [{', '.join(toml_text.text(name) for name in experiment.ignore)}]")

@@ -6,6 +6,7 @@ use super::stage::Stage;
 use super::starts::Start;
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::prediction::PredictionError;
+use crate::diagnosis::problem::plain_effect;
 use crate::diagnosis::thresholds::{COMMON, WORTH_A_REFIT};
 
 /// Fits of single effects where none promises more than noise does.
@@ -117,13 +118,14 @@ impl Search<'_> {
     }
 
     /// Refits the sets that arise from `effects` by putting in the place of one of them another candidate whose signature
-    /// has at least the cosine `worth` with it. `stage` is the baseline's.
+    /// has at least the cosine `worth` with it, or that is the same effect acting elsewhere. `stage` is the baseline's.
     pub fn rivals(&mut self, stage: &Stage, effects: &[String], worth: f64) {
         let Some(values) = self.fits.get(effects).map(Calibration::values) else { return };
         let mut sets = Vec::new();
         for own in effects {
             for (k, signature) in stage.sensitivities.signatures.iter().enumerate() {
-                if effects.contains(&signature.id) || stage.cosine(own, &signature.id) < worth {
+                let elsewhere = plain_effect(own) == plain_effect(&signature.id);
+                if effects.contains(&signature.id) || !elsewhere && stage.cosine(own, &signature.id) < worth {
                     continue;
                 }
                 let Some(other) = self.single(stage, &signature.id, k) else { continue };

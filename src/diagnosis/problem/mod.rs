@@ -162,7 +162,7 @@ impl<'a> Problem<'a> {
         strategy(&self.experiment)
     }
 
-    /// Keeps only the candidates named.
+    /// Keeps only the candidates named; of several experiments each wherever it may act, unless its name says where.
     ///
     /// # Errors
     /// [`CompareError::UnknownEffect`], [`CompareError::EffectTwice`].
@@ -171,7 +171,8 @@ impl<'a> Problem<'a> {
         if let Some(id) = ids.iter().find(|id| !self.library.iter().any(|candidate| candidate.id == **id)) {
             return Err(unknown_effect(id, &self.library));
         }
-        self.library.retain(|candidate| ids.contains(&candidate.id));
+        let asked = |id: &str| ids.iter().any(|asked| asked == id);
+        self.library.retain(|candidate| asked(&candidate.id) || asked(plain_effect(&candidate.id)));
         Ok(())
     }
 
@@ -382,6 +383,7 @@ fn refuse_twice(ids: &[String]) -> Result<(), CompareError> {
 }
 
 fn unknown_effect(id: &str, library: &[Candidate]) -> CompareError {
-    let known = library.iter().map(|candidate| candidate.id.as_str()).collect::<Vec<_>>().join(", ");
+    let plain = library.iter().map(|candidate| candidate.id.as_str()).filter(|id| plain_effect(id) == *id);
+    let known = plain.collect::<Vec<_>>().join(", ");
     CompareError::UnknownEffect { id: id.to_owned(), known }
 }

@@ -1,0 +1,204 @@
+//! Several experiments on one soil, diagnosed together: what is shared, what stays with each, and where an effect acts.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+
+use bekker::diagnosis::{
+    CompareError, CompareOptions, Control, DiagnoseOptions, Diagnosis, Given, Rig, Verdict, compare, diagnose,
+    plain_effect, steady_point,
+};
+use bekker::measurement::{Experiment, JointError};
+use bekker::model::Model;
+use bekker::modeldescription::Lookup;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use std::fmt::Write;
+use std::path::Path;
+
+/// Noise of each signal, as a share of its largest value.
+const NOISE: f64 = 0.01;
+/// Standard errors within which an estimate must lie: 1 in 16,000 beyond.
+const WITHIN: f64 = 4.0;
+/// n1 of Ding's slip-sinkage where it acts.
+const HIDDEN: f64 = 0.25;
+
+const SLIPS: [f64; 8] = [0.02, 0.08, 0.15, 0.25, 0.35, 0.45, 0.55, 0.65];
+
+fn model() -> Model {
+    Model::preset("two_wheeled").unwrap()
+}
+
+/// A wheel of this width (m) on the default soil, `n1` of slip-sinkage, measured three times under two loads.
+fn wheel(folder: &str, name: &str, width: f64, n1: f64, settings: &str) -> Experiment {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("diagnosis_joint").join(folder).join(name);
+    std::fs::create_dir_all(&folder).unwrap();
+    let mut rng = ChaCha8Rng::seed_from_u64((width * 1e4) as u64);
+    let mut rig = Rig::of(&model().rover);
+    rig.wheel.width = width;
+    rig.set("slip_sinkage.n1", n1).unwrap();
+    let mut toml =
+        format!("name = \"{name}\"\nkind = \"single_wheel\"\n[parameters]\n\"wheel.width\" = {width}\n{settings}\n");
+    for load in [25.0, 50.0] {
+        for repeat in ["a", "b", "c"] {
+            let mut csv = "load,slip,wheel_speed,drawbar_pull,torque,sinkage\n".to_owned();
+            for slip in SLIPS {
+                let point = steady_point(&rig, load, slip, 0.5).unwrap();
+                let mut noisy = |value: f64, size: f64| {
+                    let draw: f64 = StandardNormal.sample(&mut rng);
+                    value + NOISE * size * draw
+                };
+                let (pull, torque, sinkage) =
+                    (noisy(point.drawbar_pull, 20.0), noisy(point.torque, 2.0), noisy(point.sinkage, 0.02));
+                writeln!(csv, "{load},{slip},0.5,{pull:.9e},{torque:.9e},{sinkage:.9e}").unwrap();
+            }
+            let file = format!("load{load}_{repeat}.csv");
+            std::fs::write(folder.join(&file), csv).unwrap();
+            writeln!(toml, "[[run]]\nfile = \"{file}\"\ngroup = \"load{load}\"").unwrap();
+        }
+    }
+    std::fs::write(folder.join("experiment.toml"), toml).unwrap();
+    Experiment::read(folder).unwrap()
+}
+
+/// Two wheels, of which the second one has slip-sinkage of `n1`.
+fn pair(folder: &str, n1: f64) -> Experiment {
+    Experiment::joint(vec![wheel(folder, "narrow", 0.10, 0.0, ""), wheel(folder, "wide", 0.16, n1, "")]).unwrap()
+}
+
+fn diagnosed(experiment: &Experiment) -> Diagnosis {
+    // An effect is tried wherever it may act.
+    let candidates = Some(["slip_sinkage", "torque_scale"].map(str::to_owned).to_vec());
+    let options = DiagnoseOptions { candidates, draws: 199, ..DiagnoseOptions::default() };
+    diagnose(Given::default(), experiment, &options, &Control::default()).unwrap()
+}
+
+#[test]
+fn property_each_experiment_keeps_its_signals_runs_and_parameters() {
+    let joint = pair("names", 0.0);
+    assert_eq!(joint.name, "narrow + wide");
+    assert_eq!(joint.runs.len(), 12);
+    assert_eq!(joint.runs_of_parts(), [0..6, 6..12]);
+    assert_eq!(joint.signals()[..2], ["narrow.drawbar_pull", "narrow.torque"]);
+    let (first, last) = (&joint.runs[0], &joint.runs[11]);
+    assert_eq!((first.name.as_str(), last.name.as_str()), ("narrow/load25_a", "wide/load50_c"));
+    assert_eq!((first.parameters["wheel.width"], last.parameters["wheel.width"]), (0.10, 0.16));
+    // Inputs have no name of their own: they are set, not measured.
+    assert!(last.data.column("slip").is_some() && last.data.column("torque").is_none());
+    let fewer = joint.with_runs(&[0, 11]);
+    assert_eq!(fewer.runs_of_parts(), [0..1, 1..2]);
+    assert_eq!(fewer.parts[1].experiment.runs[0].name, "load50_c");
+}
+
+#[test]
+fn property_folders_of_one_name_are_told_apart_and_a_set_is_not_nested() {
+    let same = [wheel("one", "wheel", 0.10, 0.0, ""), wheel("two", "wheel", 0.16, 0.0, "")];
+    let joint = Experiment::joint(same.to_vec()).unwrap();
+    assert_eq!(joint.name, "wheel + wheel_2");
+    assert_eq!(Experiment::joint(same[..1].to_vec()).unwrap_err(), JointError::TooFew(1));
+    let nested = Experiment::joint(vec![joint, same[0].clone()]).unwrap_err();
+    assert_eq!(nested, JointError::Nested("wheel + wheel_2".to_owned()));
+}
+
+#[test]
+fn agreement_an_effect_of_one_experiment_is_named_with_its_place() {
+    let experiment = pair("one_place", HIDDEN);
+    let diagnosis = diagnosed(&experiment);
+    assert_eq!(diagnosis.verdict, Verdict::EffectMissing);
+    assert_eq!(diagnosis.effects, ["slip_sinkage in wide"]);
+    let json = diagnosis.to_json();
+    assert_eq!(json["effects"], serde_json::json!(["slip_sinkage"]));
+    assert_eq!(json["where"], serde_json::json!({ "slip_sinkage": ["wide"] }));
+    let strength = diagnosis.last().parameters.iter().find(|parameter| parameter.effect).unwrap();
+    assert_eq!(strength.fitted.variable.name, "slip_sinkage in wide.n1");
+    let error = strength.fitted.deviation.unwrap();
+    assert!((strength.fitted.value - HIDDEN).abs() < WITHIN * error, "{} +- {error}", strength.fitted.value);
+    // Each improved model gives its own experiment the errors of the joint fit.
+    let [(narrow, without), (wide, with)] = diagnosis.improved_parts.as_slice() else { panic!("two models") };
+    assert_eq!((narrow.as_str(), wide.as_str()), ("narrow", "wide"));
+    assert_eq!(without.clone().get("slip_sinkage.n1").unwrap(), 0.0);
+    assert_eq!(with.clone().get("slip_sinkage.n1").unwrap(), strength.fitted.value);
+    for (part, model) in experiment.parts.iter().zip([without, with]) {
+        let own = compare(model, &part.experiment, &CompareOptions::default()).unwrap();
+        for (signal, error) in &own.fit().rmse {
+            assert_eq!(diagnosis.last().rmse[&part.signal(signal)], *error, "{signal} of {}", part.name);
+        }
+    }
+}
+
+#[test]
+fn agreement_an_effect_of_all_experiments_is_named_once() {
+    let soft = [wheel("all", "narrow", 0.10, HIDDEN, ""), wheel("all", "wide", 0.16, HIDDEN, "")];
+    let diagnosis = diagnosed(&Experiment::joint(soft.to_vec()).unwrap());
+    assert_eq!(diagnosis.effects, ["slip_sinkage"]);
+    assert_eq!(diagnosis.to_json()["where"], serde_json::json!({ "slip_sinkage": ["narrow", "wide"] }));
+}
+
+#[test]
+fn agreement_nothing_is_missing_where_nothing_was_hidden() {
+    let diagnosis = diagnosed(&pair("clean", 0.0));
+    assert_eq!(diagnosis.verdict, Verdict::Explained);
+    // Two widths tell k_c from k_phi, which neither wheel does by itself.
+    let names: Vec<&str> =
+        diagnosis.baseline().parameters.iter().map(|own| own.fitted.variable.name.as_str()).collect();
+    assert!(
+        names.contains(&"soil.k_c") && names.iter().filter(|name| **name == "soil.k_phi").count() == 1,
+        "{names:?}"
+    );
+}
+
+#[test]
+fn property_any_number_of_threads_gives_the_same_bits() {
+    let experiment = pair("threads", HIDDEN);
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| diagnosed(&experiment).to_json().to_string())
+    };
+    assert_eq!(with(1), with(3));
+}
+
+#[test]
+fn property_what_one_experiment_states_of_the_soil_holds_in_all() {
+    let stated = wheel("stated", "narrow", 0.10, 0.0, "\"soil.cohesion\" = 900.0\n");
+    let other = wheel("stated", "wide", 0.16, 0.0, "");
+    let joint = Experiment::joint(vec![stated.clone(), other]).unwrap();
+    let diagnosis = diagnosed(&joint);
+    assert!(!diagnosis.baseline().parameters.iter().any(|own| own.fitted.variable.name == "soil.cohesion"));
+    let line = "soil.cohesion: 900, which narrow states, holds in wide too";
+    assert!(diagnosis.sources.iter().any(|source| source == line), "{:?}", diagnosis.sources);
+    for (_, model) in &diagnosis.improved_parts {
+        assert_eq!(model.clone().get("soil.cohesion").unwrap(), 900.0);
+    }
+    let against = wheel("stated", "third", 0.12, 0.0, "\"soil.cohesion\" = 800.0\n");
+    let joint = Experiment::joint(vec![stated, against]).unwrap();
+    let refused = diagnose(Given::default(), &joint, &DiagnoseOptions::default(), &Control::default()).unwrap_err();
+    let CompareError::Vehicle(words) = refused else { panic!("{refused}") };
+    assert!(words.contains("soil.cohesion is 900 in narrow and 800 in third"), "{words}");
+}
+
+#[test]
+fn analytic_two_different_priors_of_one_soil_count_together() {
+    // 1000 +- 100 and 1300 +- 200: weights 4 to 1.
+    let prior = |mean: f64, sd: f64| format!("[priors]\n\"soil.cohesion\" = {{ mean = {mean}, sd = {sd} }}\n");
+    let one = wheel("priors", "narrow", 0.10, 0.0, &prior(1000.0, 100.0));
+    let two = wheel("priors", "wide", 0.16, 0.0, &prior(1300.0, 200.0));
+    let of = |parts: &[&Experiment]| {
+        let joint = Experiment::joint(parts.iter().map(|part| (*part).clone()).collect()).unwrap();
+        let found = diagnosed(&joint);
+        let cohesion = found.baseline().parameters.iter().find(|own| own.fitted.variable.name == "soil.cohesion");
+        cohesion.unwrap().fitted.prior.unwrap()
+    };
+    let both = of(&[&one, &two]);
+    let rounding = 1e-9;
+    assert!(
+        (both.mean - 1060.0).abs() < rounding && (both.deviation - (8000.0_f64).sqrt()).abs() < rounding,
+        "{both:?}"
+    );
+    // One test that both folders state is one test.
+    let again = wheel("priors_again", "wide", 0.16, 0.0, &prior(1000.0, 100.0));
+    assert_eq!(of(&[&one, &again]).deviation, 100.0);
+}
+
+#[test]
+fn property_an_effect_has_a_plain_name() {
+    assert_eq!(plain_effect("slip_sinkage in wide"), "slip_sinkage");
+}
