@@ -1,8 +1,8 @@
 //! `bekker calibrate`.
 
 use crate::compare::{print_errors, print_parameters};
+use crate::experiments::Experiments;
 use crate::import;
-use crate::model::ModelArguments;
 use crate::output::{check_all_writable, say, write_json};
 use crate::progress::Reporter;
 use crate::saving::{Saving, print_sources};
@@ -16,10 +16,8 @@ use std::path::PathBuf;
 #[derive(clap::Args)]
 #[command(after_help = import::FORMAT)]
 pub struct Calibrate {
-    /// Folder of the experiment, with `experiment.toml` and CSV files.
-    experiment: PathBuf,
     #[command(flatten)]
-    model: ModelArguments,
+    experiments: Experiments,
     #[command(flatten)]
     soil: SoilFrom,
     /// Switch effects on, separated by commas; their parameters are calibrated too.
@@ -36,8 +34,8 @@ pub struct Calibrate {
 
 impl Calibrate {
     pub fn run(self) -> Result<()> {
-        let experiment = import::read(&self.experiment)?;
-        let given = self.soil.add_to(self.model.given()?)?;
+        let (experiment, given) = self.experiments.read()?;
+        let given = self.soil.add_to(given)?;
         let saving = self.saving.prepare(&experiment)?;
         check_all_writable([&self.json])?;
         self.save_soil.prepare()?;
@@ -54,10 +52,11 @@ impl Calibrate {
             say!("{words}");
         }
         say!("weights (standard deviation of one sample, by which residuals were divided):");
+        let wide = calibration.weights.keys().map(String::len).max().unwrap_or(0).max(22);
         for (signal, weight) in &calibration.weights {
             let source = comparison.noise_floor.get(signal).map_or("unknown", |floor| floor.source().name());
             let source = if source == "unknown" { "the signal's own scatter: noise unknown" } else { source };
-            say!("  {signal:22} {weight:.4e} ({source})");
+            say!("  {signal:wide$} {weight:.4e} ({source})");
         }
         for caution in &comparison.cautions {
             say!("caution: {caution}");
@@ -66,7 +65,7 @@ impl Calibrate {
         if let Some(path) = &self.json {
             write_json(path, &as_json(&comparison, calibration))?;
         }
-        saving.write(&comparison.model, "the calibrated model")
+        saving.write_all(&comparison.model, &comparison.part_models, "the calibrated model")
     }
 }
 

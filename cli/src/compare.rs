@@ -1,8 +1,8 @@
 //! `bekker compare`.
 
 use crate::diagnosis_text::print_uncounted;
+use crate::experiments::{Experiments, no_page_of_several};
 use crate::import;
-use crate::model::ModelArguments;
 use crate::output::{check_writable, say};
 use crate::progress::Reporter;
 use crate::saving::{Saving, print_sources};
@@ -19,10 +19,8 @@ use std::path::{Path, PathBuf};
 #[derive(clap::Args)]
 #[command(after_help = import::FORMAT)]
 pub struct Compare {
-    /// Folder of the experiment, with `experiment.toml` and CSV files.
-    experiment: PathBuf,
     #[command(flatten)]
-    model: ModelArguments,
+    experiments: Experiments,
     #[command(flatten)]
     soil: SoilFrom,
     /// Calibrate the free parameters first, within their bounds.
@@ -40,9 +38,10 @@ pub struct Compare {
 
 impl Compare {
     pub fn run(self) -> Result<()> {
-        let experiment = import::read(&self.experiment)?;
-        let given = self.soil.add_to(self.model.given()?)?;
+        let (experiment, given) = self.experiments.read()?;
+        let given = self.soil.add_to(given)?;
         let saving = self.saving.prepare(&experiment)?;
+        no_page_of_several(&experiment, self.html.as_ref())?;
         if let Some(path) = &self.html {
             check_writable(path)?;
         }
@@ -56,7 +55,8 @@ impl Compare {
             write_page(&comparison, path)?;
             say!("wrote {}", path.display());
         }
-        saving.write(&comparison.model, if calibrate { "the calibrated model" } else { "the model as it was compared" })
+        let what = if calibrate { "the calibrated model" } else { "the model as it was compared" };
+        saving.write_all(&comparison.model, &comparison.part_models, what)
     }
 }
 
@@ -99,13 +99,14 @@ pub fn print(comparison: &Comparison, indent: &str) -> Result<()> {
 }
 
 pub fn print_errors(comparison: &Comparison, indent: &str) -> Result<()> {
-    say!("{indent}{:16} {:>12} {:>12} {:>12}", "error (RMS, SI)", "as given", "calibrated", "noise floor");
+    let wide = comparison.fit().rmse.keys().map(String::len).max().unwrap_or(0).max(16);
+    say!("{indent}{:wide$} {:>12} {:>12} {:>12}", "error (RMS, SI)", "as given", "calibrated", "noise floor");
     let cell = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.5}"));
     for (signal, best) in &comparison.fit().rmse {
         let given = comparison.given.as_ref().ok().and_then(|fit| fit.rmse.get(signal).copied());
         let calibrated = comparison.calibrated.as_ref().map(|_| *best);
         let floor = comparison.noise_floor.get(signal).and_then(|floor| floor.value());
-        say!("{indent}{signal:16} {:>12} {:>12} {:>12}", cell(given), cell(calibrated), cell(floor));
+        say!("{indent}{signal:wide$} {:>12} {:>12} {:>12}", cell(given), cell(calibrated), cell(floor));
     }
     if let Err(error) = &comparison.given {
         say!("{indent}with the given parameters the model has no answer anywhere: {error}");

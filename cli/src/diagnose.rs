@@ -1,7 +1,7 @@
 //! `bekker diagnose`.
 
 use crate::diagnosis_text::print;
-use crate::model::ModelChanges;
+use crate::experiments::{Experiments, no_page_of_several};
 use crate::output::{check_all_writable, write, write_json};
 use crate::progress::Reporter;
 use crate::saving::{Saving, print_sources};
@@ -9,7 +9,6 @@ use crate::soil_from::SoilFrom;
 use crate::{import, interrupt};
 use anyhow::{Context, Result, bail};
 use bekker::diagnosis::{CompareError, Control, DiagnoseOptions, diagnose};
-use bekker::measurement::Experiment;
 use bekker::report::diagnosis_page;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -18,12 +17,8 @@ use std::time::Duration;
 #[derive(clap::Args)]
 #[command(after_help = import::FORMAT)]
 pub struct Diagnose {
-    /// Folders of experiments, each with `experiment.toml` and CSV files; of several, made on one soil, the soil's parameters are shared, and
-    /// an effect may act in some of them only. A file (TOML) or the name of a built-in model behind them is the model.
-    #[arg(required = true, value_name = "EXPERIMENT.. [MODEL]")]
-    experiments: Vec<PathBuf>,
     #[command(flatten)]
-    changes: ModelChanges,
+    experiments: Experiments,
     #[command(flatten)]
     soil: SoilFrom,
     /// Candidate effects, separated by commas; all if not given.
@@ -57,14 +52,10 @@ pub struct Diagnose {
 
 impl Diagnose {
     pub fn run(self) -> Result<()> {
-        let (experiment, model) = read(&self.experiments)?;
-        let given = self.soil.add_to(self.changes.with(model).given()?)?;
+        let (experiment, given) = self.experiments.read()?;
+        let given = self.soil.add_to(given)?;
         let saving = self.saving.prepare(&experiment)?;
-        if self.html.is_some() && !experiment.parts.is_empty() {
-            bail!(
-                "--html: there is no page of several experiments yet; use --json, or --save and `bekker compare` for each of them"
-            );
-        }
+        no_page_of_several(&experiment, self.html.as_ref())?;
         check_all_writable([&self.json, &self.html])?;
         if let Some(threads) = self.threads {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
@@ -97,25 +88,8 @@ impl Diagnose {
         if let Some(path) = &self.html {
             write(path, &diagnosis_page(&diagnosis))?;
         }
-        if diagnosis.improved_parts.is_empty() {
-            saving.write(&diagnosis.improved, &diagnosis.improved_is())?;
-        }
-        for (name, model) in &diagnosis.improved_parts {
-            saving.of_part(name).write(model, &format!("{}, as it is in {name}", diagnosis.improved_is()))?;
-        }
-        Ok(())
+        saving.write_all(&diagnosis.improved, &diagnosis.improved_parts, &diagnosis.improved_is())
     }
-}
-
-/// The experiment, or several as one, and the model that is named behind them. A folder is an experiment.
-fn read(paths: &[PathBuf]) -> Result<(Experiment, Option<String>)> {
-    let (folders, model) = match paths {
-        [folders @ .., last] if !folders.is_empty() && !last.is_dir() => (folders, Some(last)),
-        folders => (folders, None),
-    };
-    let mut experiments = folders.iter().map(|folder| import::read(folder)).collect::<Result<Vec<_>>>()?;
-    let experiment = if experiments.len() == 1 { experiments.remove(0) } else { Experiment::joint(experiments)? };
-    Ok((experiment, model.map(|path| path.to_string_lossy().into_owned())))
 }
 
 /// A positive time in seconds.

@@ -9,6 +9,7 @@ mod diagnose;
 mod diagnosis_text;
 mod example;
 mod experiment;
+mod experiments;
 mod fmu;
 mod ground;
 mod import;

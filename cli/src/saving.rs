@@ -52,8 +52,19 @@ impl Prepared {
         self.path.as_ref()
     }
 
-    /// The same for one of several experiments: its name stands behind that of the file.
-    pub fn of_part(&self, name: &str) -> Self {
+    /// Writes the model or, of several experiments, that of each: its name stands behind that of the file.
+    pub fn write_all(&self, model: &Model, parts: &[(String, Model)], what: &str) -> Result<()> {
+        if parts.is_empty() {
+            return self.write(model, what);
+        }
+        for (name, model) in parts {
+            self.of_part(name).write(model, &format!("{what}, as it is in {name}"))?;
+        }
+        Ok(())
+    }
+
+    /// The same for one of several experiments.
+    fn of_part(&self, name: &str) -> Self {
         let beside = |path: &PathBuf| {
             let stem = path.file_stem().unwrap_or_default().to_string_lossy();
             let ending = path.extension().map(|ending| format!(".{}", ending.to_string_lossy())).unwrap_or_default();

@@ -142,6 +142,8 @@ pub struct Comparison {
     /// errors. A wheel on a carriage where a single wheel was measured and no rover is named. What the experiment says of
     /// single runs is not part of it, nor are errors of its sensors.
     pub model: Model,
+    /// Of several experiments the model of each, by its name; empty for one experiment.
+    pub part_models: Vec<(String, Model)>,
     /// The experiment with this model, on which others can be tried.
     pub workbench: Workbench,
     /// What a calibration found of the soil, with its covariance, for other experiments; `None` without one, or where no parameter of the
@@ -216,6 +218,7 @@ fn as_given(problem: &Problem, given: Answers) -> Result<Comparison, CompareErro
         cautions: Vec::new(),
         sources: problem.sources.clone(),
         model: problem.saved(&problem.base, &start),
+        part_models: problem.saved_parts(&problem.base, &start),
         workbench: Workbench::given(problem, noise_floors(experiment, layout, &given.values)),
         soil: None,
         identified: Vec::new(),
@@ -255,6 +258,7 @@ fn calibrated(problem: Problem, given: Result<Answers, PredictionError>) -> Resu
         cautions: prepared.cautions,
         sources: problem.sources.clone(),
         model: problem.saved(&problem.base, &values),
+        part_models: problem.saved_parts(&problem.base, &values),
         soil: information.as_ref().and_then(|all| found_soil(&posed, &prepared.baseline, all)),
         identified: information.map_or_else(Vec::new, |all| identified(&posed, &prepared.baseline, &all)),
         best,

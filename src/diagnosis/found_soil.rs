@@ -33,7 +33,7 @@ pub(crate) fn found_soil(problem: &Problem, fit: &Calibration, information: &Inf
         })
     };
     let parameters: Vec<KnownParameter> = of_soil.iter().filter_map(parameter).collect();
-    let contact_widths = strategy(&problem.experiment).contact_widths(&problem.models);
+    let contact_widths = strategy(&problem.experiment).contact_widths(&problem.experiment, &problem.models);
     (!parameters.is_empty()).then(|| KnownSoil { name: problem.experiment.name.clone(), contact_widths, parameters })
 }
 

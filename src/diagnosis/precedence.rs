@@ -114,7 +114,7 @@ pub(super) fn resolve(given: &Given, experiment: &Experiment) -> Result<Resolved
     });
     let runs: Vec<Model> = runs.collect::<Result<_, CompareError>>()?;
     strategy.check_rig(experiment, &runs)?;
-    sources.extend(joint.as_ref().and_then(|joint| other_width(joint, &strategy.contact_widths(&runs))));
+    sources.extend(joint.as_ref().and_then(|joint| other_width(joint, &strategy.contact_widths(experiment, &runs))));
     Ok(Resolved { known: model, runs, held, priors, joint, found, sources })
 }
 

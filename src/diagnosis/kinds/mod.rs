@@ -115,7 +115,7 @@ pub(crate) trait Strategy: Debug + Sync {
     }
 
     /// Different widths of the contact, m, rising.
-    fn contact_widths(&self, models: &[Model]) -> Vec<f64> {
+    fn contact_widths(&self, _experiment: &Experiment, models: &[Model]) -> Vec<f64> {
         let mut all: Vec<f64> = models.iter().map(|model| model.rover.wheel.width).collect();
         all.sort_by(f64::total_cmp);
         all.dedup();

@@ -9,6 +9,7 @@ use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::free::{Free, Within};
 use crate::diagnosis::given::Given;
 use crate::diagnosis::halt::Halt;
+use crate::diagnosis::kinds::strategy;
 use crate::diagnosis::layout::Layout;
 use crate::diagnosis::windows::Windows;
 use crate::measurement::{Experiment, Part, Prior, SensorError};
@@ -40,7 +41,8 @@ impl<'a> Problem<'a> {
         let stated = stated(&experiment.parts)?;
         one_class(&experiment.parts)?;
         let mut problems = pose(given, experiment, false)?;
-        if many_widths(&problems) {
+        let models: Vec<Model> = problems.iter().flat_map(|problem| problem.models.clone()).collect();
+        if strategy(experiment).contact_widths(experiment, &models).len() > 1 {
             problems = pose(given, experiment, true)?;
         }
         for (name, (value, _)) in &stated {
@@ -130,16 +132,6 @@ fn pose(given: &Given, experiment: &Experiment, other_widths: bool) -> Result<Ve
         problem.map(Problem::owned).map_err(|error| error.of_part(&part.name))
     };
     experiment.parts.iter().map(of).collect()
-}
-
-/// Whether contacts of different widths press on the soil, in experiments that tell of it.
-fn many_widths(problems: &[Problem]) -> bool {
-    let tells = |problem: &&Problem| problem.strategy().calibrates("soil.k_c");
-    let mut widths: Vec<f64> =
-        problems.iter().filter(tells).flat_map(|problem| problem.strategy().contact_widths(&problem.models)).collect();
-    widths.sort_by(f64::total_cmp);
-    widths.dedup();
-    widths.len() > 1
 }
 
 /// Values of shared parameters that some part states, with the name of that part.

@@ -80,6 +80,18 @@ impl Strategy for Joint {
         Ok(choice.model.kind)
     }
 
+    /// Of those parts that tell of it.
+    fn contact_widths(&self, experiment: &Experiment, models: &[Model]) -> Vec<f64> {
+        let tells = |part: &Part| strategy(&part.experiment).calibrates("soil.k_c");
+        let of = |(part, runs): (&Part, Range<usize>)| {
+            strategy(&part.experiment).contact_widths(&part.experiment, &models[runs])
+        };
+        let mut widths: Vec<f64> = parts(experiment).filter(|(part, _)| tells(part)).flat_map(of).collect();
+        widths.sort_by(f64::total_cmp);
+        widths.dedup();
+        widths
+    }
+
     fn noise_scale(&self, problem: &Problem, modelled: &[f64]) -> Vec<f64> {
         let mut all = Vec::new();
         let mut differ = false;

@@ -88,7 +88,7 @@ impl Strategy for SoilTest {
         !name.starts_with("soil.") || self.soil.contains(&name)
     }
 
-    fn contact_widths(&self, models: &[Model]) -> Vec<f64> {
+    fn contact_widths(&self, _: &Experiment, models: &[Model]) -> Vec<f64> {
         plates::widths(models)
     }
 
