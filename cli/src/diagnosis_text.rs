@@ -204,12 +204,27 @@ fn line(candidate: &CandidateResult, wide: usize) -> String {
 /// Free parameters of the final model, with bounds and flags.
 fn print_parameters(diagnosis: &Diagnosis) -> Result<()> {
     say!("\nfree parameters of the final model (+- is the {STANDARD_ERROR}):");
-    let wide = column(diagnosis.last().parameters.iter().map(|own| &own.fitted.variable.name)).max(26);
-    for parameter in &diagnosis.last().parameters {
+    let (factors, parameters): (Vec<&ParameterResult>, Vec<&ParameterResult>) =
+        diagnosis.last().parameters.iter().partition(|own| own.fitted.variable.name.starts_with("soil_scatter in "));
+    let wide = column(parameters.iter().map(|own| &own.fitted.variable.name)).max(26);
+    for parameter in parameters {
         let interval = diagnosis.profiles.iter().find(|profile| profile.name == parameter.fitted.variable.name);
         say!("{}", parameter_line(parameter, wide, interval.map(|profile| profile.interval)));
     }
+    if !factors.is_empty() {
+        say!("  soil of each experiment over that of all: {}", scattered(&factors));
+    }
     Ok(())
+}
+
+/// Factors on the soil of each experiment.
+fn scattered(factors: &[&ParameterResult]) -> String {
+    let words = |factor: &&ParameterResult| {
+        let name = factor.fitted.variable.name.trim_start_matches("soil_scatter in ");
+        let (part, what) = name.rsplit_once('.').unwrap_or(("", name));
+        format!("{what} {:.3} in {part}", factor.fitted.value)
+    };
+    factors.iter().map(words).collect::<Vec<_>>().join(", ")
 }
 
 fn parameter_line(parameter: &ParameterResult, wide: usize, interval: Option<(Option<f64>, Option<f64>)>) -> String {

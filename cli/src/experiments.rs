@@ -17,6 +17,10 @@ pub struct Experiments {
     experiments: Vec<PathBuf>,
     #[command(flatten)]
     changes: ModelChanges,
+    /// Of several experiments: relative standard deviation of the soil from one to the next, 0 where all were made in one bed; 0.05 if not
+    /// given.
+    #[arg(long, value_name = "SHARE")]
+    soil_scatter: Option<f64>,
 }
 
 impl Experiments {
@@ -29,7 +33,14 @@ impl Experiments {
         let mut read = folders.iter().map(|folder| import::read(folder)).collect::<Result<Vec<_>>>()?;
         let experiment = if read.len() == 1 { read.remove(0) } else { Experiment::joint(read)? };
         let model = model.map(|path| path.to_string_lossy().into_owned());
-        Ok((experiment, self.changes.with(model).given()?))
+        let mut given = self.changes.with(model).given()?;
+        if let Some(deviation) = self.soil_scatter {
+            if experiment.parts.is_empty() {
+                bail!("--soil-scatter: this is a single experiment; it says how the soils of several differ");
+            }
+            given = given.with_soil_scatter(deviation)?;
+        }
+        Ok((experiment, given))
     }
 }
 

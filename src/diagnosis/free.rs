@@ -29,6 +29,8 @@ pub(crate) struct Within {
     pub parts: Vec<usize>,
     /// Name of the parameter in the model of each of them.
     pub name: String,
+    /// Parameters of these models that it multiplies; none where it is one itself.
+    pub factor_of: Vec<String>,
 }
 
 impl Free {
@@ -48,7 +50,24 @@ impl Free {
     pub fn in_part(&self, part: usize) -> Option<Self> {
         let Some(within) = &self.within else { return Some(self.clone()) };
         let variable = Variable { name: within.name.clone(), ..self.variable.clone() };
-        within.parts.contains(&part).then(|| Self { variable, within: None, ..self.clone() })
+        (within.factor_of.is_empty() && within.parts.contains(&part)).then(|| Self {
+            variable,
+            within: None,
+            ..self.clone()
+        })
+    }
+
+    /// Parameters of part number `part` that it multiplies.
+    pub fn factor_in(&self, part: usize) -> &[String] {
+        match &self.within {
+            Some(within) if within.parts.contains(&part) => &within.factor_of,
+            _ => &[],
+        }
+    }
+
+    /// Whether it is a factor on other parameters: the scatter of the soil from one experiment to the next.
+    pub fn is_factor(&self) -> bool {
+        self.within.as_ref().is_some_and(|within| !within.factor_of.is_empty())
     }
 
     /// Whether it is an error of a sensor rather than a parameter of the model.

@@ -2,6 +2,7 @@
 
 use super::compare::CompareError;
 use super::precedence;
+use super::problem::{LARGEST_SCATTER, USUAL_SCATTER};
 use crate::effects::EffectDefinition;
 use crate::known_soil::KnownSoil;
 use crate::measurement::Experiment;
@@ -28,6 +29,8 @@ pub struct Given {
     pub(super) effects: Vec<EffectDefinition>,
     /// What is known of the soil from other experiments, and how it is called in messages.
     pub(super) soil: Option<(KnownSoil, String)>,
+    /// Relative standard deviation of the soil from one of several experiments to the next.
+    pub(super) soil_scatter: f64,
 }
 
 /// A model and the name that it was given by.
@@ -42,7 +45,14 @@ pub(super) struct Named {
 
 impl Default for Given {
     fn default() -> Self {
-        Self { named: None, set: BTreeMap::new(), set_by: "--set", effects: Vec::new(), soil: None }
+        Self {
+            named: None,
+            set: BTreeMap::new(),
+            set_by: "--set",
+            effects: Vec::new(),
+            soil: None,
+            soil_scatter: USUAL_SCATTER,
+        }
     }
 }
 
@@ -82,6 +92,21 @@ impl Given {
     pub fn with_soil(mut self, soil: KnownSoil, name: &str) -> Self {
         self.soil = Some((soil, name.to_owned()));
         self
+    }
+
+    /// Relative standard deviation of the soil from one of several experiments to the next, 0 to 0.5: of its stiffness, cohesion and
+    /// shear modulus, and a fifth of it of the angle of friction. 0 where all were made in one bed; 0.05 where nothing is said.
+    ///
+    /// # Errors
+    /// [`CompareError::Vehicle`] where the number is outside of that.
+    pub fn with_soil_scatter(mut self, deviation: f64) -> Result<Self, CompareError> {
+        if !(0.0..=LARGEST_SCATTER).contains(&deviation) {
+            return Err(CompareError::Vehicle(format!(
+                "scatter of the soil from one experiment to the next: expected a share from 0 to {LARGEST_SCATTER}, found {deviation}"
+            )));
+        }
+        self.soil_scatter = deviation;
+        Ok(self)
     }
 
     /// The known soil.

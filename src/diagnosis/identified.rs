@@ -60,7 +60,9 @@ pub(crate) fn identified(problem: &Problem, fit: &Calibration, information: &Inf
     };
     let names: Vec<&str> = free.iter().map(|free| free.variable.name.as_str()).collect();
     let mut found = of_precisions(&names, &information.before(), &information.after(), &step).unwrap_or_default();
-    found.retain(|one| fit.parameters.iter().any(|own| own.variable.name == one.name && !own.at_bound));
+    let factor = |name: &str| free.iter().any(|free| free.variable.name == name && free.is_factor());
+    let at_bound = |name: &str| fit.parameters.iter().any(|own| own.variable.name == name && own.at_bound);
+    found.retain(|one| !at_bound(&one.name) && !factor(&one.name));
     found
 }
 

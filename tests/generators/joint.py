@@ -28,6 +28,7 @@ WHEELS = ("wheel", "other_wheel")
 TESTS = {"plates": "plate_sinkage", "shear": "shear"}
 PARTS = (*WHEELS, *TESTS)
 NOISE = 0.02
+SCATTER = 0.04  # of the soil from part to part, relative
 # Dimensions of the second wheel over those of the first: wider, smaller, and under other loads.
 WIDER, SMALLER, HEAVIER = 1.6, 0.8, 1.3
 
@@ -48,8 +49,19 @@ class OnSoil(WheelBench):
         self.set_points = [(round(self.heavier * load, 1), speed) for load, speed in self.set_points]
 
 
-def shared_soil(seed):
-    """A soil with k_c and k_phi of its own, and two wheels that it carries."""
+def prepared(soil, seed, scatter):
+    """The soil of each part: a bed that is prepared anew differs by `scatter` (relative), its angle of friction by a fifth of that."""
+    rng = np.random.default_rng([seed, 11])
+    of_parts = {}
+    for part in PARTS:
+        stiffness, strength, angle, modulus = np.exp(scatter * np.array([1.0, 1.0, 0.2, 1.0]) * rng.standard_normal(4))
+        changed = {"k_c": stiffness, "k_phi": stiffness, "cohesion": strength, "friction_angle": angle, "shear_modulus": modulus}
+        of_parts[part] = {name: value * float(changed.get(name, 1.0)) for name, value in soil.items()}
+    return of_parts
+
+
+def shared_soil(seed, scatter):
+    """A soil with k_c and k_phi of its own, that of each part, and two wheels that it carries."""
     rng = np.random.default_rng([seed, 9])
     for _ in range(200):
         rig = {"radius": float(rng.choice([0.10, 0.12])), "width": float(rng.choice([0.08, 0.10]))}
@@ -62,24 +74,31 @@ def shared_soil(seed):
             "shear_modulus": modulus * spread(0.12), "c1": c1 * spread(0.08), "c2": c2 * spread(0.15),
         }  # fmt: skip
         other = {"radius": SMALLER * rig["radius"], "width": WIDER * rig["width"]}
-        benches = {"wheel": OnSoil(seed, soil, rig, 1.0), "other_wheel": OnSoil(seed + 1, soil, other, HEAVIER)}
+        beds = prepared(soil, seed, scatter)
+        benches = {"wheel": OnSoil(seed, beds["wheel"], rig, 1.0), "other_wheel": OnSoil(seed + 1, beds["other_wheel"], other, HEAVIER)}
         clean = [bench.simulate([{}, {"slip_sinkage.ding": 0.3}]) for bench in benches.values()]
         if all(np.all(np.isfinite(signals)) for signals in clean):
-            return name, soil, benches
+            return name, soil, beds, benches
     raise RuntimeError("no soil carries both wheels")
 
 
-def make(folder, parts, case, place, seed, level=NOISE, multiple=None, form=None):
-    """Writes the folders and returns the truth. `place` is the part with the effect, or `all` for every wheel."""
+def make(folder, parts, case, place, seed, level=NOISE, multiple=None, form=None, scatter=SCATTER):
+    """Writes the folders and returns the truth. `place` is the part with the effect, or `all` for every wheel; `scatter` is how much the
+    soil differs from part to part."""
     folder = pathlib.Path(folder)
-    name, soil, benches = shared_soil(seed)
-    there = [part for part in parts if place in (part, "all") and (part in WHEELS) != (case in soil_tests.STRENGTHS and case != "clean")]
-    truth = {"parts": list(parts), "case": case, "where": [] if case == "clean" else there, "seed": seed, "noise": level}
-    truth |= {"soil_name": name, "soil": {f"soil.{key}": value for key, value in soil.items()}, "effects": []}
+    name, shared, beds, benches = shared_soil(seed, scatter)
+    of_tests = {"plates": soil_tests.PLATE_CASES, "shear": soil_tests.SHEAR_CASES}
+    shows = lambda part: part in WHEELS if part not in TESTS else case in of_tests[part]
+    there = [part for part in parts if place == part or place == "all" and part in WHEELS]
+    if case != "clean" and not all(shows(part) for part in there):
+        raise SystemExit(f"{case}: no effect of {place}")
+    truth = {"parts": list(parts), "case": case, "where": [] if case == "clean" else there, "seed": seed, "noise": level, "scatter": scatter}
+    truth |= {"soil_name": name, "soil": {f"soil.{key}": value for key, value in shared.items()}, "effects": []}
     strength = None
     for k, part in enumerate(parts):
         own = seed + 1000 * (k + 1)
         if part in TESTS:
+            soil = beds[part]
             ground = {"k_c": soil["k_c"], "k_phi": soil["k_phi"], "n": soil["exponent"], "c": soil["cohesion"],
                       "phi": float(np.degrees(soil["friction_angle"])), "K": soil["shear_modulus"]}  # fmt: skip
             soil_tests.write(folder / part, TESTS[part], case if part in there else "clean", own, ground=ground, noise=level)
@@ -105,6 +124,7 @@ def main():
     parser.add_argument("--place", default="all")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--noise", type=float, default=NOISE)
+    parser.add_argument("--scatter", type=float, default=SCATTER, help="of the soil from part to part, relative")
     parser.add_argument("--multiple", type=float, help="of the smallest strength that the part alone can see")
     parser.add_argument("folder", metavar="FOLDER")
     a = parser.parse_args()
@@ -112,7 +132,7 @@ def main():
     unknown = [part for part in [*parts, a.place] if part not in (*PARTS, "all")]
     if unknown:
         parser.error(f"no part {', '.join(unknown)}; parts are {', '.join(PARTS)}")
-    truth = make(a.folder, parts, a.case, a.place, a.seed, a.noise, a.multiple)
+    truth = make(a.folder, parts, a.case, a.place, a.seed, a.noise, a.multiple, scatter=a.scatter)
     for effect in truth["effects"]:
         print(f"{effect['case']} = {effect['strength']:.4g} in {effect['part']}: {effect['deviations']:.1f} deviations there alone")
 

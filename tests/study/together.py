@@ -7,7 +7,7 @@
 Makes sets with tests/generators/joint.py, has each diagnosed by one `bekker diagnose A B ..`, and adds a row to FOLDER/rows.csv as
 soon as it is; what has a row there is not made again. What is hidden: each effect that a wheel on a carriage shows, in one of two
 wheels, in both, and in a wheel beside plates or beside plates and shear tests; effects of the tests beside a wheel; nothing; and two
-wheels on two soils (`other_soil`), where no name is right. `--multiples` hides slip-sinkage at shares of what the part can see alone, and
+wheels on two soils (`other_soil`), where no name is right. The soil of the parts differs a little, by seed. `--multiples` hides slip-sinkage at shares of what the part can see alone, and
 has the part diagnosed by itself, too.
 
 Scored: `right` (the effect alone, in the places where it acts), `wrong_place` (the effect, elsewhere), `right_tie` (tied with effects of like
@@ -39,6 +39,8 @@ LONGEST = 1800.0  # s, of one diagnosis
 COLUMNS = ("name", "parts", "case", "place", "multiple", "form", "seed", "outcome", "verdict", "said", "where", "tied", "deviations", "alone", "seconds", "error")
 TWO, PLATES, THREE = ("wheel", "other_wheel"), ("plates", "wheel"), ("plates", "shear", "wheel")
 OTHER_SOIL = "other_soil"
+# How much the soil differs from part to part, by seed; the diagnosis takes 0.05.
+SCATTER = (0.0, 0.03, 0.06)
 MULTIPLES = (0.25, 0.5, 0.75, 1.0, 1.5)
 
 
@@ -118,7 +120,7 @@ def run(bekker, set_name, job, folder, threads):
     # The report hides other forms of the literature.
     form = plan.form_for(set_name, cases.WHEEL, case) or None
     inside = "clean" if case == OTHER_SOIL else case
-    truth = joint.make(folder, parts, inside, place, seed, multiple=multiple, form=form) | {"case": case}
+    truth = joint.make(folder, parts, inside, place, seed, multiple=multiple, form=form, scatter=SCATTER[seed % len(SCATTER)]) | {"case": case}
     folders = [folder / part for part in parts]
     if case == OTHER_SOIL:
         joint.make(folder / "beside", parts[1:], "clean", "all", seed + 500)

@@ -25,7 +25,8 @@ pub(crate) fn profiles(search: &Search, effects: &[String]) -> Vec<FinalParamete
     let problem = search.problem;
     let Some(fit) = search.fits.get(effects) else { return Vec::new() };
     let from = if problem.strategy().budget().profiles_of_calibrated { 0 } else { problem.base.len() };
-    let numbers: Vec<usize> = (from..fit.parameters.len()).collect();
+    let free = problem.free(effects);
+    let numbers: Vec<usize> = (from..fit.parameters.len()).filter(|k| !free[*k].is_factor()).collect();
     let name = |k: &usize| fit.parameters[*k].variable.name.clone();
     let profile = |k: &usize| profile(search, effects, *k);
     let untried = |k: &usize| Untried::Profile(name(k));

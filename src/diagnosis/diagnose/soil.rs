@@ -33,7 +33,10 @@ pub(crate) fn unbelievable(search: &mut Search, effects: &[String], fit: &Calibr
 pub(crate) fn offer(problem: &Problem) -> Option<String> {
     let open = problem.base.iter().any(|free| free.variable.name.starts_with("soil."));
     if problem.experiment.soil_class.is_some()
-        || problem.base.iter().any(|free| free.prior.or(free.shared).is_some() && !free.is_of_a_sensor())
+        || problem
+            .base
+            .iter()
+            .any(|free| free.prior.or(free.shared).is_some() && !free.is_of_a_sensor() && !free.is_factor())
         || !open
     {
         return None;

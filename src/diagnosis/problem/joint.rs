@@ -4,7 +4,8 @@
 //! known beforehand of a shared parameter counts once. All else, the rig, its noise, errors of its sensors, stays with its part. An
 //! effect may act in every part that can show it, with one strength, or in one of them only, or in all but one.
 
-use super::{Candidate, Problem, add, set_unchecked};
+use super::placed::Placed;
+use super::{Candidate, Problem, add, scatter, set_unchecked};
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::free::{Free, Within};
 use crate::diagnosis::given::Given;
@@ -49,12 +50,15 @@ impl<'a> Problem<'a> {
             problems.iter_mut().for_each(|problem| problem.set_known(name, *value));
         }
         let mut base = merged_base(&problems, experiment, &stated)?;
+        let names: Vec<&str> = experiment.parts.iter().map(|part| part.name.as_str()).collect();
+        base.extend(scatter::factors(&base, &names, given.soil_scatter));
         let library = add(added, merged_library(&problems, experiment), &mut base)?;
         let named = |(problem, part): (&Problem, &Part)| {
             let name = part.name.clone();
             problem.sources.iter().map(move |line| format!("{name}: {line}")).collect::<Vec<_>>()
         };
         let mut sources: Vec<String> = problems.iter().zip(&experiment.parts).flat_map(named).collect();
+        sources.extend(scattered(&base, given.soil_scatter));
         sources.extend(held_lines(&stated, &problems, experiment));
         // Each kind of experiment uses of a known soil what it can tell.
         let joint = problems.iter().filter_map(|problem| problem.joint.clone()).max_by_key(|j| j.soil.parameters.len());
@@ -109,9 +113,9 @@ impl<'a> Problem<'a> {
     pub fn saved_parts(&self, free: &[Free], values: &[f64]) -> Vec<(String, Model)> {
         let saved = |k: usize| {
             let part = self.part_of(k);
-            let here = free.iter().zip(values).filter_map(|(free, value)| Some((free.in_part(k)?, *value)));
-            let (own, values): (Vec<Free>, Vec<f64>) = here.unzip();
-            (self.experiment.parts[k].name.clone(), part.saved(&own, &values))
+            let placed = Placed::of(free, &part, k);
+            let values = placed.values(values, free);
+            (self.experiment.parts[k].name.clone(), part.saved(&placed.free, &values))
         };
         (0..self.parts.len()).map(saved).collect()
     }
@@ -162,6 +166,16 @@ fn one_class(parts: &[Part]) -> Result<(), CompareError> {
         Err(CompareError::Vehicle(format!(
             "the soil's class is {first} in {place} and {other} in {name}: experiments that are diagnosed together share one soil"
         )))
+    })
+}
+
+/// A line on the scatter of the soil that is assumed.
+fn scattered(base: &[Free], deviation: f64) -> Option<String> {
+    base.iter().any(Free::is_factor).then(|| {
+        format!(
+            "the soil is taken to differ by {:.0} % from one experiment to the next (standard deviation of k, c and K; a fifth of it of the friction angle): an assumption, which so few experiments do not tell; --soil-scatter changes it, 0 for one bed",
+            100.0 * deviation
+        )
     })
 }
 
@@ -264,7 +278,7 @@ fn within(free: &Free, parts: &[usize], suffix: &str) -> Free {
     let split = if SensorError::is_named(&name) { name.rsplit_once('.') } else { name.split_once('.') };
     let mut own = free.clone();
     own.variable.name = split.map_or_else(|| format!("{name}{suffix}"), |(of, field)| format!("{of}{suffix}.{field}"));
-    own.within = Some(Within { parts: parts.to_vec(), name });
+    own.within = Some(Within { parts: parts.to_vec(), name, factor_of: Vec::new() });
     own
 }
 

@@ -3,6 +3,8 @@
 
 mod joint;
 mod parameters;
+mod placed;
+mod scatter;
 mod windows;
 
 use super::compare::CompareError;
@@ -28,6 +30,8 @@ use std::sync::Arc;
 pub use joint::plain_effect;
 pub(super) use parameters::class_priors;
 use parameters::{base_parameters, library};
+pub(super) use placed::Placed;
+pub(super) use scatter::{LARGEST as LARGEST_SCATTER, USUAL as USUAL_SCATTER};
 
 /// An effect that is not in the baseline, with its free parameters at their neutral values.
 #[derive(Clone, Debug)]
@@ -265,6 +269,14 @@ impl<'a> Problem<'a> {
         set_unchecked(&mut self.known, name, value);
         self.fix(name, value);
         self.sensitivities = None;
+    }
+
+    /// Value of a parameter on the first run that does not state its own.
+    fn value_of(&self, name: &str) -> f64 {
+        let own = |run: &usize| self.experiment.runs[*run].parameters.contains_key(name);
+        let run = (0..self.models.len()).find(|run| !own(run));
+        let model = run.map_or(&self.known, |run| &self.models[run]);
+        model.clone().get(name).unwrap_or(f64::NAN)
     }
 
     /// The same for some of the runs.

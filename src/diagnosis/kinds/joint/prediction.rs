@@ -3,17 +3,14 @@
 use crate::diagnosis::free::Free;
 use crate::diagnosis::layout::Layout;
 use crate::diagnosis::prediction::{Derivatives, Predict, PredictionError};
-use crate::diagnosis::problem::Problem;
+use crate::diagnosis::problem::{Placed, Problem};
 use crate::diagnosis::unanswered::Answers;
 use crate::diagnosis::windows::free::FreeStart;
 
 /// A part, with those of the free parameters that act in it.
 struct Part<'p> {
     problem: Problem<'p>,
-    free: Vec<Free>,
-    /// For each of them the free parameters of the whole that move it. Where an effect acts in all parts and in this one besides, its
-    /// strength here is the sum of both.
-    moved_by: Vec<Vec<usize>>,
+    placed: Placed,
     /// Names that the part's runs have in the whole.
     runs: Vec<String>,
     /// Number of the first of them.
@@ -22,14 +19,7 @@ struct Part<'p> {
 
 impl Part<'_> {
     fn values(&self, whole: &[f64], free: &[Free]) -> Vec<f64> {
-        let value = |(own, moved_by): (&Free, &Vec<usize>)| match moved_by.as_slice() {
-            [one] => whole[*one],
-            several => {
-                let sum = own.start + several.iter().map(|k| whole[*k] - free[*k].start).sum::<f64>();
-                sum.clamp(own.variable.min, own.variable.max)
-            }
-        };
-        self.free.iter().zip(&self.moved_by).map(value).collect()
+        self.placed.values(whole, free)
     }
 
     fn named(&self, error: PredictionError) -> PredictionError {
@@ -42,7 +32,7 @@ impl Part<'_> {
 
     /// What `f` gives of the part's own prediction.
     fn predict<R>(&self, f: impl FnOnce(&dyn Predict) -> Result<R, PredictionError>) -> Result<R, PredictionError> {
-        self.problem.predict(&self.free, f).and_then(|inside| inside).map_err(|error| self.named(error))
+        self.problem.predict(&self.placed.free, f).and_then(|inside| inside).map_err(|error| self.named(error))
     }
 }
 
@@ -55,23 +45,14 @@ pub(super) struct JointPrediction<'p> {
 
 impl<'p> JointPrediction<'p> {
     pub fn new(problem: &'p Problem, free: &'p [Free]) -> Self {
+        let whole = problem;
         let part = |(k, runs): (usize, std::ops::Range<usize>)| {
-            let (mut own, mut moved_by): (Vec<Free>, Vec<Vec<usize>>) = (Vec::new(), Vec::new());
-            for (at, here) in free.iter().enumerate().filter_map(|(at, free)| Some((at, free.in_part(k)?))) {
-                match own.iter().position(|known| known.variable.name == here.variable.name) {
-                    Some(known) => moved_by[known].push(at),
-                    None => {
-                        own.push(here);
-                        moved_by.push(vec![at]);
-                    }
-                }
-            }
+            let problem = problem.part_of(k);
             Part {
-                problem: problem.part_of(k),
-                free: own,
-                moved_by,
+                placed: Placed::of(free, &problem, k),
+                problem,
                 first_run: runs.start,
-                runs: problem.experiment.runs[runs].iter().map(|run| run.name.clone()).collect(),
+                runs: whole.experiment.runs[runs].iter().map(|run| run.name.clone()).collect(),
             }
         };
         let parts = problem.experiment.runs_of_parts().into_iter().enumerate().map(part).collect();
@@ -83,7 +64,7 @@ impl<'p> JointPrediction<'p> {
         let mut all = Vec::new();
         for part in &self.parts {
             let own = part.values(values, self.free);
-            let starts = part.problem.strategy().free_starts(&part.problem, &part.free, &own);
+            let starts = part.problem.strategy().free_starts(&part.problem, &part.placed.free, &own);
             let starts = starts.map_err(|error| part.named(error))?;
             all.extend(starts.into_iter().map(|start| FreeStart { run: start.run + part.first_run, ..start }));
         }
@@ -115,9 +96,10 @@ impl<'p> JointPrediction<'p> {
             let (values, of_part) = part.predict(|predict| of(predict, &own))?;
             let here = all.len()..all.len() + values.len();
             all.extend(values);
-            for (slope, moved_by) in of_part.iter().zip(&part.moved_by) {
-                moved_by.iter().for_each(|k| slopes[*k][here.clone()].copy_from_slice(slope));
-            }
+            part.placed.each_slope(free, self.free, |k, own, rate| {
+                let column = slopes[k][here.clone()].iter_mut().zip(&of_part[own]);
+                column.for_each(|(slope, of_part)| *slope += rate * of_part);
+            });
         }
         Ok((all, slopes))
     }

@@ -1,0 +1,58 @@
+//! Scatter of the soil from one experiment to the next: beds are prepared anew, and no two are alike.
+//!
+//! Each experiment has factors of its own on what varies with density, near one: a variance component of a stated size. A
+//! few experiments do not determine that size.
+
+use crate::diagnosis::free::{Free, Within};
+use crate::measurement::Prior;
+use bekker_modeldescription::{Role, Unit, Variable};
+
+/// Relative standard deviation between experiments where nothing else is said. Repeated plate tests in one laboratory scatter by 10 to 20 %
+/// (Wong 2008, 2.4), means of a whole experiment by less: an assumption.
+pub(crate) const USUAL: f64 = 0.05;
+/// Largest that may be stated.
+pub(crate) const LARGEST: f64 = 0.5;
+
+/// Factors: their names, what each multiplies, and its deviation as a share of the stated one. The angle of friction of a sand prepared
+/// anew varies by a degree or less where its stiffness varies by a tenth.
+const FACTORS: [(&str, &[&str], f64); 4] = [
+    ("stiffness", &["soil.k_c", "soil.k_phi"], 1.0),
+    ("cohesion", &["soil.cohesion"], 1.0),
+    ("friction_angle", &["soil.friction_angle"], 0.2),
+    ("shear_modulus", &["soil.shear_modulus"], 1.0),
+];
+
+/// Bounds of a factor.
+const RANGE: [f64; 2] = [0.3, 3.0];
+
+/// Name of what the factors belong to.
+pub(crate) const NAME: &str = "soil_scatter";
+
+/// The factors of every part on what is free of the soil; `parts` has the names of the parts.
+pub(super) fn factors(base: &[Free], parts: &[&str], deviation: f64) -> Vec<Free> {
+    let mut all = Vec::new();
+    for (k, part) in parts.iter().enumerate() {
+        for (name, targets, share) in FACTORS.iter().filter(|_| deviation > 0.0) {
+            if targets.iter().any(|target| base.iter().any(|free| free.variable.name == *target)) {
+                let within = Within {
+                    parts: vec![k],
+                    name: format!("{NAME}.{name}"),
+                    factor_of: targets.iter().map(|target| (*target).to_owned()).collect(),
+                };
+                let variable = Variable {
+                    name: format!("{NAME} in {part}.{name}"),
+                    doc: "Factor on the soil of one experiment over that of all".into(),
+                    unit: Unit::ONE,
+                    default: 1.0,
+                    min: RANGE[0],
+                    max: RANGE[1],
+                    role: Role::Calibrated,
+                    source: "assumption".into(),
+                };
+                let prior = Some(Prior { mean: 1.0, deviation: deviation * share });
+                all.push(Free { variable, start: 1.0, prior, shared: None, within: Some(within) });
+            }
+        }
+    }
+    all
+}
