@@ -1,7 +1,7 @@
 //! `bekker compare`.
 
 use crate::diagnosis_text::print_uncounted;
-use crate::experiments::{Experiments, no_page_of_several};
+use crate::experiments::{Experiments, write_pages};
 use crate::import;
 use crate::output::{check_writable, say};
 use crate::progress::Reporter;
@@ -29,7 +29,7 @@ pub struct Compare {
     /// Switch effects on, separated by commas; their parameters and the free ones are calibrated.
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     with: Vec<String>,
-    /// Write a self-contained page with overlay and residual plots.
+    /// Write a self-contained page with overlay and residual plots; of several experiments one of each.
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
     #[command(flatten)]
@@ -41,7 +41,6 @@ impl Compare {
         let (experiment, given) = self.experiments.read()?;
         let given = self.soil.add_to(given)?;
         let saving = self.saving.prepare(&experiment)?;
-        no_page_of_several(&experiment, self.html.as_ref())?;
         if let Some(path) = &self.html {
             check_writable(path)?;
         }
@@ -51,9 +50,16 @@ impl Compare {
         drop(reporter);
         let comparison = comparison?;
         print(&comparison, "")?;
-        if let Some(path) = &self.html {
-            write_page(&comparison, path)?;
-            say!("wrote {}", path.display());
+        match &self.html {
+            Some(path) if !experiment.parts.is_empty() => {
+                let what = if calibrate { "calibrated together" } else { "compared as given" };
+                write_pages(&experiment, &comparison.part_models, what, path)?;
+            }
+            Some(path) => {
+                write_page(&comparison, path)?;
+                say!("wrote {}", path.display());
+            }
+            None => {}
         }
         let what = if calibrate { "the calibrated model" } else { "the model as it was compared" };
         saving.write_all(&comparison.model, &comparison.part_models, what)

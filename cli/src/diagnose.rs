@@ -1,7 +1,7 @@
 //! `bekker diagnose`.
 
-use crate::diagnosis_text::print;
-use crate::experiments::{Experiments, no_page_of_several};
+use crate::diagnosis_text::{print, sentence};
+use crate::experiments::{Experiments, write_pages};
 use crate::output::{check_all_writable, write, write_json};
 use crate::progress::Reporter;
 use crate::saving::{Saving, print_sources};
@@ -43,7 +43,8 @@ pub struct Diagnose {
     /// Write the result as JSON.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write a self-contained page with plots.
+    /// Write a self-contained page with plots; of several experiments a page of each with its improved model, the name behind that of the
+    /// file.
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
     #[command(flatten)]
@@ -55,7 +56,6 @@ impl Diagnose {
         let (experiment, given) = self.experiments.read()?;
         let given = self.soil.add_to(given)?;
         let saving = self.saving.prepare(&experiment)?;
-        no_page_of_several(&experiment, self.html.as_ref())?;
         check_all_writable([&self.json, &self.html])?;
         if let Some(threads) = self.threads {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
@@ -86,7 +86,11 @@ impl Diagnose {
             write_json(path, &diagnosis.to_json())?;
         }
         if let Some(path) = &self.html {
-            write(path, &diagnosis_page(&diagnosis))?;
+            if experiment.parts.is_empty() {
+                write(path, &diagnosis_page(&diagnosis))?;
+            } else {
+                write_pages(&experiment, &diagnosis.improved_parts, &sentence(&diagnosis), path)?;
+            }
         }
         saving.write_all(&diagnosis.improved, &diagnosis.improved_parts, &diagnosis.improved_is())
     }

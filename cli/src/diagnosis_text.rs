@@ -78,7 +78,7 @@ fn print_partial(diagnosis: &Diagnosis) -> Result<()> {
 }
 
 /// The verdict in a sentence.
-fn sentence(diagnosis: &Diagnosis) -> String {
+pub fn sentence(diagnosis: &Diagnosis) -> String {
     let effects = diagnosis.involved_in_words().join(", ");
     let share = 100.0 * diagnosis.explained_share;
     let word = diagnosis.verdict.name();
@@ -205,7 +205,7 @@ fn line(candidate: &CandidateResult, wide: usize) -> String {
 fn print_parameters(diagnosis: &Diagnosis) -> Result<()> {
     say!("\nfree parameters of the final model (+- is the {STANDARD_ERROR}):");
     let (factors, parameters): (Vec<&ParameterResult>, Vec<&ParameterResult>) =
-        diagnosis.last().parameters.iter().partition(|own| own.fitted.variable.name.starts_with("soil_scatter in "));
+        diagnosis.last().parameters.iter().partition(|own| own.fitted.variable.name.starts_with(SCATTER));
     let wide = column(parameters.iter().map(|own| &own.fitted.variable.name)).max(26);
     for parameter in parameters {
         let interval = diagnosis.profiles.iter().find(|profile| profile.name == parameter.fitted.variable.name);
@@ -219,13 +219,21 @@ fn print_parameters(diagnosis: &Diagnosis) -> Result<()> {
 
 /// Factors on the soil of each experiment.
 fn scattered(factors: &[&ParameterResult]) -> String {
-    let words = |factor: &&ParameterResult| {
-        let name = factor.fitted.variable.name.trim_start_matches("soil_scatter in ");
+    let mut parts: Vec<(&str, Vec<String>)> = Vec::new();
+    for factor in factors {
+        let name = factor.fitted.variable.name.trim_start_matches(SCATTER);
         let (part, what) = name.rsplit_once('.').unwrap_or(("", name));
-        format!("{what} {:.3} in {part}", factor.fitted.value)
-    };
-    factors.iter().map(words).collect::<Vec<_>>().join(", ")
+        let words = format!("{what} {:.3}", factor.fitted.value);
+        match parts.iter_mut().find(|(known, _)| *known == part) {
+            Some((_, own)) => own.push(words),
+            None => parts.push((part, vec![words])),
+        }
+    }
+    parts.iter().map(|(part, own)| format!("{part}: {}", own.join(", "))).collect::<Vec<_>>().join("; ")
 }
+
+/// How the names of these factors begin.
+const SCATTER: &str = "soil_scatter in ";
 
 fn parameter_line(parameter: &ParameterResult, wide: usize, interval: Option<(Option<f64>, Option<f64>)>) -> String {
     let (fitted, variable) = (&parameter.fitted, &parameter.fitted.variable);

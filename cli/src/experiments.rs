@@ -1,11 +1,14 @@
 //! Which experiments a command works on: one folder, or several on one soil, and the model.
 
+use crate::compare::write_page;
 use crate::import;
 use crate::model::ModelChanges;
+use crate::output::say;
 use anyhow::{Result, bail};
-use bekker::diagnosis::Given;
+use bekker::diagnosis::{CompareOptions, Given, compare};
 use bekker::measurement::Experiment;
-use std::path::PathBuf;
+use bekker::model::Model;
+use std::path::{Path, PathBuf};
 
 /// Folders and the model behind them.
 #[derive(clap::Args)]
@@ -44,12 +47,22 @@ impl Experiments {
     }
 }
 
-/// Refuses a page of several experiments.
-pub fn no_page_of_several(experiment: &Experiment, page: Option<&PathBuf>) -> Result<()> {
-    if page.is_some() && !experiment.parts.is_empty() {
-        bail!(
-            "--html: there is no page of several experiments yet; write the models with --save, and a page of each with `bekker compare FOLDER MODEL --html FILE`"
-        );
+/// Writes a page of each of several experiments with its model, whose first line says what was found of all; the name of the experiment
+/// stands behind that of the file.
+pub fn write_pages(experiment: &Experiment, models: &[(String, Model)], found: &str, page: &Path) -> Result<()> {
+    for (part, (name, model)) in experiment.parts.iter().zip(models) {
+        let mut comparison = compare(model, &part.experiment, &CompareOptions::default())?;
+        comparison.sources.insert(0, format!("fitted together with the others of {}: {found}", experiment.name));
+        let path = beside(page, name);
+        write_page(&comparison, &path)?;
+        say!("wrote {}", path.display());
     }
     Ok(())
+}
+
+/// The file `page`, with a name behind its own.
+pub fn beside(page: &Path, name: &str) -> PathBuf {
+    let stem = page.file_stem().unwrap_or_default().to_string_lossy();
+    let ending = page.extension().map(|ending| format!(".{}", ending.to_string_lossy())).unwrap_or_default();
+    page.with_file_name(format!("{stem}-{name}{ending}"))
 }

@@ -1,5 +1,6 @@
 //! `--save`: the model that a comparison, a calibration or a diagnosis leaves behind.
 
+use crate::experiments::beside;
 use crate::output::{check_writable, say, write};
 use anyhow::{Result, bail};
 use bekker::measurement::{Experiment, Kind};
@@ -65,12 +66,7 @@ impl Prepared {
 
     /// The same for one of several experiments.
     fn of_part(&self, name: &str) -> Self {
-        let beside = |path: &PathBuf| {
-            let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-            let ending = path.extension().map(|ending| format!(".{}", ending.to_string_lossy())).unwrap_or_default();
-            path.with_file_name(format!("{stem}-{name}{ending}"))
-        };
-        Self { path: self.path.as_ref().map(beside), vehicle: self.vehicle.clone() }
+        Self { path: self.path.as_ref().map(|path| beside(path, name)), vehicle: self.vehicle.clone() }
     }
 
     /// Writes the model, where that is asked for, says what it is, and whether a rover can use what was measured.

@@ -9,6 +9,7 @@ use bekker::diagnosis::{
     UnansweredRows, UncountedRows, compare as core_compare,
 };
 use bekker::known_soil::KnownSoil;
+use bekker::model::Model;
 use bekker::modeldescription::ParameterError;
 use pyo3::prelude::*;
 use serde::Serialize;
@@ -20,18 +21,40 @@ pub type Asked = Option<(Py<PyModel>, String)>;
 /// The text of a known soil and how messages call it.
 pub type SoilAsked = Option<(String, String)>;
 
-/// What is given beside an experiment: a model, values that are set by hand, and what is known of the soil.
-pub fn given(py: Python<'_>, model: &Asked, values: &BTreeMap<String, f64>, soil: &SoilAsked) -> PyResult<Given> {
+/// What is given beside an experiment: a model, values that are set by hand, what is known of the soil, and how it scatters from one of
+/// several experiments to the next.
+pub fn given(
+    py: Python<'_>,
+    model: &Asked,
+    values: &BTreeMap<String, f64>,
+    soil: &SoilAsked,
+    scatter: Option<f64>,
+) -> PyResult<Given> {
     let given = Given::default().values_by("parameters");
     let given = match model {
         Some((model, name)) => given.with_model(model.borrow(py).core.clone(), name),
         None => given,
     };
     let given = values.iter().fold(given, |given, (name, value)| given.with_value(name, *value));
-    Ok(match soil {
+    let given = match soil {
         Some((text, name)) => given.with_soil(read_soil(text)?, name),
         None => given,
-    })
+    };
+    scattered(given, scatter)
+}
+
+/// The same with a scatter of the soil, where one is stated.
+pub fn scattered(given: Given, scatter: Option<f64>) -> PyResult<Given> {
+    let Some(deviation) = scatter else { return Ok(given) };
+    given.with_soil_scatter(deviation).map_err(|refused| InputError::new_err(format!("soil_scatter: {refused}")))
+}
+
+/// Models of several experiments by their names.
+pub type PartModels = Vec<(String, PyModel)>;
+
+/// The models of several experiments for Python.
+pub fn part_models(models: &[(String, Model)]) -> PartModels {
+    models.iter().map(|(name, core)| (name.clone(), PyModel { core: core.clone() })).collect()
 }
 
 /// A known soil from the text of its file.
@@ -46,8 +69,9 @@ pub fn known_soil(soil: &str) -> PyResult<String> {
 }
 
 /// Runs a model on the inputs of an experiment, with effects added and calibrated on request, and compares. Returns the
-/// comparison as JSON, and its model.
+/// comparison as JSON, its model and, of several experiments, that of each.
 #[pyfunction]
+#[allow(clippy::too_many_arguments, reason = "keywords of the Python function")]
 pub fn compare(
     py: Python<'_>,
     experiment: Source<'_>,
@@ -56,14 +80,16 @@ pub fn compare(
     calibrate: bool,
     added: Vec<String>,
     soil: SoilAsked,
-) -> PyResult<(String, PyModel)> {
+    soil_scatter: Option<f64>,
+) -> PyResult<(String, PyModel, PartModels)> {
     let (experiment, _) = experiment.read(py)?;
     let options = CompareOptions { calibrate, added };
-    let given = given(py, &model, &values, &soil)?;
+    let given = given(py, &model, &values, &soil, soil_scatter)?;
     let comparison = py
         .detach(|| error::fenced(|| core_compare(given, &experiment, &options)))?
         .map_err(|refused| failed(&refused))?;
-    Ok((text(&Described::of(&comparison))?, PyModel { core: comparison.model }))
+    let parts = part_models(&comparison.part_models);
+    Ok((text(&Described::of(&comparison))?, PyModel { core: comparison.model }, parts))
 }
 
 /// The exception for a comparison or diagnosis that is impossible.

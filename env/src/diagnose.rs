@@ -1,7 +1,7 @@
 //! The diagnosis. It works in a thread of its own, without Python; the calling thread passes fits to the executor, calls
 //! `progress` and checks for Ctrl-C.
 
-use crate::compare::{Asked, SoilAsked, failed, given, read_soil};
+use crate::compare::{Asked, SoilAsked, failed, given, read_soil, scattered};
 use crate::error::{self, InputError, Panic, SimulationError};
 use crate::experiment::{Material, Source};
 use crate::finding::NativeDiagnosis;
@@ -27,14 +27,16 @@ const LOOK: Duration = Duration::from_millis(50);
 /// A fit for another machine: all that it needs, as JSON, in which numbers keep their bits.
 #[derive(Serialize, Deserialize)]
 struct Payload {
-    /// The model that was chosen, with the parameters that it states, and whether the experiment names it.
-    model: String,
+    /// The model that was chosen, with the parameters that it states, and whether the experiment names it; none where each of several
+    /// experiments has its own.
+    model: Option<String>,
     stated: Vec<String>,
     by_experiment: bool,
     /// Parameters that are set by hand.
     values: BTreeMap<String, f64>,
     /// What is known of the soil.
     soil: SoilAsked,
+    soil_scatter: Option<f64>,
     experiment: Material,
     candidates: Option<Vec<String>>,
     added: Vec<String>,
@@ -106,15 +108,21 @@ pub fn diagnose<'py>(
     progress: Option<Bound<'py, PyAny>>,
     time_budget: Option<f64>,
     soil: SoilAsked,
+    soil_scatter: Option<f64>,
 ) -> PyResult<Ended<'py>> {
     let refused = |_| InputError::new_err("time_budget: expected a positive number of seconds");
     let budget = time_budget.map(Duration::try_from_secs_f64).transpose().map_err(refused)?;
     let (read, material) = experiment.read(py)?;
     let options = DiagnoseOptions { candidates, added, max_effects, draws };
     let material = spread.as_ref().map(|_| material.portable()).transpose()?;
-    let given = given(py, &model, &values, &soil)?;
-    let chosen = spread.as_ref().map(|_| given.chosen(&read)).transpose().map_err(|refused| failed(&refused))?;
-    let caller = Caller { spread, progress, chosen, values, soil, material, options: &options };
+    let given = given(py, &model, &values, &soil, soil_scatter)?;
+    let chosen = match &spread {
+        None => None,
+        // Each of several experiments finds its own model, unless one is named for all.
+        Some(_) if !read.parts.is_empty() => model.as_ref().map(|(model, _)| (model.borrow(py).core.clone(), false)),
+        Some(_) => Some(given.chosen(&read).map_err(|refused| failed(&refused))?),
+    };
+    let caller = Caller { spread, progress, chosen, values, soil, soil_scatter, material, options: &options };
     let stop = Arc::new(AtomicBool::new(false));
     let mut events = begin(given, read, options.clone(), caller.spread.is_some(), budget, Arc::clone(&stop));
     let (done, raised) = caller.attend(py, &mut events, &stop);
@@ -159,6 +167,7 @@ struct Caller<'a, 'py> {
     chosen: Option<(Model, bool)>,
     values: BTreeMap<String, f64>,
     soil: SoilAsked,
+    soil_scatter: Option<f64>,
     /// What the experiment is made of, where fits are made elsewhere.
     material: Option<Material>,
     options: &'a DiagnoseOptions,
@@ -205,18 +214,19 @@ impl Caller<'_, '_> {
 
     fn fit(&self, py: Python<'_>, tasks: &[Task], noise: &Noise, stopped: bool) -> PyResult<Vec<Option<Outcome>>> {
         let Some(spread) = self.spread.as_ref().filter(|_| !stopped) else { return Ok(vec![None; tasks.len()]) };
-        let (Some((chosen, by_experiment)), Some(material)) = (&self.chosen, &self.material) else {
-            return Ok(vec![None; tasks.len()]);
-        };
-        let model = chosen.to_toml().map_err(|refused| error::model(&refused))?;
-        let stated: Vec<String> = chosen.stated.names().map(str::to_owned).collect();
+        let Some(material) = &self.material else { return Ok(vec![None; tasks.len()]) };
+        let chosen = self.chosen.as_ref();
+        let model = chosen.map(|(model, _)| model.to_toml()).transpose().map_err(|refused| error::model(&refused))?;
+        let stated = chosen.map(|(model, _)| model.stated.names().map(str::to_owned).collect::<Vec<_>>());
+        let (stated, by_experiment) = (stated.unwrap_or_default(), chosen.is_some_and(|(_, named)| *named));
         let payload = |task: &Task| {
             let payload = Payload {
                 model: model.clone(),
                 stated: stated.clone(),
-                by_experiment: *by_experiment,
+                by_experiment,
                 values: self.values.clone(),
                 soil: self.soil.clone(),
+                soil_scatter: self.soil_scatter,
                 experiment: material.clone(),
                 candidates: self.options.candidates.clone(),
                 added: self.options.added.clone(),
@@ -247,13 +257,19 @@ pub fn fit_task<'py>(py: Python<'py>, payload: &[u8]) -> PyResult<Bound<'py, PyB
 
 fn fitted(payload: &[u8]) -> PyResult<Option<Outcome>> {
     let payload: Payload = serde_json::from_slice(payload).map_err(|error| refused(&error))?;
-    let mut model = Model::from_toml(&payload.model, None).map_err(|error| error::model(&error))?;
-    model.stated = payload.stated.into_iter().collect();
-    let given = Given::again(model, payload.by_experiment, payload.values);
+    let given = match &payload.model {
+        Some(text) => {
+            let mut model = Model::from_toml(text, None).map_err(|error| error::model(&error))?;
+            model.stated = payload.stated.into_iter().collect();
+            Given::again(model, payload.by_experiment, payload.values)
+        }
+        None => payload.values.iter().fold(Given::default(), |given, (name, value)| given.with_value(name, *value)),
+    };
     let given = match &payload.soil {
         Some((text, name)) => given.with_soil(read_soil(text)?, name),
         None => given,
     };
+    let given = scattered(given, payload.soil_scatter)?;
     let experiment = payload.experiment.read().map_err(|error| InputError::new_err(error.to_string()))?;
     let options =
         DiagnoseOptions { candidates: payload.candidates, added: payload.added, ..DiagnoseOptions::default() };

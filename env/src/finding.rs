@@ -1,10 +1,10 @@
 //! A diagnosis on its way to Python: the JSON of the core, and beside it what only the Python objects hold.
 
+use crate::compare::{PartModels, part_models};
 use crate::error::{self, InputError, ModelError};
 use crate::model::PyModel;
 use bekker::diagnosis::{CandidateResult, Diagnosis, Failure, FinalParameter, Fit, NoiseFloor, ParameterResult, Step};
 use bekker::measurement::{Kind, Run};
-use bekker::model::Model;
 use pyo3::prelude::*;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
@@ -49,9 +49,8 @@ impl NativeDiagnosis {
     }
 
     /// Of several experiments the improved model of each, by its name.
-    fn improved_parts(&self) -> Vec<(String, PyModel)> {
-        let of = |(name, core): &(String, Model)| (name.clone(), PyModel { core: core.clone() });
-        self.core.improved_parts.iter().map(of).collect()
+    fn improved_parts(&self) -> PartModels {
+        part_models(&self.core.improved_parts)
     }
 }
 

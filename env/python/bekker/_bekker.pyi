@@ -56,13 +56,14 @@ def import_experiment(
     files: list[str], folder: str, kind: str | None = None
 ) -> tuple[Literal["single_wheel", "traverse", "plate_sinkage", "shear"], list[str], list[str], list[str], str | None]: ...
 def compare(
-    experiment: _Experiment,
+    experiment: _Experiment | list[_Experiment],
     model: tuple[Model, str] | None,
     values: dict[str, float],
     calibrate: bool,
     added: list[str],
     soil: tuple[str, str] | None,
-) -> tuple[str, Model]: ...
+    soil_scatter: float | None,
+) -> tuple[str, Model, list[tuple[str, Model]]]: ...
 def known_soil(soil: str) -> str: ...
 def diagnose(
     experiment: _Experiment | list[_Experiment],
@@ -76,6 +77,7 @@ def diagnose(
     progress: Callable[[str, str, float, float, float | None], object] | None,
     time_budget: float | None,
     soil: tuple[str, str] | None,
+    soil_scatter: float | None,
 ) -> tuple[NativeDiagnosis | None, BaseException | None]: ...
 def open_studio(
     experiments: Sequence[_Experiment],

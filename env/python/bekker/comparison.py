@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -13,7 +13,7 @@ from . import _bekker
 from ._bekker import Model
 from .curves import Curves
 from .errors import InputError
-from .experiment import ExperimentLike, source
+from .experiment import ExperimentLike, scatter_of, sources
 from .from_json import built
 from .models import ModelLike, given, names_of, save_model
 from .soil import Soil, SoilLike, passed
@@ -211,6 +211,8 @@ class Comparison:
     """The model of ``fit``: with what is known of the rig and, after a calibration, with what that found; compared with the
     same experiment it gives the same errors. A wheel on a carriage (``model.kind``) where a single wheel was measured and no
     rover is named. What the experiment says of single runs is not part of it."""
+    part_models: dict[str, Model]
+    """Of several experiments the model of each, by its name, of which :attr:`model` is the first; empty for one."""
     soil: Soil | None
     """What a calibration found of the soil, with its covariance, for other experiments; None without one, or where no parameter of
     the soil was free."""
@@ -252,13 +254,14 @@ class Comparison:
 
 
 def compare(
-    experiment: ExperimentLike,
+    experiment: ExperimentLike | Sequence[ExperimentLike],
     model: ModelLike | None = None,
     *,
     calibrate: bool = False,
     added: Iterable[str] | None = None,
     parameters: Mapping[str, float] | None = None,
     soil_from: SoilLike | None = None,
+    soil_scatter: float | None = None,
 ) -> Comparison:
     """Runs a model on the inputs of an experiment and compares it with what was measured.
 
@@ -272,7 +275,8 @@ def compare(
 
     Args:
         experiment: the folder with ``experiment.toml``, or a :class:`bekker.Experiment`; a wheel on a carriage takes
-            wheel, soil and effects of the model, a traverse the whole rover.
+            wheel, soil and effects of the model, a traverse the whole rover. Or a sequence of these, made on one soil, as in
+            :func:`bekker.diagnose`.
         model: a Model, the name of a preset, TOML text, or the path of a TOML file; where None, the one that the experiment
             names, or else a plain wheel, or a rover with as many wheels as the commands name.
         calibrate: whether to calibrate the soil first.
@@ -281,6 +285,8 @@ def compare(
             a calibration leaves them as they are unless they have a prior.
         soil_from: what another experiment found of the soil (:class:`bekker.Soil`, or the path of its file): a prior of its
             parameters together. It goes before the priors of a class of soil and after the experiment's own priors.
+        soil_scatter: of several experiments the relative standard deviation of the soil from one to the next, as in
+            :func:`bekker.diagnose`.
 
     Raises:
         UnknownNameError, ModelError: as :func:`bekker.models.as_model`; a ModelError too where the folder is refused
@@ -293,19 +299,21 @@ def compare(
     if effects and not calibrate:
         raise InputError(f"added = {effects}: expected calibrate=True; an effect is neutral until it is calibrated")
     arguments = (*given(model, parameters), calibrate, effects, passed(soil_from))
-    found, fitted = _bekker.compare(source(experiment), *arguments)
+    scatter = scatter_of(experiment, soil_scatter)
+    found, fitted, parts = _bekker.compare(sources(experiment), *arguments, scatter)
     data = json.loads(found)
     soil = data.pop("soil")
-    return built(Comparison, data, model=fitted, soil=None if soil is None else Soil(soil))
+    return built(Comparison, data, model=fitted, part_models=dict(parts), soil=None if soil is None else Soil(soil))
 
 
 def calibrate(
-    experiment: ExperimentLike,
+    experiment: ExperimentLike | Sequence[ExperimentLike],
     model: ModelLike | None = None,
     *,
     added: Iterable[str] | None = None,
     parameters: Mapping[str, float] | None = None,
     soil_from: SoilLike | None = None,
+    soil_scatter: float | None = None,
 ) -> Comparison:
     """Finds the soil (and what has a prior, and the parameters of the effects ``added``) that brings a model closest to
     an experiment.
@@ -314,4 +322,6 @@ def calibrate(
     other experiments may take as ``soil_from``.
     Arguments and errors are those of :func:`compare`.
     """
-    return compare(experiment, model, calibrate=True, added=added, parameters=parameters, soil_from=soil_from)
+    return compare(
+        experiment, model, calibrate=True, added=added, parameters=parameters, soil_from=soil_from, soil_scatter=soil_scatter
+    )

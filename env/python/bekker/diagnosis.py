@@ -15,7 +15,7 @@ from ._bekker import Model
 from .comparison import Failure, Fit, NoiseFloor, UnansweredRows, UncountedRows
 from .curves import Curves
 from .errors import BekkerError, DiagnosisInterrupted, InputError
-from .experiment import ExperimentLike, sources
+from .experiment import ExperimentLike, scatter_of, sources
 from .findings import (
     Candidate,
     LackOfFit,
@@ -299,6 +299,7 @@ def diagnose(
     *,
     parameters: Mapping[str, float] | None = None,
     soil_from: SoilLike | None = None,
+    soil_scatter: float | None = None,
     candidates: Iterable[str] | None = None,
     added: Iterable[str] | None = None,
     max_effects: int = 3,
@@ -327,6 +328,8 @@ def diagnose(
         parameters: values by name that go before the model and the experiment's ``parameters``, though not before a run's own;
             a calibration leaves them as they are unless they have a prior.
         soil_from: what another experiment found of the soil, as in :func:`bekker.compare`.
+        soil_scatter: of several experiments the relative standard deviation of the soil from one to the next, 0 where all were made in
+            one bed; 0.05 where None.
         candidates: ids of the effects to try (:func:`bekker.effects`); all where None.
         added: ids of effects that are part of the baseline, with free parameters.
         max_effects: most effects that are added.
@@ -362,6 +365,7 @@ def diagnose(
         None if progress is None else _telling(progress),
         _seconds(time_budget),
         passed(soil_from),
+        scatter_of(experiment, soil_scatter),
     )
     if isinstance(raised, KeyboardInterrupt):
         raise DiagnosisInterrupted(None if native is None else _diagnosis(native)) from raised

@@ -142,6 +142,21 @@ def sources(experiments: ExperimentLike | Sequence[ExperimentLike]) -> str | Arr
     return source(experiments)
 
 
+def scatter_of(experiments: ExperimentLike | Sequence[ExperimentLike], scatter: float | None) -> float | None:
+    """The scatter of the soil between experiments.
+
+    Raises:
+        InputError: there is one experiment only, or it is no number.
+    """
+    if scatter is None:
+        return None
+    if not isinstance(experiments, Sequence) or isinstance(experiments, str):
+        raise InputError("soil_scatter: expected several experiments; it says how their soils differ")
+    if isinstance(scatter, bool) or not isinstance(scatter, (int, float)):
+        raise InputError(f"soil_scatter: expected a share from 0 to 0.5, found {scatter!r}")
+    return float(scatter)
+
+
 def _arrays(experiment: Experiment) -> Arrays:
     lines = [f"name = {toml_text.text(experiment.name)}", f"kind = {toml_text.text(experiment.kind)}"]
     lines.append(f"ignore = [{', '.join(toml_text.text(name) for name in experiment.ignore)}]")

@@ -50,8 +50,10 @@ impl<'a> Problem<'a> {
             problems.iter_mut().for_each(|problem| problem.set_known(name, *value));
         }
         let mut base = merged_base(&problems, experiment, &stated)?;
-        let names: Vec<&str> = experiment.parts.iter().map(|part| part.name.as_str()).collect();
-        base.extend(scatter::factors(&base, &names, given.soil_scatter));
+        let parts = experiment.parts.iter().map(|part| part.name.as_str());
+        let parts: Vec<(&str, &[Free])> = parts.zip(problems.iter().map(|problem| problem.base.as_slice())).collect();
+        let factors = scatter::factors(&base, &parts, given.soil_scatter);
+        base.extend(factors);
         let library = add(added, merged_library(&problems, experiment), &mut base)?;
         let named = |(problem, part): (&Problem, &Part)| {
             let name = part.name.clone();

@@ -28,12 +28,15 @@ const RANGE: [f64; 2] = [0.3, 3.0];
 /// Name of what the factors belong to.
 pub(crate) const NAME: &str = "soil_scatter";
 
-/// The factors of every part on what is free of the soil; `parts` has the names of the parts.
-pub(super) fn factors(base: &[Free], parts: &[&str], deviation: f64) -> Vec<Free> {
+/// The factors on what is free of the soil in `base`, for every part that tells of it, where several do; `parts` has the names of the
+/// parts and what each of them would free by itself.
+pub(super) fn factors(base: &[Free], parts: &[(&str, &[Free])], deviation: f64) -> Vec<Free> {
     let mut all = Vec::new();
-    for (k, part) in parts.iter().enumerate() {
+    let has = |free: &[Free], targets: &[&str]| free.iter().any(|own| targets.contains(&own.variable.name.as_str()));
+    for (k, (part, own)) in parts.iter().enumerate() {
         for (name, targets, share) in FACTORS.iter().filter(|_| deviation > 0.0) {
-            if targets.iter().any(|target| base.iter().any(|free| free.variable.name == *target)) {
+            let several = parts.iter().filter(|(_, own)| has(own, targets)).count() > 1;
+            if several && has(own, targets) && has(base, targets) {
                 let within = Within {
                     parts: vec![k],
                     name: format!("{NAME}.{name}"),

@@ -1,0 +1,87 @@
+"""Several experiments on one soil from Python."""
+
+import json
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import bekker
+import numpy as np
+import pytest
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+SLIPS = np.array([0.02, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
+NOISE = {"drawbar_pull": 0.2, "torque": 0.02, "sinkage": 2e-4}  # N, N m, m
+QUICK = {"candidates": ["slip_sinkage", "torque_scale"], "draws": 199}
+
+
+def wheel(name, width, n1, seed):
+    """A wheel of this width with slip-sinkage n1, measured three times."""
+    rng = np.random.default_rng(seed)
+    model = bekker.Model.preset("two_wheeled")
+    model.set("wheel.width", width)
+    model.set("slip_sinkage.n1", n1)
+    runs = []
+    for load in (25.0, 50.0):
+        points = bekker.steady_points(model, load, SLIPS, 0.5)
+        for _ in range(3):
+            columns = {"load": np.full(SLIPS.size, load), "slip": SLIPS, "wheel_speed": np.full(SLIPS.size, 0.5)}
+            columns |= {signal: points[signal] + noise * rng.standard_normal(SLIPS.size) for signal, noise in NOISE.items()}
+            runs.append(bekker.MeasuredRun(columns, group=f"load{load:g}"))
+    return bekker.Experiment(name=name, kind="single_wheel", parameters={"wheel.width": width}, runs=runs)
+
+
+@pytest.fixture(scope="module")
+def pair():
+    return [wheel("narrow", 0.10, 0.0, 1), wheel("wide", 0.16, 0.25, 2)]
+
+
+def test_agreement_the_effect_is_named_with_its_place(pair):
+    found = bekker.diagnose(pair, **QUICK)
+    assert (found.verdict, found.effects, found.where) == ("effect_missing", ["slip_sinkage"], {"slip_sinkage": ["wide"]})
+    assert list(found.improved_parts) == ["narrow", "wide"]
+    strengths = [model.get("slip_sinkage.n1") for model in found.improved_parts.values()]
+    assert strengths[0] == 0.0 and abs(strengths[1] - 0.25) < 0.05
+    assert set(found.noise_floor) == {f"{part}.{signal}" for part in ("narrow", "wide") for signal in NOISE}
+
+
+def test_agreement_an_executor_gives_the_same_bits(pair):
+    here = bekker.diagnose(pair, soil_scatter=0.02, **QUICK)
+    with ThreadPoolExecutor(2) as pool:
+        there = bekker.diagnose(pair, soil_scatter=0.02, executor=pool, **QUICK)
+    assert json.loads(here.to_json()) == json.loads(there.to_json())
+
+
+def test_property_a_calibration_of_several_has_a_model_of_each(pair):
+    together = bekker.calibrate(pair, soil_scatter=0.0)
+    names = [parameter.name for parameter in together.calibration.parameters]
+    # Two widths tell k_c from k_phi.
+    assert "soil.k_c" in names and len(names) == len(set(names))
+    assert list(together.part_models) == ["narrow", "wide"]
+    assert {model.get("soil.k_phi") for model in together.part_models.values()} == {together.part_models["wide"].get("soil.k_phi")}
+    assert together.soil is not None
+
+
+def test_property_a_single_experiment_has_no_place():
+    found = bekker.diagnose(EXAMPLES / "sand_wheel", **QUICK)
+    assert (found.where, found.improved_parts) == ({}, {})
+
+
+@pytest.mark.parametrize(
+    ("experiments", "scatter", "words"),
+    [
+        ([EXAMPLES / "sand_wheel"], None, "at least two"),
+        ([], None, "at least two"),
+        (EXAMPLES / "sand_wheel", 0.05, "soil_scatter: expected several experiments"),
+        ([EXAMPLES / "sand_wheel", EXAMPLES / "sand_plates"], 0.9, "from 0 to 0.5"),
+        ([EXAMPLES / "sand_wheel", EXAMPLES / "sand_plates"], "much", "soil_scatter: expected a share"),
+        ([EXAMPLES / "sand_wheel", 3], None, "expected a folder"),
+    ],
+)
+def test_property_what_is_no_set_is_refused(experiments, scatter, words):
+    with pytest.raises(bekker.InputError, match=words):
+        bekker.diagnose(experiments, soil_scatter=scatter, **QUICK)
+
+
+def test_property_a_page_of_several_is_refused_with_what_there_is(pair):
+    with pytest.raises(bekker.InputError, match="no page of several"):
+        bekker.diagnose(pair, **QUICK).save_html("unused.html")
