@@ -170,7 +170,7 @@ pub(crate) fn uncounted(
                 continue;
             };
             let reason = match (why, without) {
-                (Uncounted::Start, _) => start(run).to_owned(),
+                (Uncounted::Start, _) => start(problem.experiment.recorded_run(number)).to_owned(),
                 (Uncounted::Gap, _) => gap(time.unwrap_or_default(), row),
                 (Uncounted::NoAnswer, Some(rows)) => format!("the model has no answer: {}", rows.reason),
                 _ => "differs from the rest of the drive, and no effect accounts for it".to_owned(),

@@ -85,6 +85,13 @@ impl Experiment {
         self.parts.iter().map(range).collect()
     }
 
+    /// A run as it was read: of several experiments that of its part, whose signals have no other name before their own.
+    pub(crate) fn recorded_run(&self, run: usize) -> &Run {
+        let mut parts = self.parts.iter().zip(self.runs_of_parts());
+        let own = parts.find(|(_, runs)| runs.contains(&run));
+        own.map_or(&self.runs[run], |(part, runs)| &part.experiment.runs[run - runs.start])
+    }
+
     /// The same with some of the runs only, by their index in rising order.
     #[must_use]
     pub fn with_runs(&self, runs: &[usize]) -> Self {

@@ -198,8 +198,8 @@ impl<'a> Problem<'a> {
 
     /// Names of the baseline's parameters, for a reader.
     pub fn names_of_base(&self) -> String {
-        let names: Vec<&str> = self.base.iter().map(|free| free.variable.name.as_str()).collect();
-        names.join(", ")
+        let own = self.base.iter().filter(|free| !free.is_factor());
+        own.map(|free| free.variable.name.as_str()).collect::<Vec<_>>().join(", ")
     }
 
     /// Values of the parameters of effect `id` among those of a fit with `effects`.
