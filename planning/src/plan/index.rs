@@ -78,6 +78,45 @@ impl CostField {
         turn + length * (self.roughness_at(to) + self.step)
     }
 
+    /// Index of a path of straight ways (m), taken at the nodes and headings nearest to its points, a step apart; `heading` (rad) is that
+    /// before the first, any where missing. Of a path over nodes it is the sum of [`step`](Self::step).
+    #[must_use]
+    pub fn along(&self, map: &ElevationMap, points: &[[f64; 2]], heading: Option<f64>) -> f64 {
+        let eighth = |angle: f64| (angle / FRAC_PI_4).round().rem_euclid(HEADINGS as f64) as usize;
+        let stand =
+            |place: [f64; 2], heading: usize| map.nearest(place).map(|(column, row)| Stand { column, row, heading });
+        let (mut total, mut heading) = (0.0, heading.map(eighth));
+        for pair in points.windows(2) {
+            let [dx, dy] = [0, 1].map(|axis| (pair[1][axis] - pair[0][axis]) / map.cell());
+            let length = dx.hypot(dy);
+            if length < ON_THE_EDGE {
+                continue;
+            }
+            let ahead = eighth(dy.atan2(dx));
+            let turns = heading.replace(ahead).is_some_and(|before| before != ahead);
+            let turn = stand(pair[0], ahead).filter(|_| turns).map_or(0.0, |at| f64::from(self.turning[self.node(at)]));
+            // A diagonal step is one piece.
+            let count = (length / std::f64::consts::SQRT_2 - ON_THE_EDGE).ceil().max(1.0);
+            let at = |k: usize| [0, 1].map(|axis| pair[0][axis] + (pair[1][axis] - pair[0][axis]) * k as f64 / count);
+            let pieces = (1..=count as usize).map(|k| {
+                let roughness = stand(at(k), ahead).map_or(f64::INFINITY, |stand| self.roughness_at(stand));
+                length / count * (roughness + self.step)
+            });
+            total += turn + pieces.sum::<f64>();
+        }
+        total
+    }
+
+    /// Multiplies roughness and length of the nodes that are marked.
+    #[must_use]
+    pub fn raised(mut self, marked: &[bool], factor: f64) -> Self {
+        let more = (factor - 1.0) * self.step;
+        for (roughness, _) in self.roughness.iter_mut().zip(marked.iter().cycle()).filter(|(_, marked)| **marked) {
+            *roughness = (f64::from(*roughness) * factor + more) as f32;
+        }
+        self
+    }
+
     /// Least cost of the way over this many columns and rows: only length.
     pub(super) fn least(&self, columns: usize, rows: usize) -> f64 {
         let (long, short) = (columns.max(rows) as f64, columns.min(rows) as f64);
