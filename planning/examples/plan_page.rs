@@ -17,7 +17,7 @@ fn main() -> Result<(), SiteError> {
         answer.evaluations,
         answer.failures.len()
     );
-    if let Err(error) = std::fs::write("plan.html", plan_page(&site, &plan, &answer)) {
+    if let Err(error) = std::fs::write("plan.html", plan_page(&site, &plan, &answer, None)) {
         eprintln!("plan.html: {error}");
     }
     Ok(())

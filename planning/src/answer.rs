@@ -205,7 +205,9 @@ impl FailureAnswer {
 }
 
 impl RouteAnswer {
-    fn new(route: &Route) -> Self {
+    /// The answer for a route.
+    #[must_use]
+    pub fn new(route: &Route) -> Self {
         let failures = route.failures.iter();
         Self {
             name: route.name.clone(),

@@ -12,7 +12,9 @@ pub use route::{Route, Unsafe};
 
 use crate::anisotropic::{GroundEnergy, SlopeEnergy, plan_over};
 use crate::map::{ElevationMap, Surface};
-use crate::plan::{CostField, Measure, PathPoint, PerformanceIndex, Plan, Planner, Request, Stand, binary_path};
+use crate::plan::{
+    CostField, Measure, PathPoint, PerformanceIndex, Plan, PlanError, Planner, Request, Stand, binary_path,
+};
 use crate::site::{Site, SiteError};
 use crate::slip::SlipBand;
 use crate::trial::BINARY;
@@ -20,7 +22,7 @@ use corridor::Corridor;
 use verdict::same_path;
 
 /// Stands that the search for one alternative may evaluate.
-const MOST_EVALUATIONS: usize = 2000;
+const MOST_EVALUATIONS: usize = 4000;
 
 /// Other paths than the plan's.
 #[derive(Clone, Debug)]
@@ -106,7 +108,14 @@ impl Alternatives {
 type Sought = (String, Result<Candidate, String>);
 
 fn sought(name: &str, found: Result<Plan, SiteError>) -> Sought {
-    (name.to_owned(), found.map(Candidate::Planned).map_err(|error| error.to_string()))
+    let reason = |error: SiteError| match error {
+        // The limit is that of this search, which nobody has asked for.
+        SiteError::Plan(PlanError::GivenUp { evaluations, .. }) => {
+            format!("not found within {evaluations} places evaluated, which is as far as is looked")
+        }
+        error => error.to_string(),
+    };
+    (name.to_owned(), found.map(Candidate::Planned).map_err(reason))
 }
 
 impl Judge<'_> {

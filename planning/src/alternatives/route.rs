@@ -35,6 +35,8 @@ pub struct Route {
     pub thrust: Option<f64>,
     /// Largest slip, 0 or more; infinite where none is enough, none on firm ground and where the rover cannot stand at some place.
     pub slip: Option<f64>,
+    /// The first place at which no slip is enough on the soil as it is stated, m.
+    pub stuck: Option<[f64; 2]>,
     /// Places evaluated.
     pub stands: usize,
     /// Those at which the rover would fail, from start to goal.
@@ -95,6 +97,11 @@ impl Judge<'_> {
                 _ => None,
             }),
             slip: self.slip.filter(|_| whole).map(|band| most_slip(band, stood)),
+            stuck: self.slip.and_then(|band| {
+                let first =
+                    stood.iter().find(|point| band.stated(point.assessment.pose.attitude.slope()).is_infinite())?;
+                Some([first.x, first.y])
+            }),
             stands: stood.len() + failures.len(),
             failures,
             verdict: String::new(),

@@ -19,6 +19,14 @@ impl Judge<'_> {
                 first.reason
             );
         }
+        let stuck = route.stuck.map_or(String::new(), |[x, y]| {
+            format!("; at ({x:.2}, {y:.2}) m no slip is enough on the soil as it is stated, with an equal share of the load on each wheel")
+        });
+        format!("{}{stuck}", self.compared(route, chosen))
+    }
+
+    /// The comparison of a safe route in cost and length.
+    fn compared(&self, route: &Route, chosen: &Route) -> String {
         let measure = match self.measure {
             Measure::Index => "performance index",
             Measure::Energy => "energy",

@@ -53,12 +53,12 @@ impl SoilSpread {
                 };
                 let name = class.name;
                 format!(
-                    "{from} `{name}`, around the soil's own values: cohesion, friction angle, sinkage exponent, shear modulus, c1 and \
+                    "{from} {name}, around the soil's own values: cohesion, friction angle, sinkage exponent, shear modulus, c1 and \
                      c2, independent of each other. The soil's pressure at the depth to which a wheel sinks stays as stated."
                 )
             }
             Self::Known(known) => {
-                format!("They have the values and the covariance found by experiments (`{}`).", known.name)
+                format!("They have the values and the covariance found by experiments ({}).", known.name)
             }
         }
     }
