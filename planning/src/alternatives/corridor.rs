@@ -8,7 +8,7 @@ pub const DEARER: f64 = 3.0;
 /// Share of a path that must lie outside of the corridor for another route.
 pub const DIFFERENT: f64 = 0.3;
 /// Half-width of the corridor as a share of the path's length; at least the rover's reach from its middle.
-const WIDTH: f64 = 0.08;
+const WIDTH: f64 = 0.12;
 /// Around start and goal, within this many half-widths, every path must pass.
 const ENDS: f64 = 1.5;
 

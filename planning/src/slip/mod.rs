@@ -6,7 +6,7 @@
 
 mod spread;
 
-pub use spread::SoilSpread;
+pub use spread::{SoilSpread, UnknownClass};
 
 use bekker::carriage::{Rig, steady_point};
 use bekker::effects::Effects;

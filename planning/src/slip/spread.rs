@@ -22,7 +22,21 @@ pub enum SoilSpread {
     Known(KnownSoil),
 }
 
+/// No class of soil has this name.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("no class of soil is called `{0}`; expected one of {classes}", classes = SoilClass::names())]
+pub struct UnknownClass(pub String);
+
 impl SoilSpread {
+    /// The spread of a class of soil that is named.
+    ///
+    /// # Errors
+    /// [`UnknownClass`] lists those that there are.
+    pub fn of_class(name: &str) -> Result<Self, UnknownClass> {
+        let class = SoilClass::find(name).ok_or_else(|| UnknownClass(name.to_owned()))?;
+        Ok(Self::Class { class, assumed: false })
+    }
+
     /// The class whose means of cohesion, friction angle and sinkage exponent are nearest to those of a soil, in the class's standard
     /// deviations.
     #[must_use]
