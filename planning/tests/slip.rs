@@ -82,9 +82,9 @@ fn property_where_the_slope_is_too_steep_no_slip_is_enough() {
     let band = band(SoilSpread::nearest(&sand()));
     let [up, down] = [1.2, -1.2].map(|slope| band.at(slope, [slope; 2]));
     assert_eq!((up.slip, up.low, up.none), (f64::INFINITY, f64::INFINITY, 1.0));
-    assert_eq!((down.slip, down.high), (f64::NEG_INFINITY, f64::NEG_INFINITY));
+    assert_eq!((down.slip, down.low), (f64::NEG_INFINITY, f64::NEG_INFINITY));
     // Of the soils drawn a few hold a braking wheel by their cohesion.
-    assert!(down.none > 0.9, "{}", down.none);
+    assert!(down.none > 0.8, "{}", down.none);
     // Between level and there the share of soils on which none is enough rises.
     let shares: Vec<f64> = (0..8).map(|k| 0.1 * f64::from(k)).map(|slope| band.at(slope, [slope; 2]).none).collect();
     assert!(shares[0] < 0.1 && shares.windows(2).all(|pair| pair[0] <= pair[1]), "{shares:?}");
