@@ -21,7 +21,8 @@ use crate::trial::BINARY;
 use corridor::Corridor;
 use verdict::same_path;
 
-/// Stands that the search for one alternative may evaluate.
+/// Stands that the search for one alternative may evaluate, on a map that is exact. Where the map's error makes 2^n cases of each, as many
+/// as the plan itself has taken.
 const MOST_EVALUATIONS: usize = 4000;
 
 /// Other paths than the plan's.
@@ -65,7 +66,9 @@ impl Site {
     /// # Errors
     /// [`SiteError`] as the plan itself; an alternative that is not there is no error.
     pub fn alternatives(&self, request: &Request, plan: &Plan) -> Result<Alternatives, SiteError> {
-        let request = &Request { most_evaluations: request.most_evaluations.min(MOST_EVALUATIONS), ..*request };
+        let cases = plan.points.iter().map(|point| point.assessment.cases).max().unwrap_or(1);
+        let most = plan.evaluations.clamp(MOST_EVALUATIONS / cases, MOST_EVALUATIONS);
+        let request = &Request { most_evaluations: request.most_evaluations.min(most), ..*request };
         let seen = Surface::new(self.seen(request)?, self.surface().interpolation());
         let energy = self.slope_energy().transpose()?;
         let slip = self.slip_band();

@@ -173,7 +173,14 @@ impl<'a> Tiles<'a> {
     fn new(table: &'a DirectionTable) -> Self {
         let (columns, rows) = (table.grid().columns.div_ceil(SIDE), table.grid().rows.div_ceil(SIDE));
         let count = columns * rows;
-        Self { table, columns, rows, tiles: vec![None; count], due: vec![f64::INFINITY; count], scratches: Mutex::new(Vec::new()) }
+        Self {
+            table,
+            columns,
+            rows,
+            tiles: vec![None; count],
+            due: vec![f64::INFINITY; count],
+            scratches: Mutex::new(Vec::new()),
+        }
     }
 
     fn start(&mut self, [column, row]: [usize; 2], cost: f64) {

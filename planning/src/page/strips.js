@@ -85,7 +85,7 @@ function drawBand(g, x, y, top, from, to) {
     told = true;
     g.fillStyle = colour("--ink");
     g.textAlign = x(p) < 260 ? "left" : "right";
-    g.fillText(p.pitch > 0 ? "too steep: no slip is enough" : "braking does not hold", x(p) + (x(p) < 260 ? 6 : -6), top + TALL - 8);
+    g.fillText(p.pitch > 0 ? "too steep: no slip is enough" : "braking does not hold", x(p) + (x(p) < 260 ? 6 : -6), top + 16);
     g.textAlign = "left";
   });
 }
