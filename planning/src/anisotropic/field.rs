@@ -158,7 +158,7 @@ struct Tiles<'a> {
     /// The least cost that comes in, of tiles to be solved; infinite for others.
     due: Vec<f64>,
     /// Memory of threads between rounds: to make it anew for each takes longer than to solve a tile.
-    scratches: Mutex<Vec<Box<Scratch>>>,
+    scratches: Mutex<Vec<Scratch>>,
 }
 
 /// A solved tile.
@@ -220,7 +220,7 @@ impl<'a> Tiles<'a> {
     /// Something done with the memory of a thread, which is left for the next.
     fn with_scratch<T>(&self, work: impl FnOnce(&mut Scratch) -> T) -> T {
         let kept = || self.scratches.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut scratch = kept().pop().unwrap_or_else(|| Box::new(Scratch::new()));
+        let mut scratch = kept().pop().unwrap_or_else(Scratch::new);
         let done = work(&mut scratch);
         kept().push(scratch);
         done
