@@ -6,7 +6,7 @@
 //! also where costs depend so strongly on direction that no order of the nodes is causal.
 
 use super::table::{DIRECTIONS, DirectionTable, Grid, RING};
-use super::tile::{BEYOND, FALLS, SIDE, Scratch, Surrounded, Tile, WIDE, least, priced, smaller, solve};
+use super::tile::{BEYOND, FALLS, Frame, SIDE, Scratch, Surrounded, Tile, WIDE, frame, least, priced, smaller, solve};
 use super::{DirectionalCost, path_cost};
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
@@ -155,6 +155,8 @@ struct Tiles<'a> {
     rows: usize,
     /// None before a value is known.
     tiles: Vec<Option<Box<Tile>>>,
+    /// What was around a tile when it was solved.
+    frames: Vec<Option<Box<Frame>>>,
     /// The least cost that comes in, of tiles to be solved; infinite for others.
     due: Vec<f64>,
     /// Memory of threads between rounds: to make it anew for each takes longer than to solve a tile.
@@ -178,6 +180,7 @@ impl<'a> Tiles<'a> {
             columns,
             rows,
             tiles: vec![None; count],
+            frames: vec![None; count],
             due: vec![f64::INFINITY; count],
             scratches: Mutex::new(Vec::new()),
         }
@@ -235,6 +238,7 @@ impl<'a> Tiles<'a> {
                     to.copy_from_slice(&from[1..=SIDE]);
                 }
                 self.due[index] = f64::INFINITY;
+                self.frames[index] = Some(Box::new(frame(&solved.values)));
             } else {
                 self.due[index] = self.due[index].min(solved.falls[k]);
             }
@@ -252,7 +256,8 @@ impl<'a> Tiles<'a> {
                 to[to_column..to_column + columns].copy_from_slice(&from[column..column + columns]);
             }
         }
-        solve(scratch, self.table, place, &mut values);
+        let before = self.frames[place[1] * self.columns + place[0]].as_deref();
+        solve(scratch, self.table, place, &mut values, before);
         let falls = self.falls(place, &values);
         Solved { place, values, falls }
     }
