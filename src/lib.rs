@@ -69,7 +69,6 @@ pub mod effects;
 pub mod equations;
 pub mod estimation;
 mod integrator;
-#[cfg(feature = "experiments")]
 pub mod known_soil;
 mod linear;
 pub mod linear_stress;
@@ -92,7 +91,6 @@ pub mod signals;
 pub mod simulation;
 pub mod snapshot;
 pub mod soil;
-#[cfg(feature = "experiments")]
 pub mod soil_class;
 pub mod soil_test;
 pub mod terrain;

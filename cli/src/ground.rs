@@ -2,10 +2,14 @@
 
 use crate::model::assignment;
 use anyhow::{Context, Result, bail};
+use bekker::known_soil::KnownSoil;
 use bekker::model::Model;
 use bekker::modeldescription::Lookup;
+use bekker::soil::Soil;
 use bekker_planning::map::{CsvGrid, Interpolation};
 use bekker_planning::site::{Site, Source};
+use bekker_planning::slip::SoilSpread;
+use std::path::PathBuf;
 
 /// Map, robot and settings.
 #[derive(clap::Args)]
@@ -37,6 +41,14 @@ pub struct GroundArguments {
     /// Soil in place of firm ground: that of a model file or a built-in model.
     #[arg(long, value_name = "MODEL")]
     soil: Option<String>,
+    /// What another experiment found of that soil, a file of `bekker calibrate --save-soil`: its values replace those of --soil, and
+    /// from its covariance follows the band of the slip along a path.
+    #[arg(long, value_name = "FILE", requires = "soil")]
+    soil_from: Option<PathBuf>,
+    /// Class of that soil, whose standard deviations make the band of the slip along a path: dry sand, regolith simulant, sandy loam, clay
+    /// or snow; without it the class nearest to the soil is assumed.
+    #[arg(long, value_name = "CLASS", requires = "soil", conflicts_with = "soil_from")]
+    soil_class: Option<String>,
     /// Set a number by its name, SI units; may be given several times. `bekker plan --list` names all.
     #[arg(long = "set", value_name = "NAME=VALUE")]
     changes: Vec<String>,
@@ -62,10 +74,22 @@ impl GroundArguments {
         }
         if let Some(name) = &self.soil {
             let (model, _) = Model::find(name, None)?;
-            site.on_soil(&model.rover.soil).with_context(|| format!("soil of `{name}`"))?;
+            let soil = &model.rover.soil;
+            site.on_uncertain_soil(soil, self.spread(soil)?).with_context(|| format!("soil of `{name}`"))?;
         }
         site.active.clone_from(&self.active);
         Ok(site)
+    }
+}
+
+impl GroundArguments {
+    /// What is not known of the soil.
+    fn spread(&self, soil: &Soil) -> Result<SoilSpread> {
+        if let Some(file) = &self.soil_from {
+            return Ok(SoilSpread::Known(KnownSoil::read(file)?));
+        }
+        let Some(name) = &self.soil_class else { return Ok(SoilSpread::nearest(soil)) };
+        Ok(SoilSpread::of_class(name)?)
     }
 }
 

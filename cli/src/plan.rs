@@ -9,7 +9,7 @@ use bekker_planning::plan::{Measure, Request};
 use std::path::PathBuf;
 
 /// Columns of the path as CSV.
-const COLUMNS: &str = "travelled,x,y,z,heading,roll,pitch,stability,thrust,clearance";
+const COLUMNS: &str = "travelled,x,y,z,heading,roll,pitch,stability,thrust,clearance,slip,slip_low,slip_high,slip_none";
 
 /// Plan a path over a map: a search on roughness, turning and length, then pose, stability and forces at every point.
 #[derive(clap::Args)]
@@ -28,16 +28,20 @@ pub struct Plan {
     /// The path on which the wheels need the least energy by the wheel-soil model, at any angle; needs --soil.
     #[arg(long)]
     by_energy: bool,
+    /// Look for other paths to the goal and say how they compare: a different route, the shortest safe path, the least energy (on soil),
+    /// the binary planner. A page (--html) has them in any case; they take some seconds.
+    #[arg(long)]
+    alternatives: bool,
     /// Most places to evaluate before giving up.
     #[arg(long, default_value_t = 100_000)]
     most_evaluations: usize,
     /// Write plan and failures as JSON (SI units, radians).
     #[arg(long)]
     json: Option<PathBuf>,
-    /// Write the path as CSV (SI units, radians).
+    /// Write the path as CSV (SI units, radians; the columns of the slip are empty on firm ground, and where none is enough).
     #[arg(long)]
     csv: Option<PathBuf>,
-    /// Write a page with the map, the path and the rover on it.
+    /// Write a page with the map, its cost, the path and others, margins and slip along it, and the rover on it.
     #[arg(long)]
     html: Option<PathBuf>,
     /// List the numbers that --set changes, and stop.
@@ -60,13 +64,16 @@ impl Plan {
         let heading = self.heading.map(degrees).transpose()?;
         let request = Request { start, heading, goal, most_evaluations: self.most_evaluations };
         let plan = if self.by_energy { site.plan_by_energy(&request)? } else { site.plan(&request)? };
+        let wanted = self.alternatives || self.html.is_some();
+        let alternatives = if wanted { Some(site.alternatives(&request, &plan)?) } else { None };
         let answer = PlanAnswer::new(&site, &plan);
+        let answer = alternatives.iter().fold(answer, PlanAnswer::with_alternatives);
         print(&answer, plan.measure)?;
         if let Some(file) = &self.csv {
             write(file, &csv(&answer))?;
         }
         if let Some(file) = &self.html {
-            write(file, &bekker_planning::page::plan_page(&site, &plan, &answer))?;
+            write(file, &bekker_planning::page::plan_page(&site, &plan, &answer, alternatives.as_ref()))?;
         }
         self.json.map_or(Ok(()), |file| write_json(&file, &serde_json::to_value(&answer)?))
     }
@@ -87,12 +94,40 @@ fn print(answer: &PlanAnswer, measure: Measure) -> Result<()> {
     if clearance.is_finite() {
         say!("smallest clearance {clearance:.3} m");
     }
+    if let Some(told) = &answer.slip_told {
+        print_slip(answer, told)?;
+    }
+    for route in &answer.alternatives {
+        say!("other path, {}: {:.2} m, {}", route.name, route.length, route.verdict);
+    }
+    for missing in &answer.alternatives_missing {
+        say!("no other path, {missing}");
+    }
+    Ok(())
+}
+
+/// The largest slip with its band there, and where none is enough.
+fn print_slip(answer: &PlanAnswer, told: &str) -> Result<()> {
+    let percent =
+        |end: Option<f64>| end.map_or("where none is enough".to_owned(), |slip| format!("{:.0} %", 100.0 * slip));
+    let slips = answer.points.iter().filter_map(|point| Some((point.slip?, point)));
+    if let Some((slip, point)) = slips.max_by(|a, b| a.0.total_cmp(&b.0)) {
+        let (low, high) = (percent(point.slip_low), percent(point.slip_high));
+        say!("largest slip {:.0} % after {:.2} m, its band from {low} to {high}", 100.0 * slip, point.travelled);
+    }
+    let none: Vec<f64> =
+        answer.points.iter().filter(|point| point.slip.is_none()).map(|point| point.travelled).collect();
+    if let Some(first) = none.first() {
+        say!("at {} of {} points no slip is enough, first after {first:.2} m", none.len(), answer.points.len());
+    }
+    say!("{told}");
     Ok(())
 }
 
 fn csv(answer: &PlanAnswer) -> String {
     let rows = answer.points.iter().map(|point| {
-        let clearance = point.clearance.map_or(String::new(), |clearance| clearance.to_string());
+        let others = [point.clearance, point.slip, point.slip_low, point.slip_high, point.slip_none];
+        let others = others.map(|number| number.map_or(String::new(), |number| number.to_string())).join(",");
         let numbers = [
             point.travelled,
             point.x,
@@ -105,7 +140,7 @@ fn csv(answer: &PlanAnswer) -> String {
             point.thrust,
         ];
         let numbers = numbers.map(|number| number.to_string()).join(",");
-        format!("{numbers},{clearance}\n")
+        format!("{numbers},{others}\n")
     });
     format!("{COLUMNS}\n{}", rows.collect::<String>())
 }

@@ -2,12 +2,15 @@
 
 use crate::error::{self, InputError, ModelError, PlanningError, UnknownNameError};
 use crate::model::PyModel;
+use bekker::known_soil::KnownSoil;
 use bekker::modeldescription::Lookup;
+use bekker::soil::Soil;
 use bekker_planning::answer::{PlanAnswer, PoseAnswer};
 use bekker_planning::map::{CsvGrid, ElevationMap, Interpolation, MapReadError};
 use bekker_planning::page::plan_page;
 use bekker_planning::plan::{PlanError, Request};
 use bekker_planning::site::{ROBOTS, Settings, Site, SiteError, Source, ground, robot_from, robot_of};
+use bekker_planning::slip::SoilSpread;
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use serde::Serialize;
@@ -37,6 +40,9 @@ pub struct SiteGiven<'py> {
     settings: BTreeMap<String, f64>,
     active: Vec<f64>,
     soil: Option<PyRef<'py, PyModel>>,
+    /// The text of a known soil's file.
+    soil_from: Option<String>,
+    soil_class: Option<String>,
 }
 
 impl SiteGiven<'_> {
@@ -59,10 +65,21 @@ impl SiteGiven<'_> {
             site.settings.set(name, *value).map_err(|refused| error::parameter(&refused))?;
         }
         if let Some(model) = &self.soil {
-            site.on_soil(&model.core.rover.soil).map_err(|refused| refuse(&refused))?;
+            let soil = &model.core.rover.soil;
+            site.on_uncertain_soil(soil, self.spread(soil)?).map_err(|refused| refuse(&refused))?;
         }
         site.active.clone_from(&self.active);
         Ok(site)
+    }
+
+    /// What is not known of the soil.
+    fn spread(&self, soil: &Soil) -> PyResult<SoilSpread> {
+        let known = self.soil_from.as_deref().map(KnownSoil::from_toml).transpose();
+        if let Some(known) = known.map_err(|refused| InputError::new_err(refused.to_string()))? {
+            return Ok(SoilSpread::Known(known));
+        }
+        let Some(name) = &self.soil_class else { return Ok(SoilSpread::nearest(soil)) };
+        SoilSpread::of_class(name).map_err(|refused| UnknownNameError::new_err(refused.to_string()))
     }
 
     fn map_of(&self, heights: &PyReadonlyArray2<f64>) -> PyResult<ElevationMap> {
@@ -99,7 +116,7 @@ fn json(answer: &impl Serialize) -> PyResult<String> {
     serde_json::to_string(answer).map_err(|refused| ModelError::new_err(refused.to_string()))
 }
 
-/// A plan as JSON and as a page; by the performance index, or by the energy that the wheels need.
+/// A plan as JSON and as a page; by the performance index, or by the energy that the wheels need; with other paths where asked for.
 #[pyfunction]
 pub fn plan(
     py: Python<'_>,
@@ -109,14 +126,21 @@ pub fn plan(
     heading: Option<f64>,
     most_evaluations: usize,
     by_energy: bool,
+    alternatives: bool,
 ) -> PyResult<(String, String)> {
     let site = site.open()?;
     let request = Request { start, heading, goal, most_evaluations };
-    let planned =
-        py.detach(|| error::fenced(|| if by_energy { site.plan_by_energy(&request) } else { site.plan(&request) }))?;
-    let plan = planned.map_err(|refused| refuse(&refused))?;
-    let answer = PlanAnswer::new(&site, &plan);
-    Ok((json(&answer)?, plan_page(&site, &plan, &answer)))
+    let planned = py.detach(|| {
+        error::fenced(|| {
+            let plan = if by_energy { site.plan_by_energy(&request) } else { site.plan(&request) }?;
+            let others = if alternatives { Some(site.alternatives(&request, &plan)?) } else { None };
+            let answer = others.iter().fold(PlanAnswer::new(&site, &plan), PlanAnswer::with_alternatives);
+            let page = plan_page(&site, &plan, &answer, others.as_ref());
+            Ok::<_, SiteError>((answer, page))
+        })
+    })?;
+    let (answer, page) = planned.map_err(|refused| refuse(&refused))?;
+    Ok((json(&answer)?, page))
 }
 
 /// A pose as JSON.

@@ -49,6 +49,31 @@ def test_analytic_by_energy_a_path_on_level_ground_is_straight() -> None:
         bekker.plan(slope(0.0), (1.0, 1.0), (4.0, 3.0), cell=0.1, by_energy=True)
 
 
+def test_property_a_plan_on_soil_has_slip_with_a_band_and_alternatives() -> None:
+    ground = slope(0.05)
+    ground[25:36, 25:36] += 0.3
+    plan = bekker.plan(ground, (1.0, 3.0), (5.0, 3.0), cell=0.1, soil="fsrl_ditch", alternatives=True)
+    assert plan.slip.shape == plan.travelled.shape and (plan.slip_low < plan.slip).all()
+    assert plan.energy > 0.0 and plan.slip_told is not None and "nearest to it" in plan.slip_told
+    assert len(plan.alternatives) + len(plan.alternatives_missing) == 5
+    for other in plan.alternatives:
+        assert other.safe == (not other.failures) and other.points.shape[1] == 2 and other.name in plan.page
+        assert other.verdict.startswith("safe" if other.safe else "not safe")
+    parameter = 'name = "soil.friction_angle"\nvalue = 0.5\nunit = "rad"\nscale = "linear"\nsd = 0.01\nat_bound = false\n'
+    soil = bekker.Soil(f'name = "shear box"\n[[parameter]]\n{parameter}covariance = [1e-4]\n')
+    known = bekker.plan(ground, (1.0, 3.0), (5.0, 3.0), cell=0.1, soil="fsrl_ditch", soil_from=soil)
+    assert known.alternatives == [] and "shear box" in (known.slip_told or "")
+    # On some soils of the class no slip climbs this slope: the band is open above.
+    assert np.isnan(plan.slip_high).any() and plan.slip_none.max() > 0.05 and (known.slip_none == 0.0).all()
+    assert (known.slip_high - known.slip_low).max() < (plan.slip - plan.slip_low).max()
+    firm = bekker.plan(slope(0.0), (1.0, 1.0), (2.0, 2.0), cell=0.1)
+    assert np.isnan(firm.slip).all() and math.isnan(firm.energy) and firm.slip_told is None
+    with pytest.raises(UnknownNameError, match="custard"):
+        bekker.plan(ground, (1.0, 3.0), (5.0, 3.0), cell=0.1, soil="fsrl_ditch", soil_class="custard")
+    with pytest.raises(InputError, match="soil"):
+        bekker.plan(ground, (1.0, 3.0), (5.0, 3.0), cell=0.1, soil_class="clay")
+
+
 def test_agreement_arrays_and_files_give_the_same_plan(tmp_path: Path) -> None:
     heights = slope(0.1)
     np.save(tmp_path / "map.npy", heights)

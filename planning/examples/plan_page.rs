@@ -10,14 +10,15 @@ fn main() -> Result<(), SiteError> {
     let site = Site::open(&Source::new(&ground, "fsrl"))?;
     let request = Request { start: [1.0, 1.0], heading: None, goal: [6.5, 6.0], most_evaluations: 60_000 };
     let plan = site.plan(&request)?;
-    let answer = PlanAnswer::new(&site, &plan);
+    let alternatives = site.alternatives(&request, &plan)?;
+    let answer = PlanAnswer::new(&site, &plan).with_alternatives(&alternatives);
     println!(
         "{:.2} m, {} places evaluated, {} of them unsafe",
         answer.length,
         answer.evaluations,
         answer.failures.len()
     );
-    if let Err(error) = std::fs::write("plan.html", plan_page(&site, &plan, &answer)) {
+    if let Err(error) = std::fs::write("plan.html", plan_page(&site, &plan, &answer, Some(&alternatives))) {
         eprintln!("plan.html: {error}");
     }
     Ok(())

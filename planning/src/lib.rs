@@ -13,6 +13,8 @@
 //! | [`reconfigure`] | active joints put where the robot stands safest | 3.4, (3.23)-(3.24) |
 //! | [`traction`] | the same for the largest thrust | suggested in 5.2 |
 //! | [`drive`] | a path driven by half of the robot as the core's planar rover | |
+//! | [`slip`] | slip that a slope needs, with the band of what is not known of the soil | beyond the thesis |
+//! | [`alternatives`] | other paths to the same goal, judged as the plan is | 3.3 |
 //! | [`trial`] | the comparison with a binary planner | 3.3, table 3.1 |
 //! | [`site`], [`answer`], [`page`] | all of it in one value, answers and a page as every door gives them | |
 //!
@@ -30,6 +32,7 @@
 //! # Ok::<(), bekker_planning::site::SiteError>(())
 //! ```
 
+pub mod alternatives;
 pub mod anisotropic;
 pub mod answer;
 pub mod drive;
@@ -42,6 +45,7 @@ pub mod pose;
 pub mod reconfigure;
 pub mod robot;
 pub mod site;
+pub mod slip;
 pub mod stability;
 pub mod traction;
 pub mod trial;

@@ -10,6 +10,7 @@ use crate::plan::{
 };
 use crate::pose::{Placing, Pose, PoseError};
 use crate::robot::{Robot, RobotError, fsrl, sample_return};
+use crate::slip::{SlipBand, SoilSpread};
 use crate::trial::ground_shape;
 use bekker::soil::Soil;
 use bekker::wheel::Wheel;
@@ -159,6 +160,14 @@ pub enum SiteError {
     Plan(#[from] PlanError),
 }
 
+/// Deformable soil under the wheels.
+#[derive(Clone, Debug)]
+struct OnSoil {
+    soil: Soil,
+    shear: Shear,
+    spread: SoilSpread,
+}
+
 /// Ground, robot and settings.
 #[derive(Clone, Debug)]
 pub struct Site {
@@ -170,7 +179,7 @@ pub struct Site {
     pub assumptions: Assumptions,
     /// Values of the robot's active joints; 0 where empty.
     pub active: Vec<f64>,
-    soil: Option<(Soil, Shear)>,
+    soil: Option<OnSoil>,
     /// What was changed in the map: "12 spikes smoothed".
     changes: Vec<String>,
 }
@@ -216,22 +225,57 @@ impl Site {
         Self { changes, ..self }
     }
 
-    /// Deformable soil in place of firm ground: its strength under the robot's wheels at an equal share of the weight.
+    /// Deformable soil in place of firm ground: its strength under the robot's wheels at an equal share of the weight. Its uncertainty is
+    /// assumed to be that of the class of soil nearest to it.
     ///
     /// # Errors
     /// [`SiteError::Shear`] where the soil does not carry the wheels.
     pub fn on_soil(&mut self, soil: &Soil) -> Result<(), SiteError> {
+        self.on_uncertain_soil(soil, SoilSpread::nearest(soil))
+    }
+
+    /// The same with what is known of the soil; values that experiments have found replace those of `soil`.
+    ///
+    /// # Errors
+    /// [`SiteError::Shear`] where the soil does not carry the wheels.
+    pub fn on_uncertain_soil(&mut self, soil: &Soil, spread: SoilSpread) -> Result<(), SiteError> {
+        let soil = spread.around(soil);
         let (wheel, load) = (self.wheel(), self.weight() / self.robot.wheels.len() as f64);
-        self.soil = Some((*soil, Shear::of(soil, &wheel, load)?));
+        self.soil = Some(OnSoil { soil, shear: Shear::of(&soil, &wheel, load)?, spread });
         Ok(())
+    }
+
+    /// Slip by slope on the soil, with the band of its uncertainty; none on firm ground.
+    #[must_use]
+    pub fn slip_band(&self) -> Option<SlipBand> {
+        let on = self.soil.as_ref()?;
+        let (weight, wheels) = (self.weight(), self.robot.wheels.len());
+        Some(SlipBand::new(&on.soil, on.spread.clone(), &self.wheel(), weight, wheels))
+    }
+
+    /// Energy and slip by slope on the soil; none on firm ground.
+    ///
+    /// # Errors
+    /// [`EnergyError`] where the soil does not carry the robot forward on level ground.
+    pub fn slope_energy(&self) -> Option<Result<SlopeEnergy, EnergyError>> {
+        let on = self.soil.as_ref()?;
+        let (weight, most_slip) = (self.weight(), self.settings.energy.most_slip);
+        Some(SlopeEnergy::new(&on.soil, &self.wheel(), weight, self.robot.wheels.len(), most_slip))
     }
 
     fn wheel(&self) -> Wheel {
         Wheel { radius: self.robot.wheel_radius, width: self.robot.wheel_width, ..Wheel::default() }
     }
 
-    fn weight(&self) -> f64 {
+    /// Weight of the robot, N.
+    #[must_use]
+    pub fn weight(&self) -> f64 {
         self.robot.total_mass() * self.settings.environment.gravity
+    }
+
+    /// What resists beside the soil, J/m.
+    pub(crate) fn resistance(&self) -> f64 {
+        self.weight() * self.settings.energy.resistance
     }
 
     /// The ground.
@@ -249,7 +293,7 @@ impl Site {
     /// Strength of the ground.
     #[must_use]
     pub fn shear(&self) -> Shear {
-        self.soil.map_or_else(|| Shear::firm(self.settings.traction.friction), |(_, shear)| shear)
+        self.soil.as_ref().map_or_else(|| Shear::firm(self.settings.traction.friction), |on| on.shear)
     }
 
     /// What is doubtful in the map, and what was changed in it.
@@ -292,30 +336,29 @@ impl Site {
         programme.largest_thrust().ok()?.map(|forces| forces.thrust)
     }
 
+    /// The map as it is seen with the sensor's error from the start, where the sensor is taken to stand.
+    pub(crate) fn seen(&self, request: &Request) -> Result<ElevationMap, SiteError> {
+        Ok(blurred(self.surface.map(), request.start, &self.settings.range_error)?)
+    }
+
     /// A safe path. The sensor that measured the map is taken to stand at the start.
     ///
     /// # Errors
     /// [`SiteError::Plan`] says why there is none.
     pub fn plan(&self, request: &Request) -> Result<Plan, SiteError> {
-        let seen = blurred(self.surface.map(), request.start, &self.settings.range_error)?;
-        let field = CostField::new(&seen, &self.robot, &self.settings.index);
+        let field = CostField::new(&self.seen(request)?, &self.robot, &self.settings.index);
         let mut planner = Planner::new(self.evaluator(request.start)?, field, self.settings.localisation);
         Ok(planner.plan(request)?)
     }
-}
 
-impl Site {
     /// The path on which the wheels need the least energy by the wheel-soil model, and every stand is safe.
     ///
     /// # Errors
     /// [`SiteError::NoSoil`] on firm ground, and as [`Site::plan`].
     pub fn plan_by_energy(&self, request: &Request) -> Result<Plan, SiteError> {
-        let (soil, _) = self.soil.as_ref().ok_or(SiteError::NoSoil)?;
-        let (weight, most_slip) = (self.weight(), self.settings.energy.most_slip);
-        let energy = SlopeEnergy::new(soil, &self.wheel(), weight, self.robot.wheels.len(), most_slip)?;
-        let seen = blurred(self.surface.map(), request.start, &self.settings.range_error)?;
-        let seen = Surface::new(seen, self.surface.interpolation());
-        let cost = GroundEnergy::new(&seen, &energy, weight * self.settings.energy.resistance);
+        let energy = self.slope_energy().ok_or(SiteError::NoSoil)??;
+        let seen = Surface::new(self.seen(request)?, self.surface.interpolation());
+        let cost = GroundEnergy::new(&seen, &energy, self.resistance());
         Ok(plan_over(&self.evaluator(request.start)?, cost.table()?, request)?)
     }
 }

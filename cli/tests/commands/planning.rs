@@ -33,6 +33,7 @@ fn property_a_plan_is_told_and_written_as_table_and_page() {
     let table = std::fs::read_to_string(&table).expect("the table is there");
     assert!(table.starts_with("travelled,x,y,z,heading") && table.lines().count() > 10);
     assert!(std::fs::read_to_string(&page).expect("the page is there").contains("on which every stand holds"));
+    assert!(out.contains("other path, "), "{out}");
     let numbers = done(&["plan", "benign", "--list"]);
     assert!(numbers.contains("limits.stability") && numbers.contains("range_error.random"), "{numbers}");
 }
@@ -49,6 +50,35 @@ fn property_a_plan_by_energy_is_told_in_joules_and_needs_soil() {
     let page = std::fs::read_to_string(&page).expect("the page is there");
     assert!(page.contains("on which every stand holds") && page.contains("\"energy "));
     refused(&by_energy, &["by energy", "soil"]);
+}
+
+#[test]
+fn property_the_slip_along_a_plan_on_soil_has_a_band_of_what_is_known_of_the_soil() {
+    let plan = ["plan", "benign:3", "--start", "1,1", "--goal", "0.89,2.09", "--soil", "fsrl_ditch"];
+    let (found, assumed) = (file("slip.json"), file("slip.csv"));
+    let out = done(&[&plan[..], &["--alternatives", "--json", shown(&found), "--csv", shown(&assumed)]].concat());
+    assert!(out.contains("largest slip") && out.contains("nearest to it"), "{out}");
+    let answer = json(&found);
+    assert!(answer["energy"].as_f64().is_some_and(|energy| energy > 0.0));
+    let looked = ["alternatives", "alternatives_missing"].map(|key| answer[key].as_array().map_or(0, Vec::len));
+    assert!(looked[0] + looked[1] == 5, "{looked:?}");
+    let width = |answer: &serde_json::Value| {
+        let ends = ["slip_low", "slip", "slip_high"].map(|key| answer["points"][0][key].as_f64());
+        let [low, slip, high] = ends.map(|end| end.expect("a number"));
+        assert!(low < slip && slip < high, "{ends:?}");
+        high - low
+    };
+    let table = std::fs::read_to_string(&assumed).expect("the table is there");
+    assert!(table.starts_with("travelled,") && table.lines().next().is_some_and(|line| line.ends_with(",slip_none")));
+    let soil = file("soil.toml");
+    let parameter = "name = \"soil.friction_angle\"\nvalue = 0.5\nunit = \"rad\"\nscale = \"linear\"\nsd = 0.01\nat_bound = false\n";
+    let text = format!("name = \"shear box\"\n[[parameter]]\n{parameter}covariance = [1e-4]\n");
+    std::fs::write(&soil, text).expect("the folder can be written");
+    let known = file("known.json");
+    let out = done(&[&plan[..], &["--soil-from", shown(&soil), "--json", shown(&known)]].concat());
+    assert!(out.contains("shear box"), "{out}");
+    assert!(width(&json(&known)) < 0.2 * width(&answer));
+    refused(&[&plan[..], &["--soil-class", "custard"]].concat(), &["custard", "dry sand"]);
 }
 
 #[test]

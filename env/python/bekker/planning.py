@@ -14,9 +14,11 @@ from . import _bekker
 from .errors import InputError
 from .from_json import built
 from .models import ModelLike, as_model
+from .soil import SoilLike, as_soil
 from .toml_text import text, value
 
 __all__ = [
+    "Alternative",
     "Failure",
     "GroundLike",
     "JointValue",
@@ -38,6 +40,7 @@ RobotLike: TypeAlias = str | os.PathLike[str] | Mapping[str, Any]
 """The name of one of :func:`robots`, a TOML file, its text, or its content as a dictionary."""
 
 _COLUMNS = ("x", "y", "z", "travelled", "heading", "roll", "pitch", "stability", "thrust", "clearance")
+_SLIP = ("slip", "slip_low", "slip_high", "slip_none")
 
 
 @dataclass(frozen=True)
@@ -100,6 +103,36 @@ class Failure:
 
 
 @dataclass(frozen=True)
+class Alternative:
+    """Another path to the goal of a plan, judged as the plan is, in SI units and radians."""
+
+    name: str
+    """What it is: ``different route``, ``shortest safe path``, ``least energy``, ..."""
+    points: NDArray[np.float64]
+    """From start to goal, m: array of shape (n, 2)."""
+    length: float
+    """m."""
+    cost: float
+    """In the plan's measure; NaN where that does not allow the path."""
+    energy: float
+    """As :attr:`Plan.energy`, J."""
+    stability: float
+    """Least stability angle, rad; NaN where the robot has no pose at some place."""
+    thrust: float
+    """Least thrust in reserve, N; NaN where the robot has no pose, or no forces hold it, at some place."""
+    slip: float
+    """Largest slip, 0 or more; NaN on firm ground, where none is enough, and where the path is not safe."""
+    safe: bool
+    """Whether the robot may stand at all of its places."""
+    stands: int
+    """Places evaluated."""
+    failures: list[Failure]
+    """Those at which the robot would fail, from start to goal."""
+    verdict: str
+    """How it compares with the plan."""
+
+
+@dataclass(frozen=True)
 class Plan:
     """A path on which the robot is safe at every point, in SI units and radians.
 
@@ -121,6 +154,14 @@ class Plan:
     """Smallest of the largest thrusts of all cases, N."""
     clearance: NDArray[np.float64]
     """Smallest distance of the belly from the ground, m; NaN for a robot without a belly."""
+    slip: NDArray[np.float64]
+    """Slip that the wheels need for the slope on the plan's soil; NaN on firm ground, and where none is enough."""
+    slip_low: NDArray[np.float64]
+    """Lower end of its band; NaN also where the robot slides there."""
+    slip_high: NDArray[np.float64]
+    """Upper end of its band; NaN also where no slip is enough there."""
+    slip_none: NDArray[np.float64]
+    """Share of the soils looked at on which no slip is enough; NaN on firm ground."""
     length: float
     """m."""
     cost: float
@@ -132,8 +173,17 @@ class Plan:
     """Places that were found unsafe on the way to the plan."""
     remarks: list[str]
     """What is doubtful in the map, and what was changed in it."""
+    energy: float
+    """Energy of the wheels by the slopes on which the robot stands, J; NaN on firm ground, and where some slope needs more slip than
+    ``energy.most_slip``."""
+    slip_told: str | None
+    """How the slip and its band were made; None on firm ground."""
+    alternatives: list[Alternative]
+    """Other paths to the goal, where they were asked for."""
+    alternatives_missing: list[str]
+    """Those that were looked for and are not there, or take the same path, with the reason."""
     page: str = field(repr=False)
-    """The plan as a self-contained HTML page: map, path, margins, the robot at any point."""
+    """The plan as a self-contained HTML page: map, path and alternatives, margins, slip, the robot at any point."""
 
     def save_page(self, file: str | os.PathLike[str]) -> Path:
         """Writes :attr:`page`; the file's path."""
@@ -161,9 +211,12 @@ def plan(
     spikes: float | None = None,
     fill_holes: bool = False,
     soil: ModelLike | None = None,
+    soil_from: SoilLike | None = None,
+    soil_class: str | None = None,
     settings: Mapping[str, float] | None = None,
     active: Sequence[float] = (),
     by_energy: bool = False,
+    alternatives: bool = False,
     most_evaluations: int = 100_000,
 ) -> Plan:
     """The cheapest path by the performance index (3.5) of Iagnemma 2001 on which the robot is safe at every point.
@@ -183,25 +236,30 @@ def plan(
         spikes: nodes that stand out of all neighbours by more than this (m) are put to the neighbours' median.
         fill_holes: fill holes of the map from their rims.
         soil: a model whose soil lies there, in place of firm ground.
+        soil_from: what an experiment found of that soil (:class:`bekker.Soil`, or the path of its file): its values replace those of
+            ``soil``, and from its covariance follows the band of the slip.
+        soil_class: the class of that soil, whose standard deviations make the band; None for the class nearest to it.
         settings: numbers of :func:`planning_settings` by name, SI units.
         active: values of the robot's active joints, rad or m; 0 where empty.
         by_energy: the least energy of the wheels (J) as the cost, in the place of the performance index.
+        alternatives: look for other paths too, for :attr:`Plan.alternatives` and the page; takes some seconds.
         most_evaluations: most places to evaluate before giving up.
 
     Raises:
         PlanningError: there is no safe path; the message says why and where, :attr:`~bekker.errors.PlanningError.nearest` how far
             one gets.
-        InputError: heights or places are no numbers, or of the wrong shape.
+        InputError: heights or places are no numbers, or of the wrong shape; ``soil_from`` or ``soil_class`` without ``soil``, or both.
         ModelError: the robot's description, a setting or the map's file is refused.
-        UnknownNameError: no robot or setting of that name.
+        UnknownNameError: no robot, setting or class of soil of that name.
         OSError: a file cannot be read.
     """
     site = _site(ground, robot, cell, origin, from_north, smooth, spikes, fill_holes, soil, settings, active)
+    site |= _known(soil, soil_from, soil_class)
     places = _place("start", start), _place("goal", goal)
-    found, page = _bekker.plan(site, *places, heading, most_evaluations, by_energy)
+    found, page = _bekker.plan(site, *places, heading, most_evaluations, by_energy, alternatives)
     answer = json.loads(found)
     points = answer.pop("points")
-    columns = {name: _numbers(point[name] for point in points) for name in _COLUMNS}
+    columns = {name: _numbers(point[name] for point in points) for name in _COLUMNS + _SLIP}
     path = np.column_stack([columns.pop("x"), columns.pop("y")])
     return built(Plan, answer, path=path, page=page, **columns)
 
@@ -285,7 +343,17 @@ def _site(
         "settings": {name: float(number) for name, number in (settings or {}).items()},
         "active": [float(number) for number in active],
         "soil": None if soil is None else as_model(soil),
+        "soil_from": None,
+        "soil_class": None,
     }
+
+
+def _known(soil: ModelLike | None, soil_from: SoilLike | None, soil_class: str | None) -> dict[str, object]:
+    if soil is None and (soil_from is not None or soil_class is not None):
+        raise InputError("soil_from and soil_class say what is known of the soil of a model: expected `soil` too")
+    if soil_from is not None and soil_class is not None:
+        raise InputError("expected soil_from or soil_class, found both")
+    return {"soil_from": None if soil_from is None else as_soil(soil_from).toml, "soil_class": soil_class}
 
 
 def _heights(ground: GroundLike) -> str | NDArray[np.float64]:

@@ -6,9 +6,10 @@
 //! also where costs depend so strongly on direction that no order of the nodes is causal.
 
 use super::table::{DIRECTIONS, DirectionTable, Grid, RING};
-use super::tile::{BEYOND, FALLS, SIDE, Scratch, Surrounded, Tile, WIDE, least, priced, smaller, solve};
+use super::tile::{BEYOND, FALLS, Frame, SIDE, Scratch, Surrounded, Tile, WIDE, frame, least, priced, smaller, solve};
 use super::{DirectionalCost, path_cost};
 use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
 
 /// Around the start, nodes within this many spacings get their cost along the straight way: the field has a tip there, which
 /// linear interpolation rounds off.
@@ -154,8 +155,12 @@ struct Tiles<'a> {
     rows: usize,
     /// None before a value is known.
     tiles: Vec<Option<Box<Tile>>>,
+    /// What was around a tile when it was solved.
+    frames: Vec<Option<Box<Frame>>>,
     /// The least cost that comes in, of tiles to be solved; infinite for others.
     due: Vec<f64>,
+    /// Memory of threads between rounds: to make it anew for each takes longer than to solve a tile.
+    scratches: Mutex<Vec<Scratch>>,
 }
 
 /// A solved tile.
@@ -170,7 +175,15 @@ impl<'a> Tiles<'a> {
     fn new(table: &'a DirectionTable) -> Self {
         let (columns, rows) = (table.grid().columns.div_ceil(SIDE), table.grid().rows.div_ceil(SIDE));
         let count = columns * rows;
-        Self { table, columns, rows, tiles: vec![None; count], due: vec![f64::INFINITY; count] }
+        Self {
+            table,
+            columns,
+            rows,
+            tiles: vec![None; count],
+            frames: vec![None; count],
+            due: vec![f64::INFINITY; count],
+            scratches: Mutex::new(Vec::new()),
+        }
     }
 
     fn start(&mut self, [column, row]: [usize; 2], cost: f64) {
@@ -200,11 +213,20 @@ impl<'a> Tiles<'a> {
         };
         let chosen: Vec<[usize; 2]> = places.filter(first).collect();
         let solved: Vec<Solved> =
-            chosen.par_iter().map_init(Scratch::new, |scratch, place| self.solve(scratch, *place)).collect();
+            chosen.par_iter().map(|place| self.with_scratch(|scratch| self.solve(scratch, *place))).collect();
         for solved in &solved {
             self.take(solved);
         }
         !solved.is_empty()
+    }
+
+    /// Something done with the memory of a thread, which is left for the next.
+    fn with_scratch<T>(&self, work: impl FnOnce(&mut Scratch) -> T) -> T {
+        let kept = || self.scratches.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut scratch = kept().pop().unwrap_or_else(Scratch::new);
+        let done = work(&mut scratch);
+        kept().push(scratch);
+        done
     }
 
     /// Puts a solved tile in its place, and its neighbours on the list.
@@ -216,6 +238,7 @@ impl<'a> Tiles<'a> {
                     to.copy_from_slice(&from[1..=SIDE]);
                 }
                 self.due[index] = f64::INFINITY;
+                self.frames[index] = Some(Box::new(frame(&solved.values)));
             } else {
                 self.due[index] = self.due[index].min(solved.falls[k]);
             }
@@ -233,7 +256,8 @@ impl<'a> Tiles<'a> {
                 to[to_column..to_column + columns].copy_from_slice(&from[column..column + columns]);
             }
         }
-        solve(scratch, self.table, place, &mut values);
+        let before = self.frames[place[1] * self.columns + place[0]].as_deref();
+        solve(scratch, self.table, place, &mut values, before);
         let falls = self.falls(place, &values);
         Solved { place, values, falls }
     }

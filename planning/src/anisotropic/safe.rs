@@ -79,7 +79,8 @@ impl Search<'_, '_> {
             travelled += (place[0] - last[0]).hypot(place[1] - last[1]);
             last = *place;
             if let Ok(assessment) = self.assess(*place, *heading) {
-                points.push(PathPoint { x: place[0], y: place[1], heading: *heading, travelled, assessment });
+                let slope = assessment.slope;
+                points.push(PathPoint { x: place[0], y: place[1], heading: *heading, travelled, assessment, slope });
             }
         }
         Ok(((points.len() == stands.len()).then_some(points), path.cost))

@@ -166,6 +166,12 @@ impl DirectionTable {
         }
     }
 
+    /// Multiplies the costs of the nodes that are marked.
+    pub fn raise(&mut self, marked: &[bool], factor: f32) {
+        let nodes = self.costs.iter_mut().zip(marked).filter(|(_, marked)| **marked);
+        nodes.flat_map(|(costs, _)| costs).for_each(|cost| *cost *= factor);
+    }
+
     /// The grid.
     #[must_use]
     pub fn grid(&self) -> &Grid {

@@ -32,6 +32,24 @@ pub(super) type Tile = [[f64; SIDE]; SIDE];
 /// Values of a tile and the nodes around it.
 pub(super) type Surrounded = [[f64; WIDE]; WIDE];
 
+/// Values around a tile: of the row below and above, and of the column to the left and right.
+pub(super) type Frame = [[f64; WIDE]; 4];
+
+/// Where the k-th place of a side of a frame lies, as (column, row).
+fn in_frame(side: usize, k: usize) -> [usize; 2] {
+    [[k, 0], [k, WIDE - 1], [0, k], [WIDE - 1, k]][side]
+}
+
+/// The values around a tile.
+pub(super) fn frame(values: &Surrounded) -> Frame {
+    std::array::from_fn(|side| {
+        std::array::from_fn(|k| {
+            let [column, row] = in_frame(side, k);
+            values[row][column]
+        })
+    })
+}
+
 /// Costs of a metre of a tile and around it in one direction, line by line.
 type Metres = [[f32; WIDE]; WIDE];
 
@@ -79,28 +97,41 @@ impl Scratch {
     }
 }
 
-/// Solves tile (column, row) of a table; `values` of it and around it come in and go out. Compiled for AVX2 as well, which x86-64
+/// Solves tile (column, row) of a table; `values` of it and around it come in and go out. `before` is what was around it when it was solved
+/// the last time: then only what follows from values that have fallen since is looked at. Compiled for AVX2 as well, which x86-64
 /// processors may have, with the same operations and bits.
-pub(super) fn solve(scratch: &mut Scratch, table: &DirectionTable, tile: [usize; 2], values: &mut Box<Surrounded>) {
+pub(super) fn solve(
+    scratch: &mut Scratch,
+    table: &DirectionTable,
+    tile: [usize; 2],
+    values: &mut Box<Surrounded>,
+    before: Option<&Frame>,
+) {
     #[cfg(target_arch = "x86_64")]
     if Avx2::there() {
         return Avx2::wide(
             #[inline(always)]
-            || solve_here(scratch, table, tile, values),
+            || solve_here(scratch, table, tile, values, before),
         );
     }
-    solve_here(scratch, table, tile, values);
+    solve_here(scratch, table, tile, values, before);
 }
 
 #[inline(always)]
-fn solve_here(scratch: &mut Scratch, table: &DirectionTable, tile: [usize; 2], values: &mut Box<Surrounded>) {
+fn solve_here(
+    scratch: &mut Scratch,
+    table: &DirectionTable,
+    tile: [usize; 2],
+    values: &mut Box<Surrounded>,
+    before: Option<&Frame>,
+) {
     spread(&mut scratch.metres, table, tile);
     for (k, (side, ways)) in SIDES.iter().zip(&mut scratch.ways).enumerate() {
         let metres = |k: usize| &scratch.metres[5 * k..5 * k + 5];
         price(side, metres(k), metres((k + 2) % 4), table.grid().cell, ways);
     }
     std::mem::swap(&mut scratch.upright, values);
-    relax(scratch);
+    relax(scratch, before);
     std::mem::swap(&mut scratch.upright, values);
 }
 
@@ -189,13 +220,25 @@ struct Clock {
 }
 
 impl Clock {
-    /// All lines with a value have fallen.
-    fn new(values: &Surrounded) -> Self {
+    /// All lines with a value have fallen; where the tile was solved `before` with these values around it, those with one around it that is
+    /// less now.
+    fn new(values: &Surrounded, before: Option<&Frame>) -> Self {
         let mut fallen = [[0; WIDE]; 2];
-        for (row, line) in values.iter().enumerate() {
-            for (column, value) in line.iter().enumerate() {
-                if value.is_finite() {
-                    (fallen[0][row], fallen[1][column]) = (1, 1);
+        if let Some(before) = before {
+            for (side, old) in before.iter().enumerate() {
+                for (k, old) in old.iter().enumerate() {
+                    let [column, row] = in_frame(side, k);
+                    if values[row][column] < *old {
+                        (fallen[0][row], fallen[1][column]) = (1, 1);
+                    }
+                }
+            }
+        } else {
+            for (row, line) in values.iter().enumerate() {
+                for (column, value) in line.iter().enumerate() {
+                    if value.is_finite() {
+                        (fallen[0][row], fallen[1][column]) = (1, 1);
+                    }
                 }
             }
         }
@@ -205,8 +248,8 @@ impl Clock {
 
 /// Takes lines from each side in turn until none has fallen in four.
 #[inline(always)]
-fn relax(scratch: &mut Scratch) {
-    let mut clock = Clock::new(&scratch.upright);
+fn relax(scratch: &mut Scratch, before: Option<&Frame>) {
+    let mut clock = Clock::new(&scratch.upright, before);
     let (mut quiet, mut is_turned) = (0, false);
     for k in (0..4).cycle() {
         if quiet == 4 {

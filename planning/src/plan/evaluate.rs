@@ -101,6 +101,8 @@ pub struct Assessment {
     pub thrust: f64,
     /// Smallest clearance, m.
     pub clearance: f64,
+    /// Smallest and largest slope of the direction of travel, uphill positive, rad.
+    pub slope: [f64; 2],
     /// Cases looked at: 1, or 2^n with uncertain ground.
     pub cases: usize,
 }
@@ -146,7 +148,8 @@ impl<'a> Evaluator<'a> {
         let pose = self.placing.pose(place, heading, start).map_err(Failure::Pose)?;
         let (stability, thrust) = self.check(&pose)?;
         let clearance = pose.clearance;
-        let mut worst = Assessment { pose, stability, thrust, clearance, cases: 1 };
+        let slope = [pose.attitude.slope(); 2];
+        let mut worst = Assessment { pose, stability, thrust, clearance, slope, cases: 1 };
         let Some((error, sensor)) = &self.uncertainty else { return Ok(worst) };
         // (3.15), (3.19)
         let deviation = error.deviation((place[0] - sensor[0]).hypot(place[1] - sensor[1]));
@@ -164,6 +167,8 @@ impl<'a> Evaluator<'a> {
             worst.stability = worst.stability.min(stability);
             worst.thrust = worst.thrust.min(thrust);
             worst.clearance = worst.clearance.min(pose.clearance);
+            let slope = pose.attitude.slope();
+            worst.slope = [worst.slope[0].min(slope), worst.slope[1].max(slope)];
             worst.cases += 1;
         }
         Ok(worst)

@@ -15,6 +15,9 @@ pub struct PathPoint {
     pub travelled: f64,
     /// How the rover stands there.
     pub assessment: Assessment,
+    /// Smallest and largest slope of the direction of travel, rad, over all cases of the terrain's error and all stands within that of
+    /// dead reckoning.
+    pub slope: [f64; 2],
 }
 
 /// What a plan is the cheapest in.

@@ -67,7 +67,9 @@ impl<'a> Planner<'a> {
         let ((column, row), goal) = (start?, goal?);
         let heading = request.heading.map(|angle| (angle / FRAC_PI_4).round().rem_euclid(HEADINGS as f64) as usize);
         let start = Stand { column, row, heading: heading.unwrap_or(0) };
-        let mut raised = HashMap::new();
+        // A stand that has failed in an earlier plan would fail again.
+        let failed = self.known.iter().filter(|(_, known)| known.is_err());
+        let mut raised: HashMap<Stand, f64> = failed.map(|(stand, _)| (*stand, f64::INFINITY)).collect();
         self.must_stand("start", start, heading.is_none(), &mut raised)?;
         let anywhere = Stand { column: goal.0, row: goal.1, heading: 0 };
         self.must_stand("goal", anywhere, true, &mut raised)?;
@@ -133,8 +135,26 @@ impl<'a> Planner<'a> {
     /// Evaluates all stands of a path and those near it by the error of localisation; raises the cost of those at which the rover
     /// would fail. A stand that has failed would fail again, so its cost becomes infinite. Whether all are safe.
     fn evaluate(&mut self, found: &Found, raised: &mut HashMap<Stand, f64>) -> bool {
-        let (mut safe, mut travelled, mut turned) = (true, 0.0, 0.0);
-        let stands = with_turns(&found.path);
+        let failed = self.failed(&found.path);
+        raised.extend(failed.iter().map(|(stand, _)| (*stand, f64::INFINITY)));
+        failed.is_empty()
+    }
+
+    /// The stands of a path at which, or within the error of localisation of which, the rover would fail, each with the first reason.
+    fn failed(&mut self, path: &[Stand]) -> Vec<(Stand, Failure)> {
+        let mut failed = Vec::new();
+        for (stand, near) in self.with_near(path) {
+            let reason = near.into_iter().find_map(|near| self.known_or_assessed(near).err().cloned());
+            failed.extend(reason.map(|reason| (stand, reason)));
+        }
+        failed
+    }
+
+    /// The stands of a path and those after a turn, each with all within the error that dead reckoning has made up to there.
+    fn with_near(&self, path: &[Stand]) -> Vec<(Stand, Vec<Stand>)> {
+        let (mut travelled, mut turned) = (0.0, 0.0);
+        let stands = with_turns(path);
+        let mut all = Vec::with_capacity(stands.len());
         for (k, &stand) in stands.iter().enumerate() {
             if k > 0 {
                 let before = stands[k - 1];
@@ -143,15 +163,38 @@ impl<'a> Planner<'a> {
                 let eighths = before.heading.abs_diff(stand.heading);
                 turned += eighths.min(HEADINGS - eighths) as f64 * FRAC_PI_4;
             }
-            let radius = self.localisation.position * travelled;
-            let lean = self.localisation.heading * turned;
-            let fails = self.around(stand, radius, lean).into_iter().any(|near| self.known_or_assessed(near).is_err());
-            if fails {
-                safe = false;
-                raised.insert(stand, f64::INFINITY);
+            let near = self.around(stand, self.localisation.position * travelled, self.localisation.heading * turned);
+            all.push((stand, near));
+        }
+        all
+    }
+
+    /// A path given by its stands, evaluated as those that are planned: the points at which the rover can stand, and the stands at which
+    /// it would fail.
+    pub fn judged(&mut self, path: &[Stand]) -> (Vec<PathPoint>, Vec<(Stand, Failure)>) {
+        let failed = self.failed(path);
+        (self.points(path), failed)
+    }
+
+    /// Takes over what a plan on the same ground and grid has found of stands: those that are safe, and those that fail.
+    pub fn learn(&mut self, plan: &Plan) {
+        let map = self.map();
+        let eighth = |angle: f64| (angle / FRAC_PI_4).round().rem_euclid(HEADINGS as f64) as usize;
+        let safe = plan.points.iter().map(|point| ([point.x, point.y], point.heading, Ok(point.assessment.clone())));
+        let failed = plan.failures.iter().map(|(place, heading, failure)| (*place, *heading, Err(failure.clone())));
+        for (place, heading, known) in safe.chain(failed) {
+            let Some((column, row)) = map.nearest(place) else { continue };
+            let stand = Stand { column, row, heading: eighth(heading) };
+            // Plans at any angle stand between nodes too.
+            if stand.place(map) == place && stand.angle() == heading {
+                self.known.insert(stand, known);
             }
         }
-        safe
+    }
+
+    /// Puts another field of costs in the place of the present one, which is given back; what is known of stands stays.
+    pub fn exchange(&mut self, field: CostField) -> CostField {
+        std::mem::replace(&mut self.field, field)
     }
 
     /// The stand and those within the error of position (m) and heading (rad): P' of figure 3.7.
@@ -177,14 +220,7 @@ impl<'a> Planner<'a> {
     }
 
     fn finished(&self, found: &Found, searches: usize, before: usize) -> Plan {
-        let map = self.map();
-        let mut points: Vec<PathPoint> = Vec::new();
-        for stand in with_turns(&found.path) {
-            let Some(Ok(assessment)) = self.known.get(&stand) else { continue };
-            let [x, y] = stand.place(map);
-            let travelled = points.last().map_or(0.0, |last| last.travelled + (x - last.x).hypot(y - last.y));
-            points.push(PathPoint { x, y, heading: stand.angle(), travelled, assessment: assessment.clone() });
-        }
+        let points = self.points(&found.path);
         let length = points.last().map_or(0.0, |last| last.travelled);
         let evaluations = self.known.len() - before;
         Plan {
@@ -196,6 +232,23 @@ impl<'a> Planner<'a> {
             evaluations,
             failures: self.failures(),
         }
+    }
+
+    /// The points of a path of stands that are known to be safe.
+    fn points(&self, path: &[Stand]) -> Vec<PathPoint> {
+        let map = self.map();
+        let mut points = Vec::new();
+        let (mut travelled, mut last) = (0.0, None);
+        for (stand, near) in self.with_near(path) {
+            let [x, y] = stand.place(map);
+            let [from_x, from_y] = last.replace([x, y]).unwrap_or([x, y]);
+            travelled += (x - from_x).hypot(y - from_y);
+            let Some(Ok(assessment)) = self.known.get(&stand) else { continue };
+            let slopes = near.iter().filter_map(|near| Some(self.known.get(near)?.as_ref().ok()?.slope));
+            let slope = slopes.fold(assessment.slope, |all, slope| [all[0].min(slope[0]), all[1].max(slope[1])]);
+            points.push(PathPoint { x, y, heading: stand.angle(), travelled, assessment: assessment.clone(), slope });
+        }
+        points
     }
 
     /// All stands known to fail, in the order of the grid.

@@ -46,6 +46,12 @@ impl Attitude {
         let (heading, roll) = (turn(Vector3::z_axis(), self.heading), turn(Vector3::x_axis(), self.roll));
         *(heading * roll * turn(Vector3::y_axis(), -self.pitch)).matrix()
     }
+
+    /// Slope of the direction of travel, uphill positive, rad: sin = cos(roll) sin(pitch).
+    #[must_use]
+    pub fn slope(&self) -> f64 {
+        (self.roll.cos() * self.pitch.sin()).asin()
+    }
 }
 
 impl<'a> Frames<'a> {

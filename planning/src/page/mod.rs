@@ -1,17 +1,30 @@
-//! A plan as one self-contained page: the map with the path, margins along it, the rover on the ground at any point.
+//! A plan as one self-contained page: the map with cost, path and alternatives, margins and slip along it, the rover on the ground at any
+//! point.
 
-use crate::answer::PlanAnswer;
+mod cost;
+
+use crate::alternatives::Alternatives;
+use crate::answer::{PlanAnswer, RouteAnswer};
 use crate::map::ElevationMap;
-use crate::plan::Plan;
+use crate::plan::{Measure, Plan};
 use crate::robot::Frames;
 use crate::site::Site;
+use cost::CostMap;
 use serde::Serialize;
 
 /// A map is thinned to at most this many nodes along a side: what a screen shows.
 const SIDE: usize = 260;
 
 const STYLE: &str = include_str!("page.css");
-const SCRIPT: &str = include_str!("page.js");
+const SCRIPT: &str = concat!(
+    include_str!("common.js"),
+    include_str!("map.js"),
+    include_str!("rover.js"),
+    include_str!("strips.js"),
+    include_str!("routes.js"),
+    include_str!("main.js"),
+);
+const BODY: &str = include_str!("page.html");
 
 /// Heights as the page draws them.
 #[derive(Serialize)]
@@ -41,47 +54,51 @@ struct Rover {
 struct Data<'a> {
     /// The cost in words.
     cost: String,
+    by_energy: bool,
     map: Heights,
+    cost_map: CostMap,
     answer: &'a PlanAnswer,
+    /// The plan's path in the numbers of the alternatives; null where these were not asked for.
+    chosen: Option<RouteAnswer>,
     rovers: Vec<Rover>,
     radius: f64,
     stability_limit: f64,
     thrust_limit: f64,
+    clearance_limit: f64,
+    slip_limit: f64,
 }
 
-/// The page of a plan, for a browser without a network.
+/// The page of a plan, for a browser without a network; with the other paths where they were asked for.
 #[must_use]
-pub fn plan_page(site: &Site, plan: &Plan, answer: &PlanAnswer) -> String {
-    let robot = site.robot();
-    let weight = robot.total_mass() * site.settings.environment.gravity;
+pub fn plan_page(site: &Site, plan: &Plan, answer: &PlanAnswer, alternatives: Option<&Alternatives>) -> String {
+    let (robot, settings) = (site.robot(), &site.settings);
+    let map = site.surface().map();
+    let stride = map.columns().max(map.rows()).div_ceil(SIDE);
     let data = Data {
         cost: plan.measure.told(plan.cost),
-        map: heights(site.surface().map()),
+        by_energy: plan.measure == Measure::Energy,
+        map: heights(map, stride),
+        cost_map: CostMap::new(site, plan.measure, stride),
         answer,
+        chosen: alternatives.map(|found| RouteAnswer { points: Vec::new(), ..RouteAnswer::new(&found.chosen) }),
         rovers: plan.points.iter().map(|point| rover(site, &point.assessment.pose.attitude)).collect(),
         radius: robot.wheel_radius,
-        stability_limit: site.settings.limits.stability,
-        thrust_limit: site.settings.limits.thrust * weight,
+        stability_limit: settings.limits.stability,
+        thrust_limit: settings.limits.thrust * site.weight(),
+        clearance_limit: settings.limits.clearance,
+        slip_limit: settings.energy.most_slip,
     };
     // No script can end within a string of it.
     let data = serde_json::to_string(&data).unwrap_or_default().replace("</", "<\\/");
+    let body = BODY.replace("{length}", &format!("{:.2}", answer.length));
     format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Bekker: plan</title>\
-         <meta name=\"viewport\" content=\"width=device-width\"><style>{STYLE}</style></head><body>\
-         <h1>A path of {length:.2} m on which every stand holds</h1><p id=\"summary\"></p>\
-         <div class=\"row\"><figure><canvas id=\"map\" width=\"560\" height=\"560\"></canvas><figcaption>Heights (dark low, light high), \
-         the path, and places where the rover would fail (red). Click on the path to put the rover there.</figcaption></figure>\
-         <figure><canvas id=\"rover\" width=\"560\" height=\"420\"></canvas><figcaption>The rover at the chosen point. Drag to turn.\
-         </figcaption><input id=\"point\" type=\"range\" min=\"0\" value=\"0\" aria-label=\"point of the path\">\
-         <p id=\"here\"></p></figure></div><figure><canvas id=\"margins\" width=\"1140\" height=\"420\"></canvas><figcaption>Along the \
-         path: stability angle, thrust in reserve and clearance, the worst of all cases; dashed the smallest allowed.</figcaption>\
-         </figure><script>const data = {data};\n{SCRIPT}</script></body></html>\n",
-        length = answer.length,
+         <meta name=\"viewport\" content=\"width=device-width\"><style>{STYLE}</style></head><body>\n\
+         {body}<script>const data = {data};\n{SCRIPT}</script></body></html>\n",
     )
 }
 
-fn heights(map: &ElevationMap) -> Heights {
-    let stride = map.columns().max(map.rows()).div_ceil(SIDE);
+fn heights(map: &ElevationMap, stride: usize) -> Heights {
     // Thinning leaves 2 x 2 nodes of any map that is longer than the stride.
     let map = map.thinned(stride).unwrap_or_else(|_| map.clone());
     let mm = |z: &f64| z.is_finite().then(|| (z * 1000.0).round() as i64);
