@@ -17,12 +17,10 @@ QUICK = {"candidates": ["slip_sinkage", "torque_scale"], "draws": 199}
 def wheel(name, width, n1, seed):
     """A wheel of this width with slip-sinkage n1, measured three times."""
     rng = np.random.default_rng(seed)
-    model = bekker.Model.preset("two_wheeled")
-    model.set("wheel.width", width)
-    model.set("slip_sinkage.n1", n1)
+    changed = {"wheel.width": width, "slip_sinkage.n1": n1}
     runs = []
     for load in (25.0, 50.0):
-        points = bekker.steady_points(model, load, SLIPS, 0.5)
+        points = bekker.steady_points("two_wheeled", load, SLIPS, 0.5, changed)
         for _ in range(3):
             columns = {"load": np.full(SLIPS.size, load), "slip": SLIPS, "wheel_speed": np.full(SLIPS.size, 0.5)}
             columns |= {signal: points[signal] + noise * rng.standard_normal(SLIPS.size) for signal, noise in NOISE.items()}

@@ -56,7 +56,7 @@ def import_experiment(
     files: list[str], folder: str, kind: str | None = None
 ) -> tuple[Literal["single_wheel", "traverse", "plate_sinkage", "shear"], list[str], list[str], list[str], str | None]: ...
 def compare(
-    experiment: _Experiment | list[_Experiment],
+    experiment: _Experiment | Sequence[_Experiment],
     model: tuple[Model, str] | None,
     values: dict[str, float],
     calibrate: bool,
@@ -66,7 +66,7 @@ def compare(
 ) -> tuple[str, Model, list[tuple[str, Model]]]: ...
 def known_soil(soil: str) -> str: ...
 def diagnose(
-    experiment: _Experiment | list[_Experiment],
+    experiment: _Experiment | Sequence[_Experiment],
     model: tuple[Model, str] | None,
     values: dict[str, float],
     candidates: list[str] | None,
