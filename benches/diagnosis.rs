@@ -71,6 +71,7 @@ fn experiment() -> Experiment {
         noise: BTreeMap::new(),
         runs: (0..18).map(run).collect(),
         doubts: Vec::new(),
+        parts: Vec::new(),
     }
 }
 

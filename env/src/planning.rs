@@ -118,6 +118,7 @@ fn json(answer: &impl Serialize) -> PyResult<String> {
 
 /// A plan as JSON and as a page; by the performance index, or by the energy that the wheels need; with other paths where asked for.
 #[pyfunction]
+#[allow(clippy::too_many_arguments, reason = "keywords of the Python function")]
 pub fn plan(
     py: Python<'_>,
     site: SiteGiven<'_>,

@@ -41,6 +41,7 @@ SOIL = {  # start, bounds
     "soil.c1": (0.4, 0.0, 0.6),
     "soil.c2": (0.2, 0.0, 0.5),
 }
+UNANSWERED = 1e3  # standard deviations by which a row counts as missed where the model has no answer
 COLUMNS = ("name", "hidden", "aic", "bic", "bekker", "seconds_lmfit", "seconds_bekker")
 
 
@@ -64,11 +65,14 @@ class Measured:
     def residual(self, parameters):
         """Measured minus modelled over the noise; large where the soil does not carry the wheel."""
         values = self.rig | {p.name.replace("__", "."): p.value for p in parameters.values()}
+        if not np.all(np.isfinite(list(values.values()))):
+            return np.full(self.count, UNANSWERED)
         try:
             modelled = bekker.steady_points("two_wheeled", *self.points.values(), values)
         except bekker.BekkerError:
-            return np.full(self.count, 1e3)
-        return np.concatenate([((v - modelled[s]) / self.noise[s]).ravel() for s, v in self.values.items()])
+            return np.full(self.count, UNANSWERED)
+        all_signals = np.concatenate([((v - modelled[s]) / self.noise[s]).ravel() for s, v in self.values.items()])
+        return np.where(np.isfinite(all_signals), all_signals, UNANSWERED)
 
 
 def fitted(measured, start, effect):
