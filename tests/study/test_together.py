@@ -1,0 +1,65 @@
+"""How diagnoses of several experiments are scored, and what the generator makes. `python3 -m pytest tests/study`."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+import together  # noqa: E402
+
+import joint  # noqa: E402  (together puts the generators on the path)
+
+
+def truth(case, where, ties=(), visible=True):
+    return {"case": case, "where": list(where), "effects": [{"allowed_ties": list(ties), "visible": visible}]}
+
+
+def said(verdict, *effects, where=(), tied=()):
+    places = {effect: list(where) for effect in effects}
+    return {"verdict": verdict, "effects": list(effects), "where": places, "candidates": [{"effect": name, "tied": True} for name in tied]}
+
+
+CASES = [
+    (truth("clean", []), said("explained"), "right"),
+    (truth("clean", []), said("effect_missing", "drag", where=["wheel"]), "false_alarm"),
+    (truth("drag", ["wheel"]), said("effect_missing", "drag", where=["wheel"]), "right"),
+    (truth("drag", ["wheel"]), said("effect_missing", "drag", where=["wheel", "other_wheel"]), "wrong_place"),
+    (truth("drag", ["wheel"]), said("effect_missing", "drag", "rate", where=["wheel"]), "extra"),
+    (truth("drag", ["wheel"]), said("effect_missing", "rate", where=["wheel"]), "wrong"),
+    (truth("drag", ["wheel"], ["rate"]), said("undetermined", tied=["drag in wheel", "rate in wheel"]), "right_tie"),
+    (truth("drag", ["wheel"]), said("undetermined", tied=["drag in wheel", "rate"]), "broad_tie"),
+    (truth("drag", ["wheel"]), said("undetermined", tied=["drag", "drag in wheel"]), "right_tie"),
+    (truth("drag", ["wheel"], visible=False), said("explained"), "cautious"),
+    (truth("softening", ["shear"]), said("effect_missing", "shear_softening", where=["shear"]), "right"),
+    (truth("other_soil", []), said("unexplained", "drag"), "cautious"),
+    (truth("other_soil", []), said("effect_missing", "drag", where=["wheel"]), "wrong"),
+    (truth("drag", ["wheel"]), {"error": "interrupted"}, "error"),
+]
+
+
+@pytest.mark.parametrize(("hidden", "result", "expected"), CASES)
+def test_analytic_outcomes(hidden, result, expected):
+    assert together.outcome(hidden, result) == expected
+
+
+def test_property_beds_differ_by_what_is_stated_and_not_at_all_without_it():
+    soil = {"k_c": 1e3, "k_phi": 1e6, "cohesion": 800.0, "friction_angle": 0.5, "shear_modulus": 0.02, "exponent": 1.0, "c1": 0.4, "c2": 0.2}
+    assert all(bed == soil for bed in joint.prepared(soil, 3, 0.0).values())
+    beds = joint.prepared(soil, 3, 0.05)
+    assert beds["wheel"]["exponent"] == 1.0 and beds["wheel"]["k_phi"] != beds["plates"]["k_phi"]
+    # k_c and k_phi scatter together.
+    assert beds["wheel"]["k_c"] / 1e3 == pytest.approx(beds["wheel"]["k_phi"] / 1e6, rel=1e-12)
+
+
+def test_property_a_set_is_the_same_for_the_same_seed(tmp_path):
+    made = [joint.make(tmp_path / name, ("plates", "wheel"), "drag", "wheel", 3100) for name in ("one", "two")]
+    assert made[0] == made[1] and made[0]["where"] == ["wheel"] and made[0]["effects"][0]["part"] == "wheel"
+    files = [sorted((tmp_path / name).rglob("*.csv")) for name in ("one", "two")]
+    assert len(files[0]) > 10 and all(a.read_bytes() == b.read_bytes() for a, b in zip(*files))
+
+
+def test_property_an_effect_that_a_part_does_not_have_is_refused(tmp_path):
+    with pytest.raises(SystemExit, match="seating: no effect of shear"):
+        joint.make(tmp_path, ("plates", "shear"), "seating", "shear", 3100)
