@@ -1,20 +1,37 @@
 //! Experiments that the model is not asked about, because what separates there is known beforehand: a single cause acts.
 //! Each effect advises its own, see [`Advice`](crate::effects::Advice).
 
-use crate::diagnosis::problem::Problem;
+use crate::diagnosis::problem::{Problem, plain_effect};
 use crate::effects::{Advice, Equipment};
-use crate::measurement::Kind;
+use crate::measurement::{Experiment, Kind};
 use crate::model::Model;
 use bekker_modeldescription::Role;
 
 /// What a rig can do, and the effects that may act on it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rig<'a> {
-    pub kind: Kind,
+    /// Kinds of experiments that were made with it.
+    pub kinds: Kinds,
     pub joints: bool,
     /// Whether a test of the soil would tell something new.
     pub untested_soil: bool,
     pub model: &'a Model,
+}
+
+/// Kinds of experiments, of which a joint one has several.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Kinds([bool; Kind::ALL.len()]);
+
+impl Kinds {
+    fn of(experiment: &Experiment) -> Self {
+        let parts = experiment.parts.iter().map(|part| part.experiment.kind);
+        let made: Vec<Kind> = if experiment.parts.is_empty() { vec![experiment.kind] } else { parts.collect() };
+        Self(Kind::ALL.map(|kind| made.contains(&kind)))
+    }
+
+    fn has(self, kind: Kind) -> bool {
+        Kind::ALL.iter().zip(self.0).any(|(known, made)| *known == kind && made)
+    }
 }
 
 impl<'a> Rig<'a> {
@@ -22,11 +39,14 @@ impl<'a> Rig<'a> {
     pub fn of(problem: &'a Problem) -> Self {
         let soil = |name: &str| name.starts_with("soil.");
         let free = problem.base.iter().any(|free| free.variable.role == Role::Calibrated && soil(&free.variable.name));
-        let tested = problem.joint.is_some() || problem.experiment.priors.keys().any(|name| soil(name));
+        let (experiment, kinds) = (&*problem.experiment, Kinds::of(&problem.experiment));
+        let parts = experiment.parts.iter().map(|part| &part.experiment);
+        let known = parts.chain([experiment]).any(|one| one.priors.keys().any(|name| soil(name)));
+        let soil_test = Kind::ALL.into_iter().any(|kind| kind.is_soil_test() && kinds.has(kind));
         Self {
-            kind: problem.experiment.kind,
+            kinds,
             joints: !problem.known.rover.links.is_empty(),
-            untested_soil: free && !tested && !problem.experiment.kind.is_soil_test(),
+            untested_soil: free && problem.joint.is_none() && !known && !soil_test,
             model: &problem.known,
         }
     }
@@ -34,18 +54,18 @@ impl<'a> Rig<'a> {
     /// Whether it has what an experiment takes.
     pub fn has(&self, equipment: Equipment) -> bool {
         match equipment {
-            Equipment::Carriage => self.kind == Kind::SingleWheel,
-            Equipment::Rover => self.kind == Kind::Traverse,
-            Equipment::JointedRover => self.kind == Kind::Traverse && self.joints,
+            Equipment::Carriage => self.kinds.has(Kind::SingleWheel),
+            Equipment::Rover => self.kinds.has(Kind::Traverse),
+            Equipment::JointedRover => self.kinds.has(Kind::Traverse) && self.joints,
             Equipment::SoilTest => self.untested_soil,
-            Equipment::Plate => self.kind == Kind::PlateSinkage,
-            Equipment::ShearBox => self.kind == Kind::Shear,
+            Equipment::Plate => self.kinds.has(Kind::PlateSinkage),
+            Equipment::ShearBox => self.kinds.has(Kind::Shear),
         }
     }
 
     /// What an effect advises, whatever it takes; nothing where the effect is given as an expression.
     fn advice(&self, effect: &str) -> &'static [Advice] {
-        self.model.facts_of(effect).map_or(&[], |facts| facts.advice)
+        self.model.facts_of(plain_effect(effect)).map_or(&[], |facts| facts.advice)
     }
 }
 
@@ -65,12 +85,16 @@ mod tests {
     use crate::effects::{EFFECTS, SOIL_TEST};
     use crate::rover::Rover;
 
+    fn only(kind: Kind) -> Kinds {
+        Kinds(Kind::ALL.map(|known| known == kind))
+    }
+
     fn carriage(model: &Model) -> Rig<'_> {
-        Rig { kind: Kind::SingleWheel, joints: false, untested_soil: true, model }
+        Rig { kinds: only(Kind::SingleWheel), joints: false, untested_soil: true, model }
     }
 
     fn rover(model: &Model) -> Rig<'_> {
-        Rig { kind: Kind::Traverse, ..carriage(model) }
+        Rig { kinds: only(Kind::Traverse), ..carriage(model) }
     }
 
     #[test]
