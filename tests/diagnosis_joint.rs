@@ -3,10 +3,10 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
 use bekker::diagnosis::{
-    CompareError, CompareOptions, Control, DiagnoseOptions, Diagnosis, Given, Rig, Verdict, compare, diagnose,
-    plain_effect, steady_point,
+    CompareError, CompareOptions, Comparison, Control, DiagnoseOptions, Diagnosis, Given, Rig, Verdict, compare,
+    diagnose, plain_effect, steady_point,
 };
-use bekker::measurement::{Experiment, JointError};
+use bekker::measurement::{Experiment, JointError, Prior};
 use bekker::model::Model;
 use bekker::modeldescription::Lookup;
 use rand::SeedableRng;
@@ -229,6 +229,98 @@ fn property_beds_that_differ_as_beds_do_are_no_missing_effect() {
     assert!(!names.into_iter().any(|name| name.starts_with("soil_scatter")));
     let refused = Given::default().with_soil_scatter(0.8).unwrap_err().to_string();
     assert!(refused.contains("0 to 0.5"), "{refused}");
+}
+
+/// Names of the baseline's parameters.
+fn free(given: Given, experiment: &Experiment) -> Vec<(String, Option<Prior>)> {
+    let options = CompareOptions { calibrate: true, ..CompareOptions::default() };
+    let (calibration, _) = compare(given, experiment, &options).unwrap().calibrated.unwrap();
+    calibration.parameters.into_iter().map(|own| (own.variable.name, own.prior)).collect()
+}
+
+#[test]
+fn property_what_is_set_by_hand_goes_before_what_folders_state() {
+    let one = wheel("set", "narrow", 0.10, 0.0, "\"soil.cohesion\" = 900.0\n");
+    let two = wheel("set", "wide", 0.16, 0.0, "\"soil.cohesion\" = 800.0\n");
+    let joint = Experiment::joint(vec![one, two]).unwrap();
+    let given = Given::default().with_value("soil.cohesion", 1000.0);
+    let compared = compare(given, &joint, &CompareOptions::default()).unwrap();
+    for (name, model) in &compared.part_models {
+        assert_eq!(model.clone().get("soil.cohesion").unwrap(), 1000.0, "{name}");
+    }
+}
+
+#[test]
+fn property_a_stated_value_with_a_prior_stays_free_in_all() {
+    let mean = "\"soil.cohesion\" = 900.0\n[priors]\n\"soil.cohesion\" = { sd = 150.0 }\n";
+    let one = wheel("mean", "narrow", 0.10, 0.0, mean);
+    let two = wheel("mean", "wide", 0.16, 0.0, "");
+    let joint = Experiment::joint(vec![one, two]).unwrap();
+    let names = free(Given::default(), &joint);
+    let (_, prior) = names.iter().find(|(name, _)| name == "soil.cohesion").unwrap();
+    assert_eq!(prior.unwrap(), Prior { mean: 900.0, deviation: 150.0 });
+}
+
+#[test]
+fn property_a_class_that_one_folder_names_is_that_of_the_soil() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let read = |name: &str| Experiment::read(folder.join(name)).unwrap();
+    let (mut plates, shear) = (read("sand_plates"), read("sand_shear"));
+    plates.soil_class = Some("dry sand".to_owned());
+    let joint = Experiment::joint(vec![plates, shear]).unwrap();
+    let names = free(Given::default(), &joint);
+    // Only the shear tests tell of the cohesion.
+    let (_, prior) = names.iter().find(|(name, _)| name == "soil.cohesion").unwrap();
+    assert!(prior.is_some(), "{names:?}");
+}
+
+#[test]
+fn property_a_known_soil_is_a_prior_of_what_any_experiment_tells() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let read = |name: &str| Experiment::read(folder.join(name)).unwrap();
+    let (plates, shear) = (read("sand_plates"), read("sand_shear"));
+    let joint = Experiment::joint(vec![plates, shear]).unwrap();
+    // With what was hidden in them, so that noise alone is left.
+    let added = ["seating", "shear_softening"].map(str::to_owned).to_vec();
+    let options = CompareOptions { calibrate: true, added };
+    let soil = compare(Given::default(), &joint, &options).unwrap().soil.unwrap();
+    assert_eq!(soil.parameters.len(), 6);
+    let again = compare(Given::default().with_soil(soil, "soil.toml"), &joint, &options).unwrap();
+    let lines: Vec<&String> = again.sources.iter().filter(|line| line.contains("priors of soil.toml")).collect();
+    let [line] = lines.as_slice() else { panic!("said once: {:?}", again.sources) };
+    for name in
+        ["soil.k_c", "soil.k_phi", "soil.exponent", "soil.cohesion", "soil.friction_angle", "soil.shear_modulus"]
+    {
+        assert!(line.contains(name), "{name}: {line}");
+    }
+    // The same measurements under what they told before: all errors shrink by about the square root of two.
+    let error = |comparison: &Comparison, name: &str| {
+        let parameters = &comparison.calibrated.as_ref().unwrap().0.parameters;
+        parameters.iter().find(|own| own.variable.name == name).unwrap().deviation.unwrap()
+    };
+    let alone = compare(Given::default(), &joint, &options).unwrap();
+    for name in ["soil.friction_angle", "soil.shear_modulus"] {
+        let ratio = error(&again, name) / error(&alone, name);
+        // Between no prior at all and one that is twice as good.
+        assert!((0.55..0.85).contains(&ratio), "{name}: {ratio}");
+    }
+}
+
+#[test]
+fn property_one_name_for_two_effects_is_refused() {
+    let text = |gain: f64| {
+        format!(
+            "[[effect]]\nid = \"mine\"\nabout = \"weaker soil\"\ntarget = \"soil.cohesion\"\nmode = \"factor\"\nexpression = \"1 - {gain} * loss\"\n[effect.parameters.loss]\nneutral = 0.0\nmin = 0.0\nmax = 0.4\nabout = \"share\"\n"
+        )
+    };
+    let with = |name: &str, width: f64, gain: f64| {
+        let mut own = wheel("effects", name, width, 0.0, "");
+        own.effects = bekker::effects::EffectDefinition::all_from_toml(&text(gain)).unwrap();
+        own
+    };
+    let joint = Experiment::joint(vec![with("narrow", 0.10, 1.0), with("wide", 0.16, 2.0)]).unwrap();
+    let refused = compare(Given::default(), &joint, &CompareOptions::default()).unwrap_err().to_string();
+    assert!(refused.contains("`mine` is defined differently in narrow and wide"), "{refused}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! `bekker compare`.
 
 use crate::diagnosis_text::print_uncounted;
-use crate::experiments::{Experiments, write_pages};
+use crate::experiments::{Experiments, files, write_pages};
 use crate::import;
 use crate::output::{check_writable, say};
 use crate::progress::Reporter;
@@ -41,9 +41,8 @@ impl Compare {
         let (experiment, given) = self.experiments.read()?;
         let given = self.soil.add_to(given)?;
         let saving = self.saving.prepare(&experiment)?;
-        if let Some(path) = &self.html {
-            check_writable(path)?;
-        }
+        let mut pages = self.html.iter().flat_map(|path| files(&experiment, path));
+        pages.try_for_each(|path| check_writable(&path))?;
         let calibrate = self.calibrate || !self.with.is_empty();
         let reporter = Reporter::start(if calibrate { "calibrating the model" } else { "running the model" });
         let comparison = compare(given, &experiment, &CompareOptions { calibrate, added: self.with });

@@ -1,8 +1,8 @@
 //! `bekker diagnose`.
 
 use crate::diagnosis_text::{print, sentence};
-use crate::experiments::{Experiments, write_pages};
-use crate::output::{check_all_writable, write, write_json};
+use crate::experiments::{Experiments, files, write_pages};
+use crate::output::{check_all_writable, check_writable, write, write_json};
 use crate::progress::Reporter;
 use crate::saving::{Saving, print_sources};
 use crate::soil_from::SoilFrom;
@@ -56,7 +56,9 @@ impl Diagnose {
         let (experiment, given) = self.experiments.read()?;
         let given = self.soil.add_to(given)?;
         let saving = self.saving.prepare(&experiment)?;
-        check_all_writable([&self.json, &self.html])?;
+        check_all_writable([&self.json])?;
+        let mut pages = self.html.iter().flat_map(|path| files(&experiment, path));
+        pages.try_for_each(|path| check_writable(&path))?;
         if let Some(threads) = self.threads {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
             pool.build_global().context("cannot start the threads")?;

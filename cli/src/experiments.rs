@@ -60,6 +60,14 @@ pub fn write_pages(experiment: &Experiment, models: &[(String, Model)], found: &
     Ok(())
 }
 
+/// The files that are written for `file`: itself or, of several experiments, one of each.
+pub fn files(experiment: &Experiment, file: &Path) -> Vec<PathBuf> {
+    match experiment.parts.as_slice() {
+        [] => vec![file.to_path_buf()],
+        parts => parts.iter().map(|part| beside(file, &part.name)).collect(),
+    }
+}
+
 /// The file `page`, with a name behind its own.
 pub fn beside(page: &Path, name: &str) -> PathBuf {
     let stem = page.file_stem().unwrap_or_default().to_string_lossy();

@@ -1,6 +1,6 @@
 //! `--save`: the model that a comparison, a calibration or a diagnosis leaves behind.
 
-use crate::experiments::beside;
+use crate::experiments::{beside, files};
 use crate::output::{check_writable, say, write};
 use anyhow::{Result, bail};
 use bekker::measurement::{Experiment, Kind};
@@ -23,7 +23,8 @@ pub struct Saving {
 impl Saving {
     /// Refuses what cannot be saved, before long work is done for it, and reads the vehicle.
     pub fn prepare(self, experiment: &Experiment) -> Result<Prepared> {
-        self.save.iter().try_for_each(|path| check_writable(path))?;
+        let mut written = self.save.iter().flat_map(|path| files(experiment, path));
+        written.try_for_each(|path| check_writable(&path))?;
         let Some(name) = &self.vehicle else { return Ok(Prepared { path: self.save, vehicle: None }) };
         if !experiment.parts.is_empty() {
             bail!("--vehicle {name}: of several experiments each keeps its own rig; leave --vehicle out");

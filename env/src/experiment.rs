@@ -32,7 +32,10 @@ impl Source<'_> {
         let material = match self {
             Self::Folder(folder) => Material::Folder(folder),
             Self::Several(sources) => {
-                let read = sources.into_iter().map(|source| source.read(py)).collect::<PyResult<Vec<_>>>()?;
+                let mut read = sources.into_iter().map(|source| source.read(py)).collect::<PyResult<Vec<_>>>()?;
+                if read.len() == 1 {
+                    return Ok(read.remove(0));
+                }
                 let (experiments, materials): (Vec<_>, Vec<_>) = read.into_iter().unzip();
                 let joint =
                     Experiment::joint(experiments).map_err(|refused| InputError::new_err(refused.to_string()))?;

@@ -37,7 +37,7 @@ impl NativeDiagnosis {
     fn html(&self, py: Python<'_>) -> PyResult<String> {
         if !self.core.experiment.parts.is_empty() {
             return Err(InputError::new_err(
-                "there is no page of several experiments yet: use to_json, or compare each with its improved model",
+                "there is no page of several experiments together: `bekker diagnose A B --html FILE` writes one of each, and compare(experiment, improved_parts[name]) gives what it shows",
             ));
         }
         Ok(py.detach(|| error::fenced(|| bekker::report::diagnosis_page(&self.core)))?)

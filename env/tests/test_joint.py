@@ -59,15 +59,15 @@ def test_property_a_calibration_of_several_has_a_model_of_each(pair):
     assert together.soil is not None
 
 
-def test_property_a_single_experiment_has_no_place():
-    found = bekker.diagnose(EXAMPLES / "sand_wheel", **QUICK)
-    assert (found.where, found.improved_parts) == ({}, {})
+@pytest.mark.parametrize("experiment", [EXAMPLES / "sand_wheel", [EXAMPLES / "sand_wheel"]])
+def test_property_a_single_experiment_has_no_place(experiment):
+    found = bekker.diagnose(experiment, **QUICK)
+    assert (found.where, found.improved_parts, found.effects) == ({}, {}, ["slip_sinkage"])
 
 
 @pytest.mark.parametrize(
     ("experiments", "scatter", "words"),
     [
-        ([EXAMPLES / "sand_wheel"], None, "at least two"),
         ([], None, "at least two"),
         (EXAMPLES / "sand_wheel", 0.05, "soil_scatter: expected several experiments"),
         ([EXAMPLES / "sand_wheel", EXAMPLES / "sand_plates"], 0.9, "from 0 to 0.5"),

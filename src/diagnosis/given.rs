@@ -31,6 +31,8 @@ pub struct Given {
     pub(super) soil: Option<(KnownSoil, String)>,
     /// Relative standard deviation of the soil from one of several experiments to the next.
     pub(super) soil_scatter: f64,
+    /// Parameters of the known soil that another of several experiments calibrates.
+    pub(super) calibrated_elsewhere: Vec<String>,
 }
 
 /// A model and the name that it was given by.
@@ -52,6 +54,7 @@ impl Default for Given {
             effects: Vec::new(),
             soil: None,
             soil_scatter: USUAL_SCATTER,
+            calibrated_elsewhere: Vec::new(),
         }
     }
 }

@@ -267,7 +267,8 @@ fn used_soil(
         sources
             .push(format!("{name}: prior {mean} +- {deviation}{unit} from [priors], not {} from {label}", words(name)));
     }
-    let mut left = soil.without(|name| experiment.priors.contains_key(name) || !strategy.calibrates(name));
+    let tells = |name: &str| strategy.calibrates(name) || given.calibrated_elsewhere.iter().any(|own| own == name);
+    let mut left = soil.without(|name| experiment.priors.contains_key(name) || !tells(name));
     let value = |name: &String| given.set.get(name).or_else(|| experiment.parameters.get(name)).copied();
     for name in held
         .iter()

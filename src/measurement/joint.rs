@@ -3,7 +3,7 @@
 //! The runs of all parts stand side by side. Each part keeps its own: what it measures is called `part.signal`, so that every part has
 //! noise of its own; what is known of its rig goes with each of its runs; groups of repeats and labels of conditions are its own too.
 
-use super::experiment::{Experiment, Run};
+use super::experiment::{Experiment, Kind, Run};
 use super::table::Table;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -13,7 +13,7 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum JointError {
     /// There is nothing to join.
-    #[error("{0} experiment given: at least two are joined")]
+    #[error("at least two experiments are joined, found {0}")]
     TooFew(usize),
     /// A part is itself several experiments.
     #[error("`{0}` is several experiments already: give each of them by itself")]
@@ -90,6 +90,12 @@ impl Experiment {
         let mut parts = self.parts.iter().zip(self.runs_of_parts());
         let own = parts.find(|(_, runs)| runs.contains(&run));
         own.map_or(&self.runs[run], |(part, runs)| &part.experiment.runs[run - runs.start])
+    }
+
+    /// Kind of the experiment that a run is of.
+    pub(crate) fn kind_of_run(&self, run: usize) -> Kind {
+        let mut parts = self.parts.iter().zip(self.runs_of_parts());
+        parts.find(|(_, runs)| runs.contains(&run)).map_or(self.kind, |(part, _)| part.experiment.kind)
     }
 
     /// The same with some of the runs only, by their index in rising order.

@@ -8,7 +8,7 @@ use crate::diagnosis::problem::Problem;
 use crate::diagnosis::thresholds::ODD;
 use crate::diagnosis::unanswered::{UnansweredRows, listed};
 use crate::diagnosis::windows::Window;
-use crate::measurement::Experiment;
+use crate::measurement::{Experiment, Kind};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -48,7 +48,7 @@ pub(crate) fn whole_drive(
         problem.windows[*run].iter().all(|window| window.rows.start == 0 || window.begin < window.rows.start)
     };
     // Of several experiments some may have been no drives.
-    let drives = |run: &usize| problem.experiment.runs[*run].data.column("time").is_some();
+    let drives = |run: &usize| problem.experiment.kind_of_run(*run) == Kind::Traverse;
     let runs: Vec<usize> = (0..problem.experiment.runs.len()).filter(drives).filter(without_gap).collect();
     let mut whole = problem.only(&runs);
     whole.windows = runs.iter().map(|run| joined(&problem.windows[*run])).collect();

@@ -9,6 +9,7 @@ use super::stage::{Stage, StageContext};
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::thresholds::{ODD, ODD_ELSEWHERE, ODD_EXPLAINED, ODD_SHARE, ODD_START};
+use crate::measurement::{Kind, Run};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -86,7 +87,8 @@ fn stretches(problem: &Problem, prepared: &Prepared) -> Result<Vec<Stretch>, Com
         *entry = (entry.0 + value * value, entry.1 + 1.0);
     }
     let mut all: Vec<Stretch> = Vec::new();
-    for (k, run) in problem.experiment.runs.iter().enumerate() {
+    let drives = |(k, _): &(usize, &Run)| problem.experiment.kind_of_run(*k) == Kind::Traverse;
+    for (k, run) in problem.experiment.runs.iter().enumerate().filter(drives) {
         let time = run.data.column("time").unwrap_or_default();
         let place =
             layout.of_run(k).find(|block| is_place(&block.signal)).map(|block| &prepared.modelled[block.range.clone()]);

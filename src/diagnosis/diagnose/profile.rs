@@ -26,11 +26,21 @@ pub(crate) fn profiles(search: &Search, effects: &[String]) -> Vec<FinalParamete
     let Some(fit) = search.fits.get(effects) else { return Vec::new() };
     let from = if problem.strategy().budget().profiles_of_calibrated { 0 } else { problem.base.len() };
     let free = problem.free(effects);
-    let numbers: Vec<usize> = (from..fit.parameters.len()).filter(|k| !free[*k].is_factor()).collect();
+    let numbers: Vec<usize> = (from..fit.parameters.len()).filter(|k| has_profile(&free, *k)).collect();
     let name = |k: &usize| fit.parameters[*k].variable.name.clone();
     let profile = |k: &usize| profile(search, effects, *k);
     let untried = |k: &usize| Untried::Profile(name(k));
     search.watch.pieces(&numbers, PROFILE, name, untried, profile).into_iter().flatten().collect()
+}
+
+/// Whether a parameter can be held while all others follow: no factor on others, and no strength that adds to another one's.
+fn has_profile(free: &[Free], k: usize) -> bool {
+    let own = &free[k];
+    let adds = |other: &Free| match (&own.within, &other.within) {
+        (Some(own), Some(other)) => own.name == other.name && own.parts.iter().any(|part| other.parts.contains(part)),
+        _ => false,
+    };
+    !own.is_factor() && !free.iter().enumerate().any(|(j, other)| j != k && adds(other))
 }
 
 fn profile(search: &Search, effects: &[String], k: usize) -> Option<FinalParameter> {

@@ -4,7 +4,7 @@
 //! against the other. Keys may be added, none changes its meaning.
 
 use super::drive::WholeDrive;
-use super::serialised::{by_name, by_plain_effect, deviations, name_of, plain};
+use super::serialised::{by_name, deviations, name_of, plain};
 use crate::diagnosis::calibrate::{CalibratedParameter, Calibration};
 use crate::diagnosis::curves::Curves;
 use crate::diagnosis::fit::Fit;
@@ -180,8 +180,9 @@ pub struct Diagnosis {
     /// them only has their names behind its own (`slip_sinkage in wheel_2`); in JSON the ids are plain.
     #[serde(serialize_with = "plain")]
     pub effects: Vec<String>,
-    /// Where several experiments were diagnosed together: for each effect that the verdict is about the experiments in which it acts.
-    #[serde(rename = "where", serialize_with = "by_plain_effect", skip_serializing_if = "BTreeMap::is_empty")]
+    /// Where several experiments were diagnosed together: for each effect that is named or tied the experiments in which it acts. In JSON
+    /// those that are named, by their plain ids, as `where`.
+    #[serde(skip)]
     pub places: BTreeMap<String, Vec<String>>,
     /// Noise floor of each signal: standard deviation of one sample.
     #[serde(serialize_with = "deviations")]
@@ -294,6 +295,22 @@ impl Diagnosis {
             _ => id,
         };
         self.involved().into_iter().map(words).collect()
+    }
+
+    /// Where the named effects act, by their plain ids; one that acts in one experiment and, with another strength, in more, acts in all of
+    /// them. Empty for one experiment.
+    #[must_use]
+    pub fn named_places(&self) -> BTreeMap<&str, Vec<&str>> {
+        let mut all: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+        for (id, parts) in self.effects.iter().filter_map(|id| Some((id, self.places.get(id)?))) {
+            let own = all.entry(plain_effect(id)).or_default();
+            for part in parts {
+                if !own.contains(&part.as_str()) {
+                    own.push(part);
+                }
+            }
+        }
+        all
     }
 
     /// Which model [`improved`](Self::improved) is, in words.

@@ -23,18 +23,6 @@ pub(super) fn plain<S: Serializer>(effects: &[String], to: S) -> Result<S::Ok, S
     plain.serialize(to)
 }
 
-/// Where effects act, by their plain ids: one that acts in one experiment and, in a set with it, in another, acts in both.
-pub(super) fn by_plain_effect<S: Serializer>(places: &BTreeMap<String, Vec<String>>, to: S) -> Result<S::Ok, S::Error> {
-    let mut all: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
-    for (id, parts) in places {
-        let own = all.entry(plain_effect(id)).or_default();
-        for part in parts.iter().filter(|part| !own.contains(&part.as_str())).collect::<Vec<_>>() {
-            own.push(part);
-        }
-    }
-    all.serialize(to)
-}
-
 /// Noise floors as the standard deviation of one sample; null where it is unknown.
 pub(super) fn deviations<S: Serializer>(floors: &BTreeMap<String, NoiseFloor>, to: S) -> Result<S::Ok, S::Error> {
     to.collect_map(floors.iter().map(|(signal, floor)| (signal, floor.value())))

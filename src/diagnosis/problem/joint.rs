@@ -5,6 +5,7 @@
 //! effect may act in every part that can show it, with one strength, or in one of them only, or in all but one.
 
 use super::placed::Placed;
+use super::shared::{Shared, is_shared};
 use super::{Candidate, Problem, add, scatter, set_unchecked};
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::free::{Free, Within};
@@ -13,10 +14,9 @@ use crate::diagnosis::halt::Halt;
 use crate::diagnosis::kinds::strategy;
 use crate::diagnosis::layout::Layout;
 use crate::diagnosis::windows::Windows;
-use crate::measurement::{Experiment, Part, Prior, SensorError};
+use crate::measurement::{Experiment, Part, SensorError};
 use crate::model::Model;
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -31,39 +31,33 @@ pub fn plain_effect(id: &str) -> &str {
     id.split_once(NOT_IN).or_else(|| id.split_once(IN)).map_or(id, |(plain, _)| plain)
 }
 
-/// Whether experiments on one soil share a parameter.
-fn is_shared(name: &str) -> bool {
-    name.starts_with("soil.")
-}
-
 impl<'a> Problem<'a> {
     /// The joint problem of `experiment`'s parts.
     pub(super) fn of_parts(given: &Given, experiment: &'a Experiment, added: &[String]) -> Result<Self, CompareError> {
-        let stated = stated(&experiment.parts)?;
-        one_class(&experiment.parts)?;
-        let mut problems = pose(given, experiment, false)?;
+        let shared = Shared::of(given, &experiment.parts)?;
+        let mut given = given.clone();
+        let calibrated = |name: &str| experiment.parts.iter().any(|part| strategy(&part.experiment).calibrates(name));
+        given.calibrated_elsewhere = given.soil().map_or_else(Vec::new, |soil| {
+            let names = soil.parameters.iter().map(|parameter| parameter.name.clone());
+            names.filter(|name| calibrated(name)).collect()
+        });
+        let given = &given;
+        let mut problems = pose(given, experiment, &shared, false)?;
         let models: Vec<Model> = problems.iter().flat_map(|problem| problem.models.clone()).collect();
         if strategy(experiment).contact_widths(experiment, &models).len() > 1 {
-            problems = pose(given, experiment, true)?;
+            problems = pose(given, experiment, &shared, true)?;
         }
-        for (name, (value, _)) in &stated {
-            problems.iter_mut().for_each(|problem| problem.set_known(name, *value));
-        }
-        let mut base = merged_base(&problems, experiment, &stated)?;
+        let mut base = merged_base(&problems, experiment)?;
         let parts = experiment.parts.iter().map(|part| part.name.as_str());
         let parts: Vec<(&str, &[Free])> = parts.zip(problems.iter().map(|problem| problem.base.as_slice())).collect();
         let factors = scatter::factors(&base, &parts, given.soil_scatter);
         base.extend(factors);
         let library = add(added, merged_library(&problems, experiment), &mut base)?;
-        let named = |(problem, part): (&Problem, &Part)| {
-            let name = part.name.clone();
-            problem.sources.iter().map(move |line| format!("{name}: {line}")).collect::<Vec<_>>()
-        };
-        let mut sources: Vec<String> = problems.iter().zip(&experiment.parts).flat_map(named).collect();
-        sources.extend(scattered(&base, given.soil_scatter));
-        sources.extend(held_lines(&stated, &problems, experiment));
-        // Each kind of experiment uses of a known soil what it can tell.
-        let joint = problems.iter().filter_map(|problem| problem.joint.clone()).max_by_key(|j| j.soil.parameters.len());
+        let mut sources = sources(&problems, experiment);
+        sources.extend(scattered(&base, given));
+        sources.extend(shared.lines(&experiment.parts));
+        // All parts are given the same of a known soil.
+        let joint = problems.iter().find_map(|problem| problem.joint.clone());
         Ok(Self {
             layout: Layout::new(experiment),
             experiment: Cow::Borrowed(experiment),
@@ -114,7 +108,9 @@ impl<'a> Problem<'a> {
     /// The model of each part with fitted values, by the part's name, as [`saved`](Self::saved) keeps it; none of a single experiment.
     pub fn saved_parts(&self, free: &[Free], values: &[f64]) -> Vec<(String, Model)> {
         let saved = |k: usize| {
-            let part = self.part_of(k);
+            let mut part = self.part_of(k);
+            // What others state of the soil is known here too.
+            part.experiment.to_mut().parameters.clone_from(&self.parts[k].experiment.parameters);
             let placed = Placed::of(free, &part, k);
             let values = placed.values(values, free);
             (self.experiment.parts[k].name.clone(), part.saved(&placed.free, &values))
@@ -131,87 +127,67 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Each part by itself.
-fn pose(given: &Given, experiment: &Experiment, other_widths: bool) -> Result<Vec<Problem<'static>>, CompareError> {
+/// Each part by itself, with what all of them know of the soil.
+fn pose(
+    given: &Given,
+    experiment: &Experiment,
+    shared: &Shared,
+    other_widths: bool,
+) -> Result<Vec<Problem<'static>>, CompareError> {
     let of = |part: &Part| {
-        let problem = Problem::single(given, &part.experiment, &[], other_widths);
+        let known = shared.known_in(part);
+        let problem = Problem::single(given, &known, &[], other_widths);
         problem.map(Problem::owned).map_err(|error| error.of_part(&part.name))
     };
     experiment.parts.iter().map(of).collect()
 }
 
-/// Values of shared parameters that some part states, with the name of that part.
-fn stated(parts: &[Part]) -> Result<BTreeMap<String, (f64, String)>, CompareError> {
-    let mut all: BTreeMap<String, (f64, String)> = BTreeMap::new();
-    for part in parts {
-        for (name, value) in part.experiment.parameters.iter().filter(|(name, _)| is_shared(name)) {
-            match all.get(name) {
-                Some((other, place)) if other != value => {
-                    return Err(CompareError::Vehicle(format!(
-                        "{name} is {other} in {place} and {value} in {}: experiments that are diagnosed together share one soil; state it once, or leave it free and give it a prior",
-                        part.name
-                    )));
-                }
-                Some(_) => {}
-                None => drop(all.insert(name.clone(), (*value, part.name.clone()))),
+/// What is said of the parts: once where it is the same for all, else with the name of the part.
+fn sources(problems: &[Problem], experiment: &Experiment) -> Vec<String> {
+    let mut all: Vec<String> = Vec::new();
+    for (problem, part) in problems.iter().zip(&experiment.parts) {
+        for line in &problem.sources {
+            let shared = problems.iter().all(|other| other.sources.contains(line));
+            let line = if shared { line.clone() } else { format!("{}: {line}", part.name) };
+            if !all.contains(&line) {
+                all.push(line);
             }
         }
     }
-    Ok(all)
-}
-
-/// Fails where parts name different classes of soil.
-fn one_class(parts: &[Part]) -> Result<(), CompareError> {
-    let mut classes = parts.iter().filter_map(|part| Some((part.experiment.soil_class.as_ref()?, &part.name)));
-    let Some((first, place)) = classes.next() else { return Ok(()) };
-    classes.find(|(class, _)| *class != first).map_or(Ok(()), |(other, name)| {
-        Err(CompareError::Vehicle(format!(
-            "the soil's class is {first} in {place} and {other} in {name}: experiments that are diagnosed together share one soil"
-        )))
-    })
+    all
 }
 
 /// A line on the scatter of the soil that is assumed.
-fn scattered(base: &[Free], deviation: f64) -> Option<String> {
+fn scattered(base: &[Free], given: &Given) -> Option<String> {
+    let (percent, option) =
+        (100.0 * given.soil_scatter, if given.set_by == "--set" { "--soil-scatter" } else { "soil_scatter" });
+    let why = if given.soil_scatter == scatter::USUAL {
+        format!("an assumption, which so few experiments do not tell; {option} changes it, 0 for one bed")
+    } else {
+        format!("as {option} says")
+    };
     base.iter().any(Free::is_factor).then(|| {
         format!(
-            "the soil is taken to differ by {:.0} % from one experiment to the next (standard deviation of k, c and K; a fifth of it of the friction angle): an assumption, which so few experiments do not tell; --soil-scatter changes it, 0 for one bed",
-            100.0 * deviation
+            "the soil is taken to differ by {} % from one experiment to the next (standard deviation of k, c and K; a fifth of it of the friction angle): {why}",
+            (100.0 * percent).round() / 100.0
         )
     })
 }
 
-/// Lines on values that a part states and that hold in others, which would have fitted them.
-fn held_lines(stated: &BTreeMap<String, (f64, String)>, problems: &[Problem], experiment: &Experiment) -> Vec<String> {
-    let line = |(name, (value, place)): (&String, &(f64, String))| {
-        let free = |problem: &Problem| problem.base.iter().any(|free| free.variable.name == *name);
-        let others = problems.iter().zip(&experiment.parts).filter(|(problem, _)| free(problem));
-        let others: Vec<&str> = others.map(|(_, part)| part.name.as_str()).collect();
-        (!others.is_empty())
-            .then(|| format!("{name}: {value}, which {place} states, holds in {} too", others.join(", ")))
-    };
-    stated.iter().filter_map(line).collect()
-}
-
 /// Free parameters of the calibration: those of the soil once, all others for each part.
-fn merged_base(
-    problems: &[Problem],
-    experiment: &Experiment,
-    stated: &BTreeMap<String, (f64, String)>,
-) -> Result<Vec<Free>, CompareError> {
+fn merged_base(problems: &[Problem], experiment: &Experiment) -> Result<Vec<Free>, CompareError> {
     let mut base: Vec<Free> = Vec::new();
     for (k, problem) in problems.iter().enumerate() {
         for free in &problem.base {
             let name = &free.variable.name;
             if !is_shared(name) {
                 base.push(within(free, &[k], &format!("{IN}{}", experiment.parts[k].name)));
-            } else if stated.contains_key(name) {
             } else if let Some(known) = base.iter_mut().find(|known| known.variable.name == *name) {
                 known.variable.min = known.variable.min.max(free.variable.min);
                 known.variable.max = known.variable.max.min(free.variable.max);
                 if known.variable.min >= known.variable.max {
                     return Err(CompareError::Vehicle(format!(
-                        "{name}: no value is within the bounds of every experiment; they share one soil"
+                        "{name}: no value is within the bounds of every experiment, and they share one soil"
                     )));
                 }
             } else {
@@ -219,30 +195,7 @@ fn merged_base(
             }
         }
     }
-    for free in base.iter_mut().filter(|free| free.within.is_none()) {
-        free.prior = shared_prior(&free.variable.name, problems, experiment);
-        free.start = free.prior.or(free.shared).map_or(free.start, |prior| prior.mean);
-        free.start = free.start.clamp(free.variable.min, free.variable.max);
-    }
     Ok(base)
-}
-
-/// What is known of a shared parameter: the parts' own priors, each different one once, taken together; else that of the soil's class.
-fn shared_prior(name: &str, problems: &[Problem], experiment: &Experiment) -> Option<Prior> {
-    let mut own: Vec<Prior> = Vec::new();
-    for prior in experiment.parts.iter().filter_map(|part| part.experiment.priors.get(name)) {
-        if !own.contains(prior) {
-            own.push(*prior);
-        }
-    }
-    if own.is_empty() {
-        let of_class = |problem: &Problem| problem.base.iter().find(|free| free.variable.name == name)?.prior;
-        return problems.iter().find_map(of_class);
-    }
-    let weight = |prior: &Prior| 1.0 / (prior.deviation * prior.deviation);
-    let whole: f64 = own.iter().map(weight).sum();
-    let mean = own.iter().map(|prior| weight(prior) * prior.mean).sum::<f64>() / whole;
-    Some(Prior { mean, deviation: 1.0 / whole.sqrt() })
 }
 
 /// The effects: in every part that has them, and in some of these only.
@@ -304,7 +257,10 @@ impl Problem<'_> {
         let mut seen: Vec<(String, Vec<usize>)> = Vec::new();
         kept.retain_mut(|(candidate, _)| {
             let plain = plain_effect(&candidate.id).to_owned();
-            let shows = |k: &usize| single.iter().any(|(id, part)| *id == plain && part == k);
+            // Where an effect is not tried in single parts nothing tells which of them show it.
+            let tried = single.iter().any(|(id, _)| *id == plain)
+                || gone.iter().any(|id| *id != plain && plain_effect(id) == plain);
+            let shows = |k: &usize| !tried || single.iter().any(|(id, part)| *id == plain && part == k);
             for free in &mut candidate.free {
                 let Some(within) = &mut free.within else { continue };
                 if within.parts.len() > 1 {
@@ -331,7 +287,7 @@ impl Problem<'_> {
         for (k, runs) in self.experiment.runs_of_parts().into_iter().enumerate() {
             let Some(own) = free.in_part(k) else { continue };
             for run in runs {
-                if !self.experiment.runs[run].parameters.contains_key(&own.variable.name) {
+                if !self.experiment.recorded_run(run).parameters.contains_key(&own.variable.name) {
                     set_unchecked(&mut self.models[run], &own.variable.name, value);
                 }
             }

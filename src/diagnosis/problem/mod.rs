@@ -5,6 +5,7 @@ mod joint;
 mod parameters;
 mod placed;
 mod scatter;
+mod shared;
 mod windows;
 
 use super::compare::CompareError;
@@ -242,7 +243,7 @@ impl<'a> Problem<'a> {
     /// The wheel, soil and effects on a run, with these values of parameters; what the run itself states holds against them.
     pub fn rig(&self, run: usize, values: &[(String, f64)]) -> Rig {
         let mut rig = Rig::of(&self.models[run].rover);
-        let own = &self.experiment.runs[run].parameters;
+        let own = &self.experiment.recorded_run(run).parameters;
         rig.visit("", &mut |variable, place| {
             let value = values.iter().find(|(name, _)| *name == variable.name && !own.contains_key(name));
             if let Some((_, value)) = value {
@@ -343,6 +344,9 @@ impl<'a> Problem<'a> {
     /// The model with fitted values as it is kept: of a single wheel that was measured without naming a
     /// rover a wheel on a carriage, of a test of the soil that test, else the rover.
     pub fn saved(&self, free: &[Free], values: &[f64]) -> Model {
+        if let Some((_, first)) = self.saved_parts(free, values).into_iter().next() {
+            return first;
+        }
         let mut model = self.improved(free, values);
         match self.found {
             ModelKind::Carriage => {

@@ -69,6 +69,14 @@ impl Placed {
         }
     }
 
+    /// Whether a sum of strengths is beyond a bound, where it does not follow them.
+    fn is_clamped(&self, own: usize, whole: &[f64], free: &[Free]) -> bool {
+        let Free { start, variable, .. } = &self.free[own];
+        let by_value = &self.moves[own].by_value;
+        let sum = start + by_value.iter().map(|k| whole[*k] - free[*k].start).sum::<f64>();
+        by_value.len() > 1 && (sum < variable.min || sum > variable.max)
+    }
+
     fn factor(&self, own: usize, whole: &[f64]) -> f64 {
         self.moves[own].by_factor.iter().map(|k| whole[*k]).product()
     }
@@ -77,7 +85,8 @@ impl Placed {
     pub fn each_slope(&self, whole: &[f64], free: &[Free], mut f: impl FnMut(usize, usize, f64)) {
         for (own, moves) in self.moves.iter().enumerate() {
             let factor = self.factor(own, whole);
-            moves.by_value.iter().for_each(|k| f(*k, own, factor));
+            let rate = if self.is_clamped(own, whole, free) { 0.0 } else { factor };
+            moves.by_value.iter().for_each(|k| f(*k, own, rate));
             let value = self.unscaled(own, whole, free) * factor;
             moves.by_factor.iter().for_each(|k| f(*k, own, value / whole[*k]));
         }

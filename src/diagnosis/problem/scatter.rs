@@ -23,7 +23,7 @@ const FACTORS: [(&str, &[&str], f64); 4] = [
 ];
 
 /// Bounds of a factor.
-const RANGE: [f64; 2] = [0.3, 3.0];
+const RANGE: [f64; 2] = [0.5, 2.0];
 
 /// Name of what the factors belong to.
 pub(crate) const NAME: &str = "soil_scatter";

@@ -109,9 +109,9 @@ impl<'a> Problem<'a> {
 
     /// How many runs share a simulation, on average, since they repeat each other.
     fn repeated(&self) -> usize {
-        let runs = self.windows.len();
-        let different = (0..runs).filter(|run| !self.windows[..*run].contains(&self.windows[*run])).count();
-        runs / different.max(1)
+        let cut: Vec<_> = self.windows.iter().filter(|windows| !windows.is_empty()).collect();
+        let different = (0..cut.len()).filter(|run| !cut[..*run].contains(&cut[*run])).count();
+        cut.len() / different.max(1)
     }
 
     /// Whether any run is cut.

@@ -150,3 +150,86 @@ impl Predict for JointPrediction<'_> {
         if self.parts.iter().all(exact) { Derivatives::Exact } else { Derivatives::Differences }
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+mod tests {
+    use crate::diagnosis::SingleWheelPlan;
+    use crate::diagnosis::given::Given;
+    use crate::diagnosis::problem::Problem;
+    use crate::measurement::Experiment;
+    use crate::model::Model;
+
+    /// Relative step of the differences, and how well they agree with the derivatives: about its square, times a thousand.
+    const STEP: f64 = 1e-5;
+    const AGREE: f64 = 1e-6;
+
+    /// Two wheels of different width, nothing measured yet.
+    fn pair() -> Experiment {
+        let wheel = |width: f64| {
+            let mut model = Model::preset("two_wheeled").unwrap();
+            model.rover.wheel.width = width;
+            let mut plan = SingleWheelPlan::of(&model);
+            (plan.repeats, plan.slips) = (1, vec![0.1, 0.4]);
+            let mut experiment = plan.experiment().unwrap();
+            experiment.name = format!("wheel{}", (100.0 * width) as u32);
+            experiment
+        };
+        Experiment::joint(vec![wheel(0.10), wheel(0.16)]).unwrap()
+    }
+
+    #[test]
+    fn agreement_derivatives_are_those_of_differences() {
+        let experiment = pair();
+        let problem = Problem::new(Given::default(), &experiment, &[]).unwrap();
+        // A strength everywhere and one that is added to it in the second wheel.
+        let free = problem.free(&["slip_sinkage".to_owned(), "slip_sinkage in wheel16".to_owned()]);
+        let inside = |free: &crate::diagnosis::free::Free| match free.variable.name.as_str() {
+            name if name.starts_with("slip_sinkage") => 0.1,
+            name if name.starts_with("soil_scatter") => 1.02,
+            "soil.k_c" => 5e3,
+            _ => free.start,
+        };
+        let at: Vec<f64> = free.iter().map(inside).collect();
+        problem
+            .predict(&free, |predict| {
+                let (values, slopes) = predict.slopes(&at).unwrap();
+                for (k, slope) in slopes.iter().enumerate() {
+                    let step = STEP * at[k].abs().max(1e-3);
+                    let beside = |side: f64| {
+                        let mut moved = at.clone();
+                        moved[k] += side * step;
+                        predict.values(&moved).unwrap()
+                    };
+                    let (up, down) = (beside(1.0), beside(-1.0));
+                    let scale = slope.iter().fold(0.0_f64, |most, s| most.max(s.abs())) + 1e-9 / step;
+                    for row in 0..values.len() {
+                        let difference = (up[row] - down[row]) / (2.0 * step);
+                        let name = &free[k].variable.name;
+                        assert!(
+                            (difference - slope[row]).abs() < AGREE * scale,
+                            "{name}, row {row}: {difference} {}",
+                            slope[row]
+                        );
+                    }
+                }
+            })
+            .unwrap();
+    }
+
+    #[test]
+    fn property_a_parameter_of_one_part_moves_nothing_else() {
+        let experiment = pair();
+        let problem = Problem::new(Given::default(), &experiment, &[]).unwrap();
+        let free = problem.free(&["slip_sinkage in wheel16".to_owned()]);
+        let at: Vec<f64> = free.iter().map(|free| free.start).collect();
+        let (_, slopes) = problem.predict(&free, |predict| predict.slopes(&at)).unwrap().unwrap();
+        let strength = slopes.last().unwrap();
+        let moved = |runs: std::ops::Range<usize>| {
+            let blocks = problem.layout.blocks.iter().filter(|block| runs.contains(&block.run));
+            blocks.flat_map(|block| strength[block.range.clone()].iter()).any(|slope| *slope != 0.0)
+        };
+        let [first, second] = experiment.runs_of_parts().try_into().unwrap();
+        assert!(!moved(first) && moved(second));
+    }
+}
