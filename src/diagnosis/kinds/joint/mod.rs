@@ -26,7 +26,7 @@ use prediction::JointPrediction;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Single effects that are refitted: each has two or three forms, by where it acts.
+/// Single effects that are refitted where a rover drives: each has two or three forms, by where it acts.
 const SINGLES: usize = 24;
 
 /// The strategy for a set of experiments.
@@ -185,7 +185,8 @@ impl Strategy for Joint {
         })
     }
 
-    /// Effects come in two or three forms, by where they act: those that promise the most are refitted.
+    /// Effects come in two or three forms, by where they act. Where fits are cheap all are refitted, since sensitivities mislead where an
+    /// effect's misfit first rises; else those that promise the most.
     fn budget(&self) -> Budget {
         let calibration = if self.driven {
             Effort { draws: 0, searches: 0, pace: Pace::BRISK, until_agreed: Some((24, 6)) }
@@ -194,7 +195,7 @@ impl Strategy for Joint {
         };
         Budget {
             calibration,
-            singles: Some(SINGLES),
+            singles: self.driven.then_some(SINGLES),
             pairs: if self.driven { 4 } else { 24 },
             soil_classes: if self.driven { 1 } else { usize::MAX },
             profiles_of_calibrated: !self.driven,
@@ -218,8 +219,13 @@ impl Strategy for Joint {
         }
     }
 
+    /// Where fits are cheap, as of a single wheel.
     fn further_starts(&self, promised: bool) -> &'static [f64] {
-        if promised { &[] } else { &[0.1, 0.3, 0.6] }
+        match (self.driven, promised) {
+            (true, true) => &[],
+            (true, false) => &[0.1],
+            (false, _) => &[0.1, 0.3, 0.6],
+        }
     }
 
     fn left_out(&self, _: &Problem, _: &Calibration) -> LeftOut {
