@@ -15,6 +15,13 @@ pub(crate) struct Block {
     pub range: Range<usize>,
 }
 
+impl Block {
+    /// Whether it is the place of the body along x: by that name alone or behind that of one of several experiments.
+    pub fn is_place(&self) -> bool {
+        self.signal == "x" || self.signal.ends_with(".x")
+    }
+}
+
 /// Where each measured value stands, and the values; NaN marks a missing one.
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {

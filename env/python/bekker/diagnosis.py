@@ -85,6 +85,7 @@ class Diagnosis:
 
     experiment: str
     kind: Literal["single_wheel", "traverse", "plate_sinkage", "shear"]
+    """What was done; where several experiments were diagnosed together, in the first of them."""
     runs: list[RunData]
     verdict: Literal["explained", "effect_missing", "unexplained", "undetermined"]
     """``explained``: the calibrated model leaves only noise. ``effect_missing``: the listed effects account for the

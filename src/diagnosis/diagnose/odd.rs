@@ -91,7 +91,7 @@ fn stretches(problem: &Problem, prepared: &Prepared) -> Result<Vec<Stretch>, Com
     for (k, run) in problem.experiment.runs.iter().enumerate().filter(drives) {
         let time = run.data.column("time").unwrap_or_default();
         let place =
-            layout.of_run(k).find(|block| is_place(&block.signal)).map(|block| &prepared.modelled[block.range.clone()]);
+            layout.of_run(k).find(|block| block.is_place()).map(|block| &prepared.modelled[block.range.clone()]);
         for (row, t) in time.iter().enumerate() {
             let number = ((t - time[0]) / LENGTH) as usize;
             let new = all.last().is_none_or(|last| (last.run, last.number) != (k, number));
@@ -112,11 +112,6 @@ fn stretches(problem: &Problem, prepared: &Prepared) -> Result<Vec<Stretch>, Com
     }
     all.retain(|stretch| stretch.count > 0.0);
     Ok(all)
-}
-
-/// Whether a signal is the place of the body, by that name alone or behind that of one of several experiments.
-fn is_place(signal: &str) -> bool {
-    signal == "x" || signal.ends_with(".x")
 }
 
 /// Whether a repeat is odd at the same time, or another run at the same place.

@@ -81,7 +81,8 @@ impl Placed {
         self.moves[own].by_factor.iter().map(|k| whole[*k]).product()
     }
 
-    /// Calls `f` with the number of each parameter of the whole that moves one of the part, the number of that one, and how fast.
+    /// Calls `f(k, own, rate)` for each parameter `k` of the whole that moves parameter `own` of the part, with the derivative `rate` of the
+    /// second in the first.
     pub fn each_slope(&self, whole: &[f64], free: &[Free], mut f: impl FnMut(usize, usize, f64)) {
         for (own, moves) in self.moves.iter().enumerate() {
             let factor = self.factor(own, whole);

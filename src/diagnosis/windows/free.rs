@@ -10,7 +10,7 @@
 //! and a multiple of the part that a whole run has in common. So the work grows with the rows, not with rows times windows.
 
 use super::Windows;
-use crate::diagnosis::layout::Layout;
+use crate::diagnosis::layout::{Block, Layout};
 use crate::diagnosis::linear_algebra::Factor;
 use crate::diagnosis::noise::{LocalWhite, NoiseModel};
 use nalgebra::DMatrix;
@@ -36,9 +36,8 @@ pub(crate) fn carried_over(layout: &Layout, windows: &Windows) -> Vec<FreeStart>
     let mut starts = Vec::new();
     for (run, cuts) in windows.iter().enumerate() {
         for (window, cut) in cuts.iter().enumerate().filter(|(_, cut)| cut.start.is_some()) {
-            // The place of the body, by that name alone or behind that of a part.
-            let slope = |signal: &str| if signal == "x" || signal.ends_with(".x") { 1.0 } else { 0.0 };
-            let slopes = layout.of_run(run).map(|block| vec![slope(&block.signal); cut.rows.len()]).collect();
+            let slope = |block: &Block| if block.is_place() { 1.0 } else { 0.0 };
+            let slopes = layout.of_run(run).map(|block| vec![slope(block); cut.rows.len()]).collect();
             starts.push(FreeStart { run, window, number: 0, rows: cut.rows.clone(), slopes });
         }
     }

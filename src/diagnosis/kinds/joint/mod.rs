@@ -2,21 +2,20 @@
 
 mod prediction;
 
+use super::single_wheel::SingleWheel;
+use super::traverse::Traverse;
 use super::{Budget, LeftOut, Strategy, strategy};
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::curves::Axis;
 use crate::diagnosis::diagnose::{Phase, Shape};
-use crate::diagnosis::effort::Effort;
 use crate::diagnosis::free::Free;
 use crate::diagnosis::halt::Halt;
 use crate::diagnosis::layout::Layout;
-use crate::diagnosis::least_squares::Pace;
 use crate::diagnosis::precedence::Choice;
 use crate::diagnosis::prediction::{Predict, PredictionError};
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::separate::variation::Variation;
-use crate::diagnosis::thresholds::REACH_ALIKE;
 use crate::diagnosis::windows::Windows;
 use crate::diagnosis::windows::free::FreeStart;
 use crate::measurement::{Experiment, Part};
@@ -40,6 +39,13 @@ pub(super) struct Joint {
 pub(super) const STEADY: Joint = Joint { driven: false };
 /// With drives among them.
 pub(super) const DRIVEN: Joint = Joint { driven: true };
+
+impl Joint {
+    /// The kind of experiment that decides what is affordable: the one whose fits take longest.
+    fn dearest(&self) -> &'static dyn Strategy {
+        if self.driven { &Traverse } else { &SingleWheel }
+    }
+}
 
 /// The parts with the runs of each.
 fn parts(experiment: &Experiment) -> impl Iterator<Item = (&Part, Range<usize>)> {
@@ -188,22 +194,8 @@ impl Strategy for Joint {
     /// Effects come in two or three forms, by where they act. Where fits are cheap all are refitted, since sensitivities mislead where an
     /// effect's misfit first rises; else those that promise the most.
     fn budget(&self) -> Budget {
-        let calibration = if self.driven {
-            Effort { draws: 0, searches: 0, pace: Pace::BRISK, until_agreed: Some((24, 6)) }
-        } else {
-            Effort { draws: 64, searches: 5, pace: Pace::PATIENT, until_agreed: None }
-        };
-        Budget {
-            calibration,
-            singles: self.driven.then_some(SINGLES),
-            pairs: if self.driven { 4 } else { 24 },
-            soil_classes: if self.driven { 1 } else { usize::MAX },
-            profiles_of_calibrated: !self.driven,
-            refits_from_larger: self.driven,
-            by_products: self.driven,
-            alike_reach: self.driven.then_some(REACH_ALIKE),
-            predicts_whole: true,
-        }
+        let singles = self.driven.then_some(SINGLES);
+        Budget { singles, predicts_whole: true, ..self.dearest().budget() }
     }
 
     /// The number of fits, and what other work takes in fits.
@@ -219,13 +211,8 @@ impl Strategy for Joint {
         }
     }
 
-    /// Where fits are cheap, as of a single wheel.
     fn further_starts(&self, promised: bool) -> &'static [f64] {
-        match (self.driven, promised) {
-            (true, true) => &[],
-            (true, false) => &[0.1],
-            (false, _) => &[0.1, 0.3, 0.6],
-        }
+        self.dearest().further_starts(promised)
     }
 
     fn left_out(&self, _: &Problem, _: &Calibration) -> LeftOut {
