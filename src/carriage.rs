@@ -1,6 +1,6 @@
 //! A wheel on a carriage: the steady point at a load, a slip and a wheel speed.
 
-use crate::contact::{self, Forces, rolling_on};
+use crate::contact::{self, Forces, rolling_sunk};
 use crate::effects::{BodyMotion, Effects, ExpressionFailure, Place};
 use crate::motor::{self, Drivetrain};
 use crate::rover::Rover;
@@ -130,8 +130,9 @@ impl<S: Scalar> Rig<S> {
         };
         let mut sunk = sinkage;
         let (_, mut forces) = self.effects.contact(&place, self.true_wheel(), self.soil, |local| {
-            sunk = sinkage - local.deflection;
-            rolling_on(&local.wheel, &local.soil, &local.surface, sunk, velocity, spin)
+            let forces;
+            (forces, sunk) = rolling_sunk(&local.wheel, &local.soil, &local.surface, sinkage, velocity, spin);
+            forces
         })?;
         forces.torque = motor::torque_behind(&self.effects, spin, forces.torque)?;
         if let Some(gain) = self.effects.torque_gain() {

@@ -107,10 +107,7 @@ fn analytic_flexible_wheel_stands_on_the_arc_of_a_larger_circle() {
     const C: f64 = 1e-4;
     let point = steady_point(&with(|effects| effects.flexible_wheel.compliance = C), 50.0, 0.2, 1.0).unwrap();
     let (wheel, soil, z) = (rig().wheel, rig().soil, point.sinkage);
-    let pressure = (soil.k_c / wheel.width + soil.k_phi) * z.powf(soil.exponent);
-    let load = wheel.width * pressure * (2.0 * wheel.radius * z).sqrt() / (1.0 + 0.5 * soil.exponent);
-    assert!((0.6..1.6).contains(&(load / 50.0)), "Bekker's estimate is near the load: {load}");
-    let arc = (z + C * load) / z;
+    let arc = (z + C * 50.0) / z;
     let surface = Surface { arc, ..Surface::default() };
     let forces = rolling_on(&wheel, &soil, &surface, z, 0.1 * 0.8, 1.0);
     assert!(close(forces.normal, 50.0, SAME), "{forces:?}");

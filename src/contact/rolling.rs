@@ -2,6 +2,7 @@
 //!
 //! Bekker 1969; Wong and Reece 1967; Janosi and Hanamoto 1961; equations (2.1)-(2.9) of Iagnemma 2001.
 
+use super::flattened::Flattening;
 use super::pieces::sums;
 use super::rim::{Rim, Shear};
 use super::surface::Surface;
@@ -180,7 +181,7 @@ pub fn rolling<S: Scalar>(
     rolling_on(wheel, soil, &Surface::smooth(exit_ratio), sinkage, velocity, spin)
 }
 
-/// [`rolling()`] on any [`Surface`] of the rim.
+/// [`rolling()`] on any [`Surface`] of the rim. On one with a compliance `sinkage` is that of the undeformed outline.
 pub fn rolling_on<S: Scalar>(
     wheel: &Wheel<S>,
     soil: &Soil<S>,
@@ -189,7 +190,24 @@ pub fn rolling_on<S: Scalar>(
     velocity: S,
     spin: S,
 ) -> Forces<S> {
-    let mut forces = rolling_share(wheel, soil, surface, sinkage, velocity, spin, S::from(1.0)).0.forces;
+    rolling_sunk(wheel, soil, surface, sinkage, velocity, spin).0
+}
+
+/// [`rolling_on()`] with the sinkage of the soil, which the undeformed outline of a compliant wheel exceeds.
+pub fn rolling_sunk<S: Scalar>(
+    wheel: &Wheel<S>,
+    soil: &Soil<S>,
+    surface: &Surface<S>,
+    outline: S,
+    velocity: S,
+    spin: S,
+) -> (Forces<S>, S) {
+    let (share, mut rim, mut sinkage) = (S::from(1.0), *surface, outline);
+    if !surface.compliance.is_exactly(0.0) && outline.value() > 0.0 {
+        let flat = Flattening { wheel, soil, surface, outline, velocity, spin, share }.solve();
+        (rim, sinkage) = (flat.surface, flat.sinkage);
+    }
+    let mut forces = rolling_share(wheel, soil, &rim, sinkage, velocity, spin, share).0.forces;
     let (resists, leads) = (!surface.resistance.is_exactly(0.0), !surface.lead.is_exactly(0.0));
     if (resists || leads) && sinkage.value() > 0.0 {
         let rim_speed = wheel.radius * spin;
@@ -201,7 +219,7 @@ pub fn rolling_on<S: Scalar>(
             forces.torque += forces.normal * surface.lead_turning(rim_speed / speed).0;
         }
     }
-    forces
+    (forces, sinkage)
 }
 
 /// Length of a vector, and 0 with zero slope at the origin.
@@ -214,7 +232,8 @@ pub(super) fn norm<S: Scalar>(x: S, y: S) -> S {
 
 /// [`rolling()`] with the slopes of the forces, in a contact of which only the `share` (0..1) of the slip
 /// is established: it sets theta_m. Also the normal force of the pressure alone, N.
-#[lanes]
+#[inline(never)]
+#[lanes(entry)]
 pub(super) fn rolling_share<S: Scalar>(
     wheel: &Wheel<S>,
     soil: &Soil<S>,
@@ -224,19 +243,21 @@ pub(super) fn rolling_share<S: Scalar>(
     spin: S,
     share: S,
 ) -> (Rolling<S>, S) {
-    let none = (Rolling::sliding(Forces::zero()), S::from(0.0));
-    let touches = sinkage.over(0.0);
-    if !touches.any() {
-        return none;
-    }
-    let zero = S::from(0.0);
-    let backward = velocity.below(zero) | (!(velocity.below(zero) | zero.below(velocity)) & spin.below(zero));
-    // The contact is mirrored: evaluate with (-V, -omega) and negate DP and T.
-    let (velocity, spin) = (velocity.negative_where(backward), spin.negative_where(backward));
-    let contact = Contact { wheel, soil, surface, sinkage, share };
-    let (rolling, pressure) = contact.forward(velocity, spin, touches);
-    let rolling = rolling.mirrored_where(backward);
-    (Rolling::select(touches, rolling, none.0), S::select(touches, pressure, none.1))
+    S::wide(|| {
+        let none = (Rolling::sliding(Forces::zero()), S::from(0.0));
+        let touches = sinkage.over(0.0);
+        if !touches.any() {
+            return none;
+        }
+        let zero = S::from(0.0);
+        let backward = velocity.below(zero) | (!(velocity.below(zero) | zero.below(velocity)) & spin.below(zero));
+        // The contact is mirrored: evaluate with (-V, -omega) and negate DP and T.
+        let (velocity, spin) = (velocity.negative_where(backward), spin.negative_where(backward));
+        let contact = Contact { wheel, soil, surface, sinkage, share };
+        let (rolling, pressure) = contact.forward(velocity, spin, touches);
+        let rolling = rolling.mirrored_where(backward);
+        (Rolling::select(touches, rolling, none.0), S::select(touches, pressure, none.1))
+    })
 }
 
 /// A contact whose motion varies.

@@ -21,6 +21,11 @@ pub struct Surface<S = f64> {
     pub arc: S,
     /// Arm at which the shear turns the axle, over the wheel's radius.
     pub arm: S,
+    /// Radial compliance C of the wheel, m/N: it flattens by C N under the normal force N, and arc and arm grow with it. The
+    /// sinkage of the contact is then that of the undeformed outline.
+    pub compliance: S,
+    /// Share of the arc's growth by the compliance that the arm has, too.
+    pub arm_share: S,
     /// Radius at which the soil is sheared over that of the arc: above 1 where lugs hold soil between them.
     pub shear_radius: S,
     /// Factor on the cohesion in the shear along the rim.
@@ -48,6 +53,8 @@ impl<S: From<f64>> Default for Surface<S> {
             exit_ratio: zero(),
             arc: one(),
             arm: one(),
+            compliance: zero(),
+            arm_share: zero(),
             shear_radius: one(),
             cohesion_gain: one(),
             friction_gain: one(),

@@ -11,6 +11,7 @@
 //! The stresses are taken at e = (d h + t v)/(d + t |v|) with a time t: internal damping of the standing
 //! contact, and above the speed d/t (5 cm/s) the direction of motion itself, without lag.
 
+use super::flattened::{Flattening, flattened};
 use super::rolling::{Forces, Rolling, norm, rolling_share, slip};
 use super::surface::Surface;
 use crate::scalar::{LaneAccess, MapScalar, Mask, Scalar, lanes, smooth_step};
@@ -56,7 +57,7 @@ impl<S: Scalar> Hold<S> {
 /// Motion of a wheel relative to the ground at its contact foot.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<S = f64> {
-    /// Sinkage along the normal, m.
+    /// Sinkage of the wheel's undeformed outline along the normal, m.
     pub sinkage: S,
     /// Velocity of the wheel centre along the normal, m/s.
     pub normal_velocity: S,
@@ -115,6 +116,8 @@ pub struct Slopes<S = f64> {
 pub struct Touch<S = f64> {
     /// Forces on the wheel, at its centre.
     pub forces: Forces<S>,
+    /// Sinkage of the soil, m; that of the undeformed outline less the deflection of the wheel.
+    pub sinkage: S,
     /// Time derivative of [`Motion::hold`], 1/s.
     pub rate: Hold<S>,
     /// Partial derivatives.
@@ -155,37 +158,41 @@ pub fn touch<S: Scalar>(wheel: &Wheel<S>, soil: &Soil<S>, surface: &Surface<S>, 
             ..Slopes::zero()
         };
         let touches = motion.sinkage.over(0.0);
-        let none = Touch { forces: Forces::zero(), rate, slopes };
+        let none = Touch { forces: Forces::zero(), sinkage: motion.sinkage, rate, slopes };
         if !touches.any() {
             return none;
         }
         let ([travel, turn], scale) = motion.direction(rim_speed, speed, distance);
-        let direction = at_direction(wheel, soil, surface, motion.sinkage, travel, turn);
+        let (direction, sinkage) = at_direction(wheel, soil, surface, motion.sinkage, travel, turn);
         slopes.follow(&direction, [travel, turn], heading, (distance * scale, scale * HOLD_DAMPING_TIME), wheel.radius);
-        let mut touch = Touch { forces: direction.forces, rate, slopes };
-        add_damping(&mut touch, soil, motion);
+        let mut touch = Touch { forces: direction.forces, sinkage, rate, slopes };
+        add_damping(&mut touch, soil, surface, motion);
         if touches.all() {
             return touch;
         }
         touch.forces = Forces::select(touches, touch.forces, none.forces);
+        touch.sinkage = S::select(touches, touch.sinkage, none.sinkage);
         touch.slopes = touch.slopes.select(touches, &none.slopes);
         touch
     })
 }
 
 /// Forces at the direction (travel, turn) of length at most 1, with their slopes in both components
-/// (the slope in the spin standing for that in `turn`).
+/// (the slope in the spin standing for that in `turn`), and the sinkage of the soil where the undeformed outline sinks by
+/// `outline`.
 #[lanes]
 fn at_direction<S: Scalar>(
     wheel: &Wheel<S>,
     soil: &Soil<S>,
     surface: &Surface<S>,
-    sinkage: S,
+    outline: S,
     travel: S,
     turn: S,
-) -> Rolling<S> {
-    let length = norm(travel, turn);
-    let (rolling, pressure) = rolling_share(wheel, soil, surface, sinkage, travel, turn / wheel.radius, length);
+) -> (Rolling<S>, S) {
+    let (length, spin) = (norm(travel, turn), turn / wheel.radius);
+    let flat = flattened(&Flattening { wheel, soil, surface, outline, velocity: travel, spin, share: length });
+    let (rim, sinkage) = flat.as_ref().map_or((surface, outline), |flat| (&flat.surface, flat.sinkage));
+    let (rolling, pressure) = rolling_share(wheel, soil, rim, sinkage, travel, spin, length);
     let symmetric = Forces { normal: pressure, drawbar: S::from(0.0), torque: S::from(0.0) };
     let excess = rolling.forces.plus(symmetric.scaled(S::from(-1.0)));
     let is_there = length.over(0.0);
@@ -196,6 +203,9 @@ fn at_direction<S: Scalar>(
         by_velocity: rolling.by_velocity.scaled(length).plus(excess.scaled(along(travel))),
         by_spin: rolling.by_spin.scaled(length / wheel.radius).plus(excess.scaled(along(turn))),
     };
+    if let Some(flat) = &flat {
+        flat.follow(&mut direction);
+    }
     if !surface.resistance.is_exactly(0.0) {
         let (resistance, slope) = surface.against_travel(travel);
         direction.forces.drawbar -= resistance;
@@ -207,7 +217,7 @@ fn at_direction<S: Scalar>(
         direction.by_spin.torque += direction.by_spin.normal * lead + direction.forces.normal * slope;
         direction.forces.torque += direction.forces.normal * lead;
     }
-    direction
+    (direction, sinkage)
 }
 
 #[lanes]
@@ -256,10 +266,17 @@ impl<S: Scalar> Slopes<S> {
 
 /// Damping along the normal, which never makes the normal force negative.
 #[lanes]
-fn add_damping<S: Scalar>(touch: &mut Touch<S>, soil: &Soil<S>, motion: &Motion<S>) {
-    let coefficient = soil.damping * smooth_step(motion.sinkage / DAMPING_DEPTH);
+fn add_damping<S: Scalar>(touch: &mut Touch<S>, soil: &Soil<S>, surface: &Surface<S>, motion: &Motion<S>) {
+    let coefficient = soil.damping * smooth_step(touch.sinkage / DAMPING_DEPTH);
+    let carried = touch.forces.normal.larger(S::from(0.0));
     // Near n + 1/2, the power of Bekker's own approximation (4.18); only the integrator uses it.
-    touch.slopes.stiffness = (soil.exponent + 0.5) * touch.forces.normal.larger(S::from(0.0)) / motion.sinkage;
+    touch.slopes.stiffness = (soil.exponent + 0.5) * carried / touch.sinkage;
+    if !surface.compliance.is_exactly(0.0) {
+        // The soil's spring with the power n, that of the arc with 1/2, and the wheel's own in line with the first.
+        let by_sinkage = soil.exponent * carried / touch.sinkage;
+        let by_outline = carried / (motion.sinkage * 2.0);
+        touch.slopes.stiffness = (by_sinkage + by_outline) / (surface.compliance * by_sinkage + 1.0);
+    }
     let normal = touch.forces.normal - coefficient * motion.normal_velocity;
     let presses = normal.over(0.0);
     touch.forces.normal = S::select(presses, normal, S::from(0.0));

@@ -38,8 +38,6 @@ pub struct Local<S = f64> {
     pub soil: Soil<S>,
     /// How the rim meets the soil.
     pub surface: Surface<S>,
-    /// Deflection of the wheel along the normal, m: what the outline sinks deeper than the soil.
-    pub deflection: S,
 }
 
 #[lanes]
@@ -47,7 +45,7 @@ impl<S: Scalar> Local<S> {
     /// A smooth rigid wheel.
     #[must_use]
     pub fn new(wheel: Wheel<S>, soil: Soil<S>) -> Self {
-        Self { wheel, soil, surface: Surface::default(), deflection: S::from(0.0) }
+        Self { wheel, soil, surface: Surface::default() }
     }
 }
 
@@ -80,7 +78,20 @@ macro_rules! over {
 over!(BodyMotion { travelled, velocity });
 over!(Forces { normal, drawbar, torque });
 over!(Geared { torque, by_torque, by_speed });
-over!(Surface { exit_ratio, arc, arm, shear_radius, cohesion_gain, friction_gain, grip, rounding, resistance, lead });
+over!(Surface {
+    exit_ratio,
+    arc,
+    arm,
+    compliance,
+    arm_share,
+    shear_radius,
+    cohesion_gain,
+    friction_gain,
+    grip,
+    rounding,
+    resistance,
+    lead,
+});
 over!(TorqueRange { least, most, least_slope, most_slope });
 over!(Warming { end, time_constant });
 
@@ -89,13 +100,12 @@ impl<S: Copy, T: Copy> Over<S, T> for Local<S> {
 
     fn over(&self, f: &dyn Fn(S) -> T) -> Local<T> {
         let (wheel, soil, surface) = (self.wheel.over(f), self.soil.over(f), self.surface.over(f));
-        Local { wheel, soil, surface, deflection: f(self.deflection) }
+        Local { wheel, soil, surface }
     }
 
     fn merge(&mut self, other: &Local<T>, f: &dyn Fn(S, T) -> S) {
         self.wheel.merge(&other.wheel, f);
         self.soil.merge(&other.soil, f);
         self.surface.merge(&other.surface, f);
-        self.deflection = f(self.deflection, other.deflection);
     }
 }

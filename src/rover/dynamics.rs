@@ -269,9 +269,9 @@ impl<S: Scalar> Evaluation<S> {
         };
         let (touched, sunk) = (&mut wheel.touch, &mut wheel.sinkage);
         let (local, _) = rover.effects.contact(&place, true_wheel, soil, move |local| {
-            *sunk = local.wheel.radius - foot.distance - local.deflection;
-            let motion = Motion { sinkage: *sunk, ..motion };
+            let motion = Motion { sinkage: local.wheel.radius - foot.distance, ..motion };
             *touched = touch(&local.wheel, &local.soil, &local.surface, &motion);
+            *sunk = touched.sinkage;
             touched
         })?;
         wheel.slip = slip(wheel.velocity, rover.effects.recorded_radius(local.wheel.radius) * wheel.spin);

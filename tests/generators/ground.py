@@ -60,10 +60,10 @@ def radius(p, at, soil):
     # Deflection f = C W; the arc enters the soil where the round outline does: r* = r (z + f)/z.
     if (s := on(p, "flexible_wheel.arc")) is not None:
         soil["deflection"] = s * at["load"]
-        soil["radius"] = soil["radius"] * (1.0 + soil["deflection"] / np.maximum(at["sinkage"], 5e-4))
+        soil["radius"] = soil["radius"] * (1.0 + soil["deflection"] / np.maximum(at["sinkage"], 1e-6))
     if (s := on(p, "flexible_wheel.axle")) is not None:  # the same, and the arm of the torque stays the wheel's radius
         soil["deflection"], soil["arm"] = s * at["load"], soil["radius"]
-        soil["radius"] = soil["radius"] * (1.0 + soil["deflection"] / np.maximum(at["sinkage"], 5e-4))
+        soil["radius"] = soil["radius"] * (1.0 + soil["deflection"] / np.maximum(at["sinkage"], 1e-6))
     if (s := on(p, "flexible_wheel.load")) is not None:  # an effective radius that grows with the load, s/5 mm a 1e-4 m/N
         soil["deflection"] = s * at["load"]
         soil["radius"] = soil["radius"] * (1.0 + 0.5 * soil["deflection"] / 0.005)

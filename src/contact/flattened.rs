@@ -1,0 +1,167 @@
+//! A wheel that flattens under the force that the soil puts on it.
+//!
+//! The wheel deflects by f = C N, and stands on the arc of a larger circle (Schmid 1995). The circle here enters the soil
+//! where the undeformed outline does: r* = r (z + f)/z at the soil's sinkage z. N is the normal force of the stress
+//! integrals on that arc, so z follows from z + C N(z) = Z, with Z the sinkage of the undeformed outline.
+
+use super::rolling::{Forces, Rolling, rolling_share};
+use super::surface::Surface;
+use crate::scalar::{Mask, Scalar, lanes};
+use crate::soil::Soil;
+use crate::wheel::Wheel;
+
+/// The secant method in the logarithm converges in 4 to 7 steps; this only bounds the loop.
+const MAX_STEPS: usize = 60;
+/// Relative step below which the sinkage is exact to rounding: the method converges faster than linearly.
+const CONVERGED: f64 = 1e-12;
+/// Newton steps of the estimate from which the search starts; it need not converge.
+const ESTIMATE_STEPS: usize = 6;
+/// Relative step below which a secant is mostly rounding, and the one before is kept.
+const SECANT_STEP: f64 = 1e-7;
+/// Relative distance of the symmetric difference that gives the slopes in the sinkage: its own error is its square, and
+/// that of rounding the inverse of it times 1e-16.
+const DIFFERENCE: f64 = 1e-5;
+/// Bounds of the power with which the normal force grows with the sinkage while it is searched for.
+const POWERS: [f64; 2] = [0.1, 4.0];
+
+/// A contact at a sinkage Z of the undeformed outline, and the direction of its motion.
+pub(super) struct Flattening<'a, S> {
+    pub wheel: &'a Wheel<S>,
+    pub soil: &'a Soil<S>,
+    pub surface: &'a Surface<S>,
+    pub outline: S,
+    pub velocity: S,
+    pub spin: S,
+    pub share: S,
+}
+
+/// Where the wheel stands.
+pub(super) struct Flattened<S> {
+    /// The rim with its larger arc.
+    pub surface: Surface<S>,
+    /// Sinkage z of the soil.
+    pub sinkage: S,
+    /// dz by a change dN of the normal force at constant z: -C/(1 + C dN/dz).
+    yields: S,
+    /// Slopes of the forces in z.
+    by_sinkage: Forces<S>,
+}
+
+/// Where a wheel with a compliance stands; nothing where it is rigid.
+#[lanes]
+pub(super) fn flattened<S: Scalar>(contact: &Flattening<S>) -> Option<Flattened<S>> {
+    if contact.surface.compliance.is_exactly(0.0) { None } else { Some(contact.solve()) }
+}
+
+#[lanes]
+impl<S: Scalar> Flattened<S> {
+    /// Slopes at a constant sinkage of the outline from those at a constant sinkage of the soil.
+    pub fn follow(&self, direction: &mut Rolling<S>) {
+        for slope in [&mut direction.by_velocity, &mut direction.by_spin] {
+            *slope = slope.plus(self.by_sinkage.scaled(self.yields * slope.normal));
+        }
+    }
+}
+
+#[lanes]
+impl<S: Scalar> Flattening<'_, S> {
+    /// The soil's sinkage, with its derivatives by the implicit function theorem.
+    pub fn solve(&self) -> Flattened<S> {
+        let f = |x: S| x.plain();
+        let (wheel, soil, surface) = (self.wheel.map(&f), self.soil.map(&f), self.surface.map(&f));
+        let plain = Flattening {
+            wheel: &wheel,
+            soil: &soil,
+            surface: &surface,
+            outline: self.outline.plain(),
+            velocity: self.velocity.plain(),
+            spin: self.spin.plain(),
+            share: self.share.plain(),
+        };
+        let (found, slopes) = plain.search();
+        let (fixed, by_sinkage) = (S::from_plain(found), lifted(&slopes));
+        let yields = -self.surface.compliance / (self.surface.compliance * by_sinkage.normal + 1.0);
+        let rest = fixed + self.surface.compliance * self.forces(fixed).normal.larger(S::from(0.0)) - self.outline;
+        let sinkage = fixed - rest / (self.surface.compliance * by_sinkage.normal + 1.0);
+        Flattened { surface: self.arc(sinkage), sinkage, yields, by_sinkage }
+    }
+
+    /// The rim where the soil is pressed in by `sinkage`.
+    fn arc(&self, sinkage: S) -> Surface<S> {
+        let growth = self.outline / sinkage;
+        Surface {
+            arc: self.surface.arc * growth,
+            arm: self.surface.arm * (self.surface.arm_share * (growth - 1.0) + 1.0),
+            ..*self.surface
+        }
+    }
+
+    /// Forces of the motion as far as its slip is established.
+    fn forces(&self, sinkage: S) -> Forces<S> {
+        let surface = self.arc(sinkage);
+        let (rolling, pressure) =
+            rolling_share(self.wheel, self.soil, &surface, sinkage, self.velocity, self.spin, self.share);
+        let symmetric = Forces { normal: pressure, ..Forces::zero() };
+        symmetric.mixed(rolling.forces, self.share)
+    }
+
+    /// z by Newton's method in its logarithm, where the growth of N with z is that of its last two values, within a
+    /// bracket that shrinks; and the slopes of the forces in z.
+    fn search(&self) -> (S, Forces<S>) {
+        let (mut low, mut high) = (S::from(0.0), self.outline);
+        let mut z = self.estimate();
+        let mut power = self.soil.exponent;
+        let mut before = (z, S::from(0.0));
+        let mut goes_on = self.outline.over(0.0);
+        for k in 0..MAX_STEPS {
+            let normal = self.forces(z).normal.larger(S::from(f64::MIN_POSITIVE));
+            if k > 0 {
+                let change = z - before.0;
+                let tells = !change.abs().at_most(z * SECANT_STEP);
+                let secant = (normal - before.1) * z / (S::select(tells, change, z) * normal);
+                let bounded = secant.larger(S::from(POWERS[0])).smaller(S::from(POWERS[1]));
+                power = S::select(tells, bounded, power);
+            }
+            let deflection = self.surface.compliance * normal;
+            let rest = z + deflection - self.outline;
+            let deep = rest.over(0.0);
+            (low, high) = (S::select(deep, low, z), S::select(deep, z, high));
+            let next = z * (-(rest / (z + power * deflection))).exponential();
+            let next = S::select(low.at_most(next) & next.at_most(high), next, (low + high) * 0.5);
+            before = (z, normal);
+            let moved = z.larger(next) - z.smaller(next);
+            z = S::select(goes_on, next, z);
+            goes_on = goes_on & !moved.below(z * CONVERGED);
+            if !goes_on.any() {
+                break;
+            }
+        }
+        let [below, above] = [1.0 - DIFFERENCE, 1.0 + DIFFERENCE].map(|share| self.forces(z * share));
+        (z, above.plus(below.scaled(S::from(-1.0))).scaled((z * (2.0 * DIFFERENCE)).recip()))
+    }
+
+    /// z where N is Bekker's estimate b (k_c/b + k_phi) z^n sqrt(2 r z)/(1 + n/2) on the undeformed wheel, roughly: the
+    /// search starts there. In the logarithm the left side is convex, so Newton's method from Z converges.
+    fn estimate(&self) -> S {
+        let (wheel, exponent) = (self.wheel, self.soil.exponent);
+        let power = exponent + 0.5;
+        let modulus = wheel.width * self.soil.modulus(wheel.width) * (wheel.radius * 2.0).sqrt();
+        let scale = modulus / (exponent * 0.5 + 1.0) * self.surface.compliance;
+        let mut z = self.outline;
+        for _ in 0..ESTIMATE_STEPS {
+            let deflection = scale * z.power(power);
+            z *= (-((z + deflection - self.outline) / (z + power * deflection))).exponential();
+        }
+        z
+    }
+}
+
+/// The same forces without derivatives as constants.
+#[lanes]
+fn lifted<S: Scalar>(forces: &Forces<S::Plain>) -> Forces<S> {
+    Forces {
+        normal: S::from_plain(forces.normal),
+        drawbar: S::from_plain(forces.drawbar),
+        torque: S::from_plain(forces.torque),
+    }
+}
