@@ -248,6 +248,7 @@ fn experiment() -> Experiment {
         parameters: BTreeMap::new(),
         priors: BTreeMap::new(),
         soil_class: None,
+        shared: BTreeMap::new(),
         sensors: BTreeMap::new(),
         model: None,
         noise: BTreeMap::new(),

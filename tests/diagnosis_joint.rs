@@ -2,69 +2,26 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
+#[path = "support/noisy_wheel.rs"]
+mod noisy_wheel;
+
 use bekker::diagnosis::{
-    CompareError, CompareOptions, Comparison, Control, DiagnoseOptions, Diagnosis, Given, Rig, Verdict, compare,
-    diagnose, plain_effect, steady_point,
+    CompareError, CompareOptions, Comparison, Control, DiagnoseOptions, Diagnosis, Given, Verdict, compare, diagnose,
+    plain_effect,
 };
 use bekker::measurement::{Experiment, JointError, Prior};
-use bekker::model::Model;
 use bekker::modeldescription::Lookup;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
-use std::fmt::Write;
+use noisy_wheel::wheel_on;
 use std::path::Path;
 
-/// Noise of each signal, as a share of its largest value.
-const NOISE: f64 = 0.01;
 /// Standard errors within which an estimate must lie: 1 in 16,000 beyond.
 const WITHIN: f64 = 4.0;
 /// n1 of Ding's slip-sinkage where it acts.
 const HIDDEN: f64 = 0.25;
 
-const SLIPS: [f64; 8] = [0.02, 0.08, 0.15, 0.25, 0.35, 0.45, 0.55, 0.65];
-
-fn model() -> Model {
-    Model::preset("two_wheeled").unwrap()
-}
-
 /// A wheel of this width (m) on the default soil, `n1` of slip-sinkage, measured three times under two loads.
 fn wheel(folder: &str, name: &str, width: f64, n1: f64, settings: &str) -> Experiment {
     wheel_on(folder, name, width, n1, settings, 1.0)
-}
-
-/// The same on a soil that is stiffer by a factor.
-fn wheel_on(folder: &str, name: &str, width: f64, n1: f64, settings: &str, stiffer: f64) -> Experiment {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("diagnosis_joint").join(folder).join(name);
-    std::fs::create_dir_all(&folder).unwrap();
-    let mut rng = ChaCha8Rng::seed_from_u64((width * 1e4) as u64);
-    let mut rig = Rig::of(&model().rover);
-    rig.wheel.width = width;
-    rig.set("slip_sinkage.n1", n1).unwrap();
-    let stiffness = rig.get("soil.k_phi").unwrap();
-    rig.set("soil.k_phi", stiffer * stiffness).unwrap();
-    let mut toml =
-        format!("name = \"{name}\"\nkind = \"single_wheel\"\n[parameters]\n\"wheel.width\" = {width}\n{settings}\n");
-    for load in [25.0, 50.0] {
-        for repeat in ["a", "b", "c"] {
-            let mut csv = "load,slip,wheel_speed,drawbar_pull,torque,sinkage\n".to_owned();
-            for slip in SLIPS {
-                let point = steady_point(&rig, load, slip, 0.5).unwrap();
-                let mut noisy = |value: f64, size: f64| {
-                    let draw: f64 = StandardNormal.sample(&mut rng);
-                    value + NOISE * size * draw
-                };
-                let (pull, torque, sinkage) =
-                    (noisy(point.drawbar_pull, 20.0), noisy(point.torque, 2.0), noisy(point.sinkage, 0.02));
-                writeln!(csv, "{load},{slip},0.5,{pull:.9e},{torque:.9e},{sinkage:.9e}").unwrap();
-            }
-            let file = format!("load{load}_{repeat}.csv");
-            std::fs::write(folder.join(&file), csv).unwrap();
-            writeln!(toml, "[[run]]\nfile = \"{file}\"\ngroup = \"load{load}\"").unwrap();
-        }
-    }
-    std::fs::write(folder.join("experiment.toml"), toml).unwrap();
-    Experiment::read(folder).unwrap()
 }
 
 /// Two wheels, of which the second one has slip-sinkage of `n1`.

@@ -4,17 +4,17 @@ use crate::compare::write_page;
 use crate::import;
 use crate::model::ModelChanges;
 use crate::output::say;
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use bekker::diagnosis::{CompareOptions, Given, compare};
-use bekker::measurement::Experiment;
+use bekker::measurement::{Experiment, Share};
 use bekker::model::Model;
 use std::path::{Path, PathBuf};
 
 /// Folders and the model behind them.
 #[derive(clap::Args)]
 pub struct Experiments {
-    /// Folders of experiments, each with `experiment.toml` and CSV files. Several, made on one soil, are fitted together: they share the
-    /// soil's parameters, and each keeps its rig and noise. MODEL: a model file (TOML) or the name of a built-in model; else the one that
+    /// Folders of experiments, each with `experiment.toml` and CSV files. Several are fitted together: they share the soil's
+    /// parameters, unless --share or `[shared]` in the folders says otherwise, and each keeps its rig and noise. MODEL: a model file (TOML) or the name of a built-in model; else the one that
     /// `experiment.toml` names, or a plain rover or wheel.
     #[arg(required = true, value_name = "EXPERIMENT.. [MODEL]")]
     experiments: Vec<PathBuf>,
@@ -24,6 +24,15 @@ pub struct Experiments {
     /// given.
     #[arg(long, value_name = "SHARE")]
     soil_scatter: Option<f64>,
+    /// Of several experiments: what they share, separated by commas; of what is not named each has its own. A vehicle has its wheels, masses
+    /// and drive, a drive motor and gear. If not given: what their folders name alike in `[shared]`, else the soil alone.
+    #[arg(long, value_delimiter = ',', value_name = "soil,vehicle,drive", value_parser = share)]
+    share: Option<Vec<Share>>,
+}
+
+fn share(name: &str) -> Result<Share> {
+    let known = Share::ALL.map(Share::name).join(", ");
+    Share::find(name).with_context(|| format!("expected one or more of {known}, separated by commas"))
 }
 
 impl Experiments {
@@ -42,6 +51,12 @@ impl Experiments {
                 bail!("--soil-scatter: this is a single experiment; it says how the soils of several differ");
             }
             given = given.with_soil_scatter(deviation)?;
+        }
+        if let Some(share) = &self.share {
+            if experiment.parts.is_empty() {
+                bail!("--share: this is a single experiment; it says what several have in common");
+            }
+            given = given.with_share(share);
         }
         Ok((experiment, given))
     }

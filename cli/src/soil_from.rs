@@ -1,8 +1,8 @@
 //! `--soil-from` and `--save-soil`: what is known of a soil, from one experiment to the next.
 
 use crate::output::{check_writable, say, write};
-use anyhow::{Context, Result};
-use bekker::diagnosis::{Comparison, Given};
+use anyhow::{Context, Result, bail};
+use bekker::diagnosis::{CalibratedParameter, Comparison, Given};
 use bekker::known_soil::KnownSoil;
 use std::path::PathBuf;
 
@@ -42,6 +42,13 @@ impl SaveSoil {
     /// Writes what was found, where that is asked for.
     pub fn write(&self, comparison: &Comparison) -> Result<()> {
         let Some(path) = &self.save_soil else { return Ok(()) };
+        let several = |own: &CalibratedParameter| own.variable.name.starts_with("soil in ");
+        if comparison.calibrated.iter().any(|(calibration, _)| calibration.parameters.iter().any(several)) {
+            bail!(
+                "{}: the experiments stand on several soils, and a file is of one; calibrate those on one soil together",
+                path.display()
+            );
+        }
         let soil =
             comparison.soil.as_ref().context("no parameter of the soil was calibrated: there is nothing to save")?;
         write(path, &soil.to_toml()?)?;

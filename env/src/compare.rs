@@ -9,6 +9,7 @@ use bekker::diagnosis::{
     UnansweredRows, UncountedRows, compare as core_compare,
 };
 use bekker::known_soil::KnownSoil;
+use bekker::measurement::Share;
 use bekker::model::Model;
 use bekker::modeldescription::ParameterError;
 use pyo3::prelude::*;
@@ -21,14 +22,14 @@ pub type Asked = Option<(Py<PyModel>, String)>;
 /// The text of a known soil and how messages call it.
 pub type SoilAsked = Option<(String, String)>;
 
-/// What is given beside an experiment: a model, values that are set by hand, what is known of the soil, and how it scatters from one of
-/// several experiments to the next.
+/// What is given beside an experiment: a model, values that are set by hand, what is known of the soil, and what is said of several
+/// experiments together.
 pub fn given(
     py: Python<'_>,
     model: &Asked,
     values: &BTreeMap<String, f64>,
     soil: &SoilAsked,
-    scatter: Option<f64>,
+    asked: &TogetherAsked,
 ) -> PyResult<Given> {
     let given = Given::default().values_by("parameters");
     let given = match model {
@@ -40,13 +41,26 @@ pub fn given(
         Some((text, name)) => given.with_soil(read_soil(text)?, name),
         None => given,
     };
-    scattered(given, scatter)
+    together(given, asked)
 }
 
-/// The same with a scatter of the soil, where one is stated.
-pub fn scattered(given: Given, scatter: Option<f64>) -> PyResult<Given> {
-    let Some(deviation) = scatter else { return Ok(given) };
-    given.with_soil_scatter(deviation).map_err(|refused| InputError::new_err(format!("soil_scatter: {refused}")))
+/// Of several experiments: the scatter of the soil from one to the next, and what they share; none where nothing is said.
+pub type TogetherAsked = (Option<f64>, Option<Vec<String>>);
+
+/// The same with what is said of several experiments.
+pub fn together(mut given: Given, (scatter, share): &TogetherAsked) -> PyResult<Given> {
+    if let Some(deviation) = scatter {
+        given = given
+            .with_soil_scatter(*deviation)
+            .map_err(|refused| InputError::new_err(format!("soil_scatter: {refused}")))?;
+    }
+    let Some(share) = share else { return Ok(given) };
+    let known = |name: &String| {
+        let expected = Share::ALL.map(Share::name).join(", ");
+        Share::find(name)
+            .ok_or_else(|| InputError::new_err(format!("share: expected some of {expected}, found {name:?}")))
+    };
+    Ok(given.with_share(&share.iter().map(known).collect::<PyResult<Vec<_>>>()?))
 }
 
 /// Models of several experiments by their names.
@@ -80,11 +94,11 @@ pub fn compare(
     calibrate: bool,
     added: Vec<String>,
     soil: SoilAsked,
-    soil_scatter: Option<f64>,
+    together: TogetherAsked,
 ) -> PyResult<(String, PyModel, PartModels)> {
     let (experiment, _) = experiment.read(py)?;
     let options = CompareOptions { calibrate, added };
-    let given = given(py, &model, &values, &soil, soil_scatter)?;
+    let given = given(py, &model, &values, &soil, &together)?;
     let comparison = py
         .detach(|| error::fenced(|| core_compare(given, &experiment, &options)))?
         .map_err(|refused| failed(&refused))?;

@@ -1,7 +1,7 @@
 //! The diagnosis. It works in a thread of its own, without Python; the calling thread passes fits to the executor, calls
 //! `progress` and checks for Ctrl-C.
 
-use crate::compare::{Asked, SoilAsked, failed, given, read_soil, scattered};
+use crate::compare::{Asked, SoilAsked, TogetherAsked, failed, given, read_soil, together};
 use crate::error::{self, InputError, Panic, SimulationError};
 use crate::experiment::{Material, Source};
 use crate::finding::NativeDiagnosis;
@@ -36,7 +36,7 @@ struct Payload {
     values: BTreeMap<String, f64>,
     /// What is known of the soil.
     soil: SoilAsked,
-    soil_scatter: Option<f64>,
+    together: TogetherAsked,
     experiment: Material,
     candidates: Option<Vec<String>>,
     added: Vec<String>,
@@ -108,21 +108,21 @@ pub fn diagnose<'py>(
     progress: Option<Bound<'py, PyAny>>,
     time_budget: Option<f64>,
     soil: SoilAsked,
-    soil_scatter: Option<f64>,
+    together: TogetherAsked,
 ) -> PyResult<Ended<'py>> {
     let refused = |_| InputError::new_err("time_budget: expected a positive number of seconds");
     let budget = time_budget.map(Duration::try_from_secs_f64).transpose().map_err(refused)?;
     let (read, material) = experiment.read(py)?;
     let options = DiagnoseOptions { candidates, added, max_effects, draws };
     let material = spread.as_ref().map(|_| material.portable()).transpose()?;
-    let given = given(py, &model, &values, &soil, soil_scatter)?;
+    let given = given(py, &model, &values, &soil, &together)?;
     let chosen = match &spread {
         None => None,
         // Each of several experiments finds its own model, unless one is named for all.
         Some(_) if !read.parts.is_empty() => model.as_ref().map(|(model, _)| (model.borrow(py).core.clone(), false)),
         Some(_) => Some(given.chosen(&read).map_err(|refused| failed(&refused))?),
     };
-    let caller = Caller { spread, progress, chosen, values, soil, soil_scatter, material, options: &options };
+    let caller = Caller { spread, progress, chosen, values, soil, together, material, options: &options };
     let stop = Arc::new(AtomicBool::new(false));
     let mut events = begin(given, read, options.clone(), caller.spread.is_some(), budget, Arc::clone(&stop));
     let (done, raised) = caller.attend(py, &mut events, &stop);
@@ -167,7 +167,7 @@ struct Caller<'a, 'py> {
     chosen: Option<(Model, bool)>,
     values: BTreeMap<String, f64>,
     soil: SoilAsked,
-    soil_scatter: Option<f64>,
+    together: TogetherAsked,
     /// What the experiment is made of, where fits are made elsewhere.
     material: Option<Material>,
     options: &'a DiagnoseOptions,
@@ -226,7 +226,7 @@ impl Caller<'_, '_> {
                 by_experiment,
                 values: self.values.clone(),
                 soil: self.soil.clone(),
-                soil_scatter: self.soil_scatter,
+                together: self.together.clone(),
                 experiment: material.clone(),
                 candidates: self.options.candidates.clone(),
                 added: self.options.added.clone(),
@@ -269,7 +269,7 @@ fn fitted(payload: &[u8]) -> PyResult<Option<Outcome>> {
         Some((text, name)) => given.with_soil(read_soil(text)?, name),
         None => given,
     };
-    let given = scattered(given, payload.soil_scatter)?;
+    let given = together(given, &payload.together)?;
     let experiment = payload.experiment.read().map_err(|error| InputError::new_err(error.to_string()))?;
     let options =
         DiagnoseOptions { candidates: payload.candidates, added: payload.added, ..DiagnoseOptions::default() };

@@ -32,7 +32,7 @@ pub fn open_studio(
     port: u16,
     in_notebook: bool,
 ) -> PyResult<NativeStudio> {
-    let given = given(py, &model, &values, &soil, None)?;
+    let given = given(py, &model, &values, &soil, &(None, None))?;
     let mut opened = Vec::new();
     for experiment in experiments {
         let (experiment, _) = experiment.read(py)?;

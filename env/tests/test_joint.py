@@ -83,3 +83,32 @@ def test_property_what_is_no_set_is_refused(experiments, scatter, words):
 def test_property_a_page_of_several_is_refused_with_what_there_is(pair):
     with pytest.raises(bekker.InputError, match="no page of several"):
         bekker.diagnose(pair, **QUICK).save_html("unused.html")
+
+
+def test_property_what_is_shared_is_said_by_name():
+    tests = [EXAMPLES / "sand_plates", EXAMPLES / "sand_shear"]
+    apart = bekker.calibrate(tests, share=[])
+    names = {parameter.name for parameter in apart.calibration.parameters}
+    assert {"soil in sand_plates.k_phi", "soil in sand_shear.cohesion"} <= names
+    assert "a soil of its own in each experiment" in apart.sources
+
+
+def test_property_what_is_shared_is_read_from_the_experiments():
+    columns = {"load": np.array([30.0, 30.0, 30.0]), "slip": SLIPS[:3], "wheel_speed": np.full(3, 0.5), "torque": np.ones(3)}
+    with pytest.raises(bekker.InputError, match="soul"):
+        bekker.Experiment(kind="single_wheel", runs=[columns], shared={"soul": "pit"})
+    assert bekker.Experiment(kind="single_wheel", runs=[columns], shared={"soil": "pit"}).shared == {"soil": "pit"}
+
+
+@pytest.mark.parametrize(
+    ("experiments", "share", "message"),
+    [
+        (["sand_plates", "sand_shear"], ["wheels"], "share: expected some of soil, vehicle, drive"),
+        (["sand_plates", "sand_shear"], "soil", "in a list"),
+        (["sand_wheel"], ["soil"], "share: expected several experiments"),
+    ],
+)
+def test_property_what_cannot_be_shared_is_refused(experiments, share, message):
+    folders = [EXAMPLES / name for name in experiments]
+    with pytest.raises(bekker.InputError, match=message):
+        bekker.calibrate(folders if len(folders) > 1 else folders[0], share=share)

@@ -5,7 +5,7 @@ use super::precedence;
 use super::problem::{LARGEST_SCATTER, USUAL_SCATTER};
 use crate::effects::EffectDefinition;
 use crate::known_soil::KnownSoil;
-use crate::measurement::Experiment;
+use crate::measurement::{Experiment, Share};
 use crate::model::Model;
 use std::collections::BTreeMap;
 
@@ -31,6 +31,8 @@ pub struct Given {
     pub(super) soil: Option<(KnownSoil, String)>,
     /// Relative standard deviation of the soil from one of several experiments to the next.
     pub(super) soil_scatter: f64,
+    /// What several experiments share, where it is said by hand.
+    pub(super) share: Option<Vec<Share>>,
     /// Parameters of the known soil that another of several experiments calibrates.
     pub(super) calibrated_elsewhere: Vec<String>,
 }
@@ -54,6 +56,7 @@ impl Default for Given {
             effects: Vec::new(),
             soil: None,
             soil_scatter: USUAL_SCATTER,
+            share: None,
             calibrated_elsewhere: Vec::new(),
         }
     }
@@ -110,6 +113,13 @@ impl Given {
         }
         self.soil_scatter = deviation;
         Ok(self)
+    }
+
+    /// What several experiments share, whatever their folders say: of what is not in `share` each has its own. One vehicle has one drive, too.
+    #[must_use]
+    pub fn with_share(mut self, share: &[Share]) -> Self {
+        self.share = Some(share.to_vec());
+        self
     }
 
     /// The known soil.

@@ -8,6 +8,7 @@ use super::joint::Part;
 use super::reading::read_runs;
 use super::sensor::Sensor;
 use super::settings::Settings;
+use super::share::Share;
 use super::suspicion;
 use super::table::Table;
 use crate::effects::EffectDefinition;
@@ -82,6 +83,8 @@ pub struct Experiment {
     pub priors: BTreeMap<String, Prior>,
     /// Class of the soil, whose priors stand in for tests that were not made; one of [`SOIL_CLASSES`](crate::soil_class).
     pub soil_class: Option<String>,
+    /// Names of what it has in common with other experiments: those in which a thing has the same name have the same of it.
+    pub shared: BTreeMap<Share, String>,
     /// The vehicle or rig: a built-in model or a model file, as the experiment names it.
     pub model: Option<String>,
     /// Stated standard deviation of one sample, by signal.
@@ -159,6 +162,7 @@ impl Experiment {
             parameters: settings.parameters,
             priors: settings.priors,
             soil_class: settings.soil_class,
+            shared: settings.shared,
             model: settings.model,
             effects: settings.effects,
             noise: settings.noise.iter().map(|(name, (sd, _))| (name.clone(), *sd)).collect(),

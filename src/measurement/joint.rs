@@ -62,6 +62,7 @@ impl Experiment {
             folder: PathBuf::new(),
             parameters: BTreeMap::new(),
             priors: BTreeMap::new(),
+            shared: BTreeMap::new(),
             soil_class: parts.iter().find_map(|part| part.experiment.soil_class.clone()),
             model: None,
             noise: parts.iter().flat_map(Part::noise).collect(),

@@ -8,6 +8,7 @@ use super::files::{Files, SETTINGS};
 use super::filter::Filter;
 use super::mapping::{ColumnEntry, Factor, Target};
 use super::sensor::{Sensor, SensorTable};
+use super::share::Share;
 use super::written::{PriorEntry, Quantity, SettingsText};
 use crate::effects::EffectDefinition;
 use serde::Deserialize;
@@ -37,6 +38,8 @@ pub(super) struct File {
     #[serde(default)]
     pub priors: Priors,
     pub soil: Option<SoilTable>,
+    #[serde(default)]
+    pub shared: BTreeMap<Share, String>,
     pub model: Option<String>,
     #[serde(default)]
     pub noise: Quantities,
@@ -81,6 +84,7 @@ pub(super) struct Settings {
     pub parameters: BTreeMap<String, f64>,
     pub priors: BTreeMap<String, Prior>,
     pub soil_class: Option<String>,
+    pub shared: BTreeMap<Share, String>,
     pub model: Option<String>,
     /// Standard deviation and the line on which it stands.
     pub noise: BTreeMap<String, (f64, u64)>,
@@ -133,6 +137,7 @@ impl Settings {
             parameters,
             priors,
             soil_class: file.soil.as_ref().map(|soil| check.soil_class(&soil.class)).transpose()?,
+            shared: file.shared,
             noise: file.noise.iter().map(|(name, sd)| check.noise(name, sd)).collect::<Result<_, _>>()?,
             sensors: check.sensors(&file.sensors)?,
             runs,

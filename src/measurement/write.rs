@@ -2,6 +2,7 @@
 
 use super::experiment::{Experiment, Kind, Prior, Run};
 use super::sensor::Sensor;
+use super::share::Share;
 use crate::effects::EffectDefinition;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -43,6 +44,8 @@ struct File<'a> {
     model: Option<&'a String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     soil: Option<SoilTable<'a>>,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    shared: &'a BTreeMap<Share, String>,
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     parameters: &'a BTreeMap<String, f64>,
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
@@ -111,6 +114,7 @@ impl Experiment {
             kind,
             model: self.model.as_ref(),
             soil: self.soil_class.as_deref().map(|class| SoilTable { class }),
+            shared: &self.shared,
             parameters,
             priors: &self.priors,
             noise: &self.noise,

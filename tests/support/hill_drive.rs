@@ -78,6 +78,7 @@ pub fn drive(change: impl Fn(usize, &mut Vec<Option<f64>>) -> bool) -> Experimen
         parameters: known.map(|(name, value)| (name.to_owned(), value)).into(),
         priors: BTreeMap::new(),
         soil_class: None,
+        shared: BTreeMap::new(),
         sensors: BTreeMap::new(),
         model: None,
         noise: MEASURED.iter().zip(noise).map(|(name, noise)| ((*name).to_owned(), noise)).collect(),

@@ -62,7 +62,7 @@ def compare(
     calibrate: bool,
     added: list[str],
     soil: tuple[str, str] | None,
-    soil_scatter: float | None,
+    together: tuple[float | None, list[str] | None],
 ) -> tuple[str, Model, list[tuple[str, Model]]]: ...
 def known_soil(soil: str) -> str: ...
 def diagnose(
@@ -77,7 +77,7 @@ def diagnose(
     progress: Callable[[str, str, float, float, float | None], object] | None,
     time_budget: float | None,
     soil: tuple[str, str] | None,
-    soil_scatter: float | None,
+    together: tuple[float | None, list[str] | None],
 ) -> tuple[NativeDiagnosis | None, BaseException | None]: ...
 def open_studio(
     experiments: Sequence[_Experiment],

@@ -13,7 +13,7 @@ from . import _bekker
 from ._bekker import Model
 from .curves import Curves
 from .errors import InputError
-from .experiment import ExperimentLike, scatter_of, sources
+from .experiment import ExperimentLike, sources, together_of
 from .from_json import built
 from .models import ModelLike, given, names_of, save_model
 from .soil import Soil, SoilLike, passed
@@ -262,6 +262,7 @@ def compare(
     parameters: Mapping[str, float] | None = None,
     soil_from: SoilLike | None = None,
     soil_scatter: float | None = None,
+    share: Iterable[str] | None = None,
 ) -> Comparison:
     """Runs a model on the inputs of an experiment and compares it with what was measured.
 
@@ -287,6 +288,7 @@ def compare(
             parameters together. It goes before the priors of a class of soil and after the experiment's own priors.
         soil_scatter: of several experiments the relative standard deviation of the soil from one to the next, as in
             :func:`bekker.diagnose`.
+        share: of several experiments what they share, as in :func:`bekker.diagnose`.
 
     Raises:
         UnknownNameError, ModelError: as :func:`bekker.models.as_model`; a ModelError too where the folder is refused
@@ -299,8 +301,8 @@ def compare(
     if effects and not calibrate:
         raise InputError(f"added = {effects}: expected calibrate=True; an effect is neutral until it is calibrated")
     arguments = (*given(model, parameters), calibrate, effects, passed(soil_from))
-    scatter = scatter_of(experiment, soil_scatter)
-    found, fitted, parts = _bekker.compare(sources(experiment), *arguments, scatter)
+    together = together_of(experiment, soil_scatter, share)
+    found, fitted, parts = _bekker.compare(sources(experiment), *arguments, together)
     data = json.loads(found)
     soil = data.pop("soil")
     return built(Comparison, data, model=fitted, part_models=dict(parts), soil=None if soil is None else Soil(soil))
@@ -314,6 +316,7 @@ def calibrate(
     parameters: Mapping[str, float] | None = None,
     soil_from: SoilLike | None = None,
     soil_scatter: float | None = None,
+    share: Iterable[str] | None = None,
 ) -> Comparison:
     """Finds the soil (and what has a prior, and the parameters of the effects ``added``) that brings a model closest to
     an experiment.
@@ -323,5 +326,12 @@ def calibrate(
     Arguments and errors are those of :func:`compare`.
     """
     return compare(
-        experiment, model, calibrate=True, added=added, parameters=parameters, soil_from=soil_from, soil_scatter=soil_scatter
+        experiment,
+        model,
+        calibrate=True,
+        added=added,
+        parameters=parameters,
+        soil_from=soil_from,
+        soil_scatter=soil_scatter,
+        share=share,
     )

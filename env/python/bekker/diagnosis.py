@@ -15,7 +15,7 @@ from ._bekker import Model
 from .comparison import Failure, Fit, NoiseFloor, UnansweredRows, UncountedRows
 from .curves import Curves
 from .errors import BekkerError, DiagnosisInterrupted, InputError
-from .experiment import ExperimentLike, scatter_of, sources
+from .experiment import ExperimentLike, sources, together_of
 from .findings import (
     Candidate,
     LackOfFit,
@@ -301,6 +301,7 @@ def diagnose(
     parameters: Mapping[str, float] | None = None,
     soil_from: SoilLike | None = None,
     soil_scatter: float | None = None,
+    share: Iterable[str] | None = None,
     candidates: Iterable[str] | None = None,
     added: Iterable[str] | None = None,
     max_effects: int = 3,
@@ -331,6 +332,8 @@ def diagnose(
         soil_from: what another experiment found of the soil, as in :func:`bekker.compare`.
         soil_scatter: of several experiments the relative standard deviation of the soil from one to the next, 0 where all were made in
             one bed; 0.05 where None.
+        share: of several experiments what they share, of ``"soil"``, ``"vehicle"`` (wheels, masses and drive) and ``"drive"`` (motor and
+            gear); of what is not named each has its own. Where None, what the experiments name alike in ``shared``, else the soil alone.
         candidates: ids of the effects to try (:func:`bekker.effects`); all where None.
         added: ids of effects that are part of the baseline, with free parameters.
         max_effects: most effects that are added.
@@ -366,7 +369,7 @@ def diagnose(
         None if progress is None else _telling(progress),
         _seconds(time_budget),
         passed(soil_from),
-        scatter_of(experiment, soil_scatter),
+        together_of(experiment, soil_scatter, share),
     )
     if isinstance(raised, KeyboardInterrupt):
         raise DiagnosisInterrupted(None if native is None else _diagnosis(native)) from raised

@@ -91,6 +91,9 @@ class Experiment:
     """Class of the soil, whose priors stand in for tests that were not made."""
     model: str | None = None
     """The vehicle: a built-in model or a model file."""
+    shared: Mapping[Literal["soil", "vehicle", "drive"], str] = field(default_factory=dict)
+    """Names of what it has in common with other experiments: where several are fitted together, those that name a soil, a vehicle (wheels,
+    masses and drive) or a drive (motor and gear) alike have one and the same."""
     signals: tuple[str, ...] = field(init=False)
     """Names of the measured signals."""
     doubts: tuple[str, ...] = field(init=False)
@@ -142,19 +145,28 @@ def sources(experiments: ExperimentLike | Sequence[ExperimentLike]) -> str | Arr
     return source(experiments)
 
 
-def scatter_of(experiments: ExperimentLike | Sequence[ExperimentLike], scatter: float | None) -> float | None:
-    """The scatter of the soil between experiments.
+def together_of(
+    experiments: ExperimentLike | Sequence[ExperimentLike], scatter: float | None, share: Iterable[str] | None
+) -> tuple[float | None, list[str] | None]:
+    """What is said of several experiments: the scatter of the soil between them, and what they share.
 
     Raises:
-        InputError: there is one experiment only, or it is no number.
+        InputError: there is one experiment only, or it is no number, or no names.
     """
-    if scatter is None:
-        return None
-    if not isinstance(experiments, Sequence) or isinstance(experiments, str):
-        raise InputError("soil_scatter: expected several experiments; it says how their soils differ")
-    if isinstance(scatter, bool) or not isinstance(scatter, (int, float)):
-        raise InputError(f"soil_scatter: expected a share from 0 to 0.5, found {scatter!r}")
-    return float(scatter)
+    several = isinstance(experiments, Sequence) and not isinstance(experiments, str)
+    if scatter is not None:
+        if not several:
+            raise InputError("soil_scatter: expected several experiments; it says how their soils differ")
+        if isinstance(scatter, bool) or not isinstance(scatter, (int, float)):
+            raise InputError(f"soil_scatter: expected a share from 0 to 0.5, found {scatter!r}")
+        scatter = float(scatter)
+    if share is None:
+        return scatter, None
+    if not several:
+        raise InputError("share: expected several experiments; it says what they have in common")
+    if isinstance(share, str) or not all(isinstance(name, str) for name in (names := list(share))):
+        raise InputError(f"share: expected some of 'soil', 'vehicle', 'drive' in a list, found {share!r}")
+    return scatter, names
 
 
 def _arrays(experiment: Experiment) -> Arrays:
@@ -164,6 +176,7 @@ def _arrays(experiment: Experiment) -> Arrays:
         lines.append(f"model = {toml_text.text(experiment.model)}")
     if experiment.soil_class is not None:
         lines.append(f"soil.class = {toml_text.text(experiment.soil_class)}")
+    lines += ["[shared]", *(f"{toml_text.text(name)} = {toml_text.text(value)}" for name, value in experiment.shared.items())]
     # A saved folder is written plainly: nothing is to be found out, and no label is a comment.
     lines += ["[file]", 'separator = ","', 'decimal = "."', "comment = []"]
     for table in ("parameters", "noise", "inputs"):

@@ -153,6 +153,7 @@ mod tests {
             parameters: BTreeMap::new(),
             priors: BTreeMap::new(),
             soil_class: None,
+            shared: BTreeMap::new(),
             sensors: BTreeMap::new(),
             model: None,
             noise: BTreeMap::new(),

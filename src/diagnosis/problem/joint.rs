@@ -1,11 +1,12 @@
 //! Several experiments on one soil as one problem.
 //!
-//! Parameters of the soil are shared: one value holds in every part. What a part states of its soil is known in all of them, and what is
-//! known beforehand of a shared parameter counts once. All else, the rig, its noise, errors of its sensors, stays with its part. An
-//! effect may act in every part that can show it, with one strength, or in one of them only, or in all but one.
+//! Parameters of what is shared, the soil unless something else is said, have one value in every part that shares it. What a part states of
+//! it is known in all of these, and what is known beforehand of a shared parameter counts once. All else, the rig, its noise, errors of its
+//! sensors, stays with its part. An effect may act in every part that can show it, with one strength, or in one of them only, or in all but one.
 
 use super::placed::Placed;
-use super::shared::{Shared, is_shared};
+use super::shared::Shared;
+use super::sharing::Sharing;
 use super::{Candidate, Problem, add, scatter, set_unchecked};
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::free::{Free, Within};
@@ -14,7 +15,7 @@ use crate::diagnosis::halt::Halt;
 use crate::diagnosis::kinds::strategy;
 use crate::diagnosis::layout::Layout;
 use crate::diagnosis::windows::Windows;
-use crate::measurement::{Experiment, Part, SensorError};
+use crate::measurement::{Experiment, Part, SensorError, Share};
 use crate::model::Model;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -35,6 +36,13 @@ impl<'a> Problem<'a> {
     /// The joint problem of `experiment`'s parts.
     pub(super) fn of_parts(given: &Given, experiment: &'a Experiment, added: &[String]) -> Result<Self, CompareError> {
         let shared = Shared::of(given, &experiment.parts)?;
+        let soils = shared.sharing.soils();
+        if let (Some((_, name)), true) = (&given.soil, soils.len() > 1) {
+            return Err(CompareError::Vehicle(format!(
+                "{name}: the experiments stand on {} soils, and this is one; share the soil, or diagnose those on it by themselves",
+                soils.len()
+            )));
+        }
         let mut given = given.clone();
         let calibrated = |name: &str| experiment.parts.iter().any(|part| strategy(&part.experiment).calibrates(name));
         given.calibrated_elsewhere = given.soil().map_or_else(Vec::new, |soil| {
@@ -42,19 +50,20 @@ impl<'a> Problem<'a> {
             names.filter(|name| calibrated(name)).collect()
         });
         let given = &given;
-        let mut problems = pose(given, experiment, &shared, false)?;
-        let models: Vec<Model> = problems.iter().flat_map(|problem| problem.models.clone()).collect();
-        if strategy(experiment).contact_widths(experiment, &models).len() > 1 {
-            problems = pose(given, experiment, &shared, true)?;
+        let mut problems = pose(given, experiment, &shared, &[])?;
+        let wide: Vec<usize> = soils.into_iter().filter(|parts| many_widths(&problems, parts)).flatten().collect();
+        if !wide.is_empty() {
+            problems = pose(given, experiment, &shared, &wide)?;
         }
-        let mut base = merged_base(&problems, experiment)?;
+        let mut base = merged_base(&problems, &shared.sharing)?;
         let parts = experiment.parts.iter().map(|part| part.name.as_str());
         let parts: Vec<(&str, &[Free])> = parts.zip(problems.iter().map(|problem| problem.base.as_slice())).collect();
-        let factors = scatter::factors(&base, &parts, given.soil_scatter);
+        let factors = scatter::factors(&base, &parts, &shared.sharing, given.soil_scatter);
         base.extend(factors);
         let library = add(added, merged_library(&problems, experiment), &mut base)?;
         let mut sources = sources(&problems, experiment);
         sources.extend(scattered(&base, given));
+        sources.extend(shared.sharing.lines());
         sources.extend(shared.lines(&experiment.parts));
         // All parts are given the same of a known soil.
         let joint = problems.iter().find_map(|problem| problem.joint.clone());
@@ -127,19 +136,29 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Each part by itself, with what all of them know of the soil.
+/// Each part by itself, with what is known of what it shares; `other_widths` are those parts in which k_c is told from k_phi by others.
 fn pose(
     given: &Given,
     experiment: &Experiment,
     shared: &Shared,
-    other_widths: bool,
+    other_widths: &[usize],
 ) -> Result<Vec<Problem<'static>>, CompareError> {
-    let of = |part: &Part| {
-        let known = shared.known_in(part);
-        let problem = Problem::single(given, &known, &[], other_widths);
+    let of = |(k, part): (usize, &Part)| {
+        let known = shared.known_in(k, part);
+        let problem = Problem::single(given, &known, &[], other_widths.contains(&k));
         problem.map(Problem::owned).map_err(|error| error.of_part(&part.name))
     };
-    experiment.parts.iter().map(of).collect()
+    experiment.parts.iter().enumerate().map(of).collect()
+}
+
+/// Whether the parts on one soil press it with several widths, so that k_c can be told from k_phi.
+fn many_widths(problems: &[Problem], parts: &[usize]) -> bool {
+    let own = parts.iter().map(|k| &problems[*k]).filter(|problem| problem.strategy().calibrates("soil.k_c"));
+    let of = |problem: &Problem| problem.strategy().contact_widths(&problem.experiment, &problem.models);
+    let mut widths: Vec<f64> = own.flat_map(of).collect();
+    widths.sort_by(f64::total_cmp);
+    widths.dedup();
+    widths.len() > 1
 }
 
 /// What is said of the parts: once where it is the same for all, else with the name of the part.
@@ -174,24 +193,34 @@ fn scattered(base: &[Free], given: &Given) -> Option<String> {
     })
 }
 
-/// Free parameters of the calibration: those of the soil once, all others for each part.
-fn merged_base(problems: &[Problem], experiment: &Experiment) -> Result<Vec<Free>, CompareError> {
+/// Free parameters of the calibration: what is shared once, all others for each part.
+fn merged_base(problems: &[Problem], sharing: &Sharing) -> Result<Vec<Free>, CompareError> {
     let mut base: Vec<Free> = Vec::new();
     for (k, problem) in problems.iter().enumerate() {
         for free in &problem.base {
-            let name = &free.variable.name;
-            if !is_shared(name) {
-                base.push(within(free, &[k], &format!("{IN}{}", experiment.parts[k].name)));
-            } else if let Some(known) = base.iter_mut().find(|known| known.variable.name == *name) {
-                known.variable.min = known.variable.min.max(free.variable.min);
-                known.variable.max = known.variable.max.min(free.variable.max);
-                if known.variable.min >= known.variable.max {
-                    return Err(CompareError::Vehicle(format!(
-                        "{name}: no value is within the bounds of every experiment, and they share one soil"
-                    )));
+            let shared = sharing.with(&free.variable.name, k);
+            // A part that knows the parameter otherwise, or not at all, has no use for it.
+            let moves = |own: &usize| problems[*own].base.iter().any(|other| other.variable.name == free.variable.name);
+            let suffix = sharing.names_of(&shared).map(|names| format!("{IN}{names}"));
+            let own = match (Share::of(&free.variable.name), suffix) {
+                (Some(Share::Soil), None) => free.clone(),
+                (_, suffix) => {
+                    let parts: Vec<usize> = shared.into_iter().filter(moves).collect();
+                    within(free, &parts, &suffix.unwrap_or_default())
                 }
-            } else {
-                base.push(free.clone());
+            };
+            let Some(known) = base.iter_mut().find(|known| known.variable.name == own.variable.name) else {
+                base.push(own);
+                continue;
+            };
+            known.variable.min = known.variable.min.max(free.variable.min);
+            known.variable.max = known.variable.max.min(free.variable.max);
+            if known.variable.min >= known.variable.max {
+                let share = Share::of(&free.variable.name).map_or("parameter", Share::name);
+                return Err(CompareError::Vehicle(format!(
+                    "{}: no value is within the bounds of every experiment, and they share one {share}",
+                    free.variable.name
+                )));
             }
         }
     }

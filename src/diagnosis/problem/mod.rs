@@ -6,6 +6,7 @@ mod parameters;
 mod placed;
 mod scatter;
 mod shared;
+mod sharing;
 mod windows;
 
 use super::compare::CompareError;

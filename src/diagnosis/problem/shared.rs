@@ -1,23 +1,20 @@
-//! What several experiments know of the one soil on which they were made: each is posed with what all of them know.
+//! What several experiments know of the soil, the vehicle and the drive that they share: each is posed with what all of them know.
 
+use super::sharing::Sharing;
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::given::Given;
 use crate::diagnosis::kinds::strategy;
-use crate::measurement::{Experiment, Part, Prior};
+use crate::measurement::{Experiment, Kind, Part, Prior, Share};
 use std::collections::BTreeMap;
 
-/// Whether experiments on one soil share a parameter.
-pub(super) fn is_shared(name: &str) -> bool {
-    name.starts_with("soil.")
-}
-
-/// Shared knowledge.
+/// Shared knowledge, and who shares what.
 pub(super) struct Shared {
-    /// Values that a part states, with the name of the first that does.
-    stated: BTreeMap<String, (f64, String)>,
-    /// The parts' own priors, each different one once, taken together.
-    priors: BTreeMap<String, Prior>,
-    class: Option<String>,
+    pub sharing: Sharing,
+    /// By part: values that it does not state and another does with which it shares the parameter, with the name of the first that does.
+    stated: Vec<BTreeMap<String, (f64, String)>>,
+    /// By part: the priors of what is shared, each different one once, taken together.
+    priors: Vec<BTreeMap<String, Prior>>,
+    classes: Vec<Option<String>>,
 }
 
 impl Shared {
@@ -25,64 +22,92 @@ impl Shared {
     /// [`CompareError::Vehicle`] where parts contradict each other.
     pub fn of(given: &Given, parts: &[Part]) -> Result<Self, CompareError> {
         same_effects(parts)?;
-        Ok(Self { stated: stated(given, parts)?, priors: priors(parts), class: class(parts)? })
+        let sharing = Sharing::of(given, parts)?;
+        agree(&sharing, given, parts)?;
+        let each = || 0..parts.len();
+        Ok(Self {
+            stated: each().map(|k| stated_elsewhere(&sharing, parts, k)).collect(),
+            priors: each().map(|k| priors(&sharing, parts, k)).collect(),
+            classes: each().map(|k| class(&sharing, parts, k)).collect::<Result<_, _>>()?,
+            sharing,
+        })
     }
 
-    /// A part's experiment with all that is known of the soil.
-    pub fn known_in(&self, part: &Part) -> Experiment {
+    /// The experiment of part `k` with all that is known of what it shares.
+    pub fn known_in(&self, k: usize, part: &Part) -> Experiment {
         let mut experiment = part.experiment.clone();
-        for (name, (value, _)) in &self.stated {
-            experiment.parameters.entry(name.clone()).or_insert(*value);
-        }
-        experiment.priors.extend(self.priors.iter().map(|(name, prior)| (name.clone(), *prior)));
-        experiment.soil_class.clone_from(&self.class);
+        experiment.parameters.extend(self.stated[k].iter().map(|(name, (value, _))| (name.clone(), *value)));
+        experiment.priors.extend(self.priors[k].iter().map(|(name, prior)| (name.clone(), *prior)));
+        experiment.soil_class.clone_from(&self.classes[k]);
         experiment
     }
 
     /// Lines on values that one part states and that hold in others, which would have fitted them.
     pub fn lines(&self, parts: &[Part]) -> Vec<String> {
-        let line = |(name, (value, place)): (&String, &(f64, String))| {
-            let fits = |part: &&Part| {
-                !part.experiment.parameters.contains_key(name) && strategy(&part.experiment).calibrates(name)
-            };
-            let others: Vec<&str> = parts.iter().filter(fits).map(|part| part.name.as_str()).collect();
-            let held = !others.is_empty() && !self.priors.contains_key(name);
-            held.then(|| format!("{name}: {value}, which {place} states, holds in {} too", others.join(", ")))
-        };
-        self.stated.iter().filter_map(line).collect()
+        let mut held: BTreeMap<(&String, String), Vec<&str>> = BTreeMap::new();
+        for (k, part) in parts.iter().enumerate() {
+            let fits = |name: &str| strategy(&part.experiment).calibrates(name) && !self.priors[k].contains_key(name);
+            for (name, (value, place)) in self.stated[k].iter().filter(|(name, _)| fits(name)) {
+                let line = format!("{name}: {value}, which {place} states, holds in");
+                held.entry((name, line)).or_default().push(&part.name);
+            }
+        }
+        held.into_iter().map(|((_, line), parts)| format!("{line} {} too", parts.join(", "))).collect()
     }
 }
 
-/// Values of the soil in the parts' `[parameters]`; two may differ only where what is set by hand decides.
-fn stated(given: &Given, parts: &[Part]) -> Result<BTreeMap<String, (f64, String)>, CompareError> {
-    let mut all: BTreeMap<String, (f64, String)> = BTreeMap::new();
-    for part in parts {
-        for (name, value) in part.experiment.parameters.iter().filter(|(name, _)| is_shared(name)) {
-            match all.get(name) {
-                Some((other, place)) if other != value && !given.values().contains_key(name) => {
-                    return Err(CompareError::Vehicle(format!(
-                        "{name} is {other} in {place} and {value} in {}: experiments that are fitted together share one soil; state it once, set it by hand, or leave it free and give it a prior",
-                        part.name
-                    )));
-                }
-                Some(_) => {}
-                None => drop(all.insert(name.clone(), (*value, part.name.clone()))),
+/// Fails where two parts state different values of what they share, unless what is set by hand decides.
+fn agree(sharing: &Sharing, given: &Given, parts: &[Part]) -> Result<(), CompareError> {
+    for (k, part) in parts.iter().enumerate() {
+        let open = |name: &&String| !given.values().contains_key(*name);
+        for (name, value) in part.experiment.parameters.iter().filter(|(name, _)| open(name)) {
+            for j in sharing.with(name, k).into_iter().filter(|j| *j < k) {
+                let Some(other) = parts[j].experiment.parameters.get(name).filter(|other| *other != value) else {
+                    continue;
+                };
+                let share = Share::of(name).map_or("parameter", Share::name);
+                return Err(CompareError::Vehicle(format!(
+                    "{name} is {other} in {} and {value} in {}, which share one {share}: state it once, set it by hand, or leave it free and give it a prior",
+                    parts[j].name, part.name
+                )));
             }
         }
     }
-    Ok(all)
+    Ok(())
 }
 
-/// Products of the different priors that parts have of one parameter of the soil.
-fn priors(parts: &[Part]) -> BTreeMap<String, Prior> {
-    let mut own: BTreeMap<String, Vec<Prior>> = BTreeMap::new();
-    for (name, prior) in parts.iter().flat_map(|part| &part.experiment.priors).filter(|(name, _)| is_shared(name)) {
-        let known = own.entry(name.clone()).or_default();
-        if !known.contains(prior) {
-            known.push(*prior);
+/// Values that part `k` does not state and another does with which it shares the parameter.
+fn stated_elsewhere(sharing: &Sharing, parts: &[Part], k: usize) -> BTreeMap<String, (f64, String)> {
+    let own = &parts[k].experiment;
+    let mut all: BTreeMap<String, (f64, String)> = BTreeMap::new();
+    for (j, part) in parts.iter().enumerate() {
+        for (name, value) in &part.experiment.parameters {
+            if !own.parameters.contains_key(name) && has(own, name) && sharing.with(name, k).contains(&j) {
+                all.entry(name.clone()).or_insert_with(|| (*value, part.name.clone()));
+            }
         }
     }
-    own.into_iter().map(|(name, priors)| (name, together(&priors))).collect()
+    all
+}
+
+/// Whether the model of an experiment has a shared parameter: a test of the soil has no vehicle.
+fn has(experiment: &Experiment, name: &str) -> bool {
+    matches!(experiment.kind, Kind::SingleWheel | Kind::Traverse) || Share::of(name) == Some(Share::Soil)
+}
+
+/// Products of the different priors that parts have of one parameter that they share with part `k`.
+fn priors(sharing: &Sharing, parts: &[Part], k: usize) -> BTreeMap<String, Prior> {
+    let mut all: BTreeMap<String, Vec<Prior>> = BTreeMap::new();
+    for (j, part) in parts.iter().enumerate() {
+        let shared = |name: &str| has(&parts[k].experiment, name) && sharing.with(name, k).contains(&j);
+        for (name, prior) in part.experiment.priors.iter().filter(|(name, _)| shared(name)) {
+            let known = all.entry(name.clone()).or_default();
+            if !known.contains(prior) {
+                known.push(*prior);
+            }
+        }
+    }
+    all.into_iter().map(|(name, priors)| (name, together(&priors))).collect()
 }
 
 fn together(priors: &[Prior]) -> Prior {
@@ -95,14 +120,15 @@ fn together(priors: &[Prior]) -> Prior {
     Prior { mean, deviation: 1.0 / whole.sqrt() }
 }
 
-/// The class of the soil that parts name.
-fn class(parts: &[Part]) -> Result<Option<String>, CompareError> {
-    let mut classes = parts.iter().filter_map(|part| Some((part.experiment.soil_class.as_ref()?, &part.name)));
+/// The class of the soil that parts on the soil of part `k` name.
+fn class(sharing: &Sharing, parts: &[Part], k: usize) -> Result<Option<String>, CompareError> {
+    let on_it = sharing.with("soil.", k).into_iter().map(|j| &parts[j]);
+    let mut classes = on_it.filter_map(|part| Some((part.experiment.soil_class.as_ref()?, &part.name)));
     let Some((first, place)) = classes.next() else { return Ok(None) };
     match classes.find(|(class, _)| *class != first) {
         None => Ok(Some(first.clone())),
         Some((other, name)) => Err(CompareError::Vehicle(format!(
-            "the soil's class is {first} in {place} and {other} in {name}: experiments that are fitted together share one soil"
+            "the soil's class is {first} in {place} and {other} in {name}, which share one soil"
         ))),
     }
 }

@@ -57,6 +57,7 @@ pub(crate) fn experiment(name: &str, kind: Kind, parameters: &BTreeMap<String, f
         parameters: parameters.clone(),
         priors: BTreeMap::new(),
         soil_class: None,
+        shared: BTreeMap::new(),
         sensors: BTreeMap::new(),
         model: None,
         noise: BTreeMap::new(),

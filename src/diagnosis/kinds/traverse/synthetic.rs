@@ -44,6 +44,7 @@ pub(crate) fn experiment(drive: &str, steep: bool) -> Experiment {
         parameters: BTreeMap::new(),
         priors: BTreeMap::new(),
         soil_class: None,
+        shared: BTreeMap::new(),
         sensors: BTreeMap::new(),
         model: None,
         noise: BTreeMap::new(),
