@@ -38,11 +38,20 @@ fn share(name: &str) -> Result<Share> {
 impl Experiments {
     /// The experiment, or several as one, and what is given beside. What is no folder and stands last is the model.
     pub fn read(self) -> Result<(Experiment, Given)> {
+        self.read_by(import::read)
+    }
+
+    /// The same of experiments that may still have to be made.
+    pub fn read_plan(self) -> Result<(Experiment, Given)> {
+        self.read_by(import::read_plan)
+    }
+
+    fn read_by(self, read_one: impl Fn(&Path) -> Result<Experiment>) -> Result<(Experiment, Given)> {
         let (folders, model) = match self.experiments.as_slice() {
             [folders @ .., last] if !folders.is_empty() && !last.is_dir() => (folders, Some(last)),
             folders => (folders, None),
         };
-        let mut read = folders.iter().map(|folder| import::read(folder)).collect::<Result<Vec<_>>>()?;
+        let mut read = folders.iter().map(|folder| read_one(folder)).collect::<Result<Vec<_>>>()?;
         let experiment = if read.len() == 1 { read.remove(0) } else { Experiment::joint(read)? };
         let model = model.map(|path| path.to_string_lossy().into_owned());
         let mut given = self.changes.with(model).given()?;

@@ -1,23 +1,25 @@
 //! `bekker separate`.
 
+use crate::experiments::Experiments;
 use crate::import;
-use crate::model::ModelArguments;
 use crate::output::{check_all_writable, say, write_json};
 use crate::progress::Reporter;
 use crate::saving::print_sources;
 use crate::soil_from::SoilFrom;
 use anyhow::Result;
-use bekker::diagnosis::{EffectSight, NoiseSource, SeparateOptions, Separation, SmallestStrength, separate};
+use bekker::diagnosis::{
+    EffectSight, NoiseSource, SeparateOptions, Separation, SmallestStrength, determined_in_words, separate,
+};
 use std::path::PathBuf;
 
-/// See what an experiment, made or planned, can tell apart.
+/// See what an experiment, made or planned, can tell apart, what it determines of the soil, and which tests would determine the rest.
+///
+/// Measured columns of its CSV files may be empty.
 #[derive(clap::Args)]
 #[command(after_help = import::FORMAT)]
 pub struct Separate {
-    /// Folder of the experiment, with `experiment.toml` and CSV files; measured columns may be empty.
-    experiment: PathBuf,
     #[command(flatten)]
-    model: ModelArguments,
+    experiments: Experiments,
     #[command(flatten)]
     soil: SoilFrom,
     /// Effects to look at, separated by commas; all if not given.
@@ -36,8 +38,8 @@ pub struct Separate {
 
 impl Separate {
     pub fn run(self) -> Result<()> {
-        let experiment = import::read_plan(&self.experiment)?;
-        let given = self.soil.add_to(self.model.given()?)?;
+        let (experiment, given) = self.experiments.read_plan()?;
+        let given = self.soil.add_to(given)?;
         check_all_writable([&self.json])?;
         let options = SeparateOptions { candidates: self.candidates, added: self.with, calibrate: !self.as_given };
         let reporter = Reporter::start("looking at what the experiment can tell apart");
@@ -80,6 +82,25 @@ pub fn print(separation: &Separation) -> Result<()> {
     }
     for pair in ties {
         say!("  {:44} {:.3} {}", pair.effects.join(" and "), pair.cosine, pair.likeness.name());
+    }
+    print_determined(separation)
+}
+
+/// Prints what an experiment determines of its free parameters, and the tests that would determine the rest.
+fn print_determined(separation: &Separation) -> Result<()> {
+    for words in determined_in_words(&separation.identified) {
+        say!("{words}");
+    }
+    if !separation.additions.is_empty() {
+        say!("cheapest additions, each on a bed prepared anew:");
+    }
+    for addition in &separation.additions {
+        let open = if addition.open.is_empty() {
+            String::new()
+        } else {
+            format!("; still open: {}", addition.open.join(", "))
+        };
+        say!("  {}: determines {}{open}", addition.text, addition.determines.join(", "));
     }
     Ok(())
 }

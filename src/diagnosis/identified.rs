@@ -47,7 +47,15 @@ pub struct Identified {
 
 /// What the measurements determine of the parameters of a calibrated baseline.
 pub(crate) fn identified(problem: &Problem, fit: &Calibration, information: &Information) -> Vec<Identified> {
-    let (free, values) = (&problem.base, fit.values());
+    let mut found = identified_at(problem, &fit.values(), information);
+    let at_bound = |name: &str| fit.parameters.iter().any(|own| own.variable.name == name && own.at_bound);
+    found.retain(|one| !at_bound(&one.name));
+    found
+}
+
+/// What measurements with this information determine of the baseline's parameters, which stand at `values`.
+pub(crate) fn identified_at(problem: &Problem, values: &[f64], information: &Information) -> Vec<Identified> {
+    let free = &problem.base;
     let step = |k: usize, change: f64| {
         let (name, unit) = (&free[k].variable.name, free[k].variable.unit.symbol);
         let moved = free[k].value(free[k].coordinate(values[k]) + change);
@@ -61,8 +69,7 @@ pub(crate) fn identified(problem: &Problem, fit: &Calibration, information: &Inf
     let names: Vec<&str> = free.iter().map(|free| free.variable.name.as_str()).collect();
     let mut found = of_precisions(&names, &information.before(), &information.after(), &step).unwrap_or_default();
     let factor = |name: &str| free.iter().any(|free| free.variable.name == name && free.is_factor());
-    let at_bound = |name: &str| fit.parameters.iter().any(|own| own.variable.name == name && own.at_bound);
-    found.retain(|one| !at_bound(&one.name) && !factor(&one.name));
+    found.retain(|one| !factor(&one.name));
     found
 }
 

@@ -79,7 +79,7 @@ pub use replay::{Replay, ReplayError};
 pub use responses::{Response, interpolation_weights};
 pub use sensitivity::{Sensitivity, modelled, sensitivity};
 pub use separate::{
-    AssumedNoise, EffectSight, Likeness, NoiseSource, PairSight, PlanError, SeparateOptions, Separation,
+    Addition, AssumedNoise, EffectSight, Likeness, NoiseSource, PairSight, PlanError, SeparateOptions, Separation,
     SmallestStrength, Suggestion, separate, separate_unless,
 };
 pub use unanswered::UnansweredRows;

@@ -172,10 +172,6 @@ pub(crate) fn information(problem: &Problem, noise: &Noise, fit: &Calibration) -
     let values = fit.values();
     let task = problem.task(&[], vec![values.clone()]);
     let scatter = (fit.chi_square / fit.degrees_of_freedom.max(1) as f64).max(1.0);
-    let widths = problem.base.iter().map(|free| {
-        let (lower, upper) = free.bounds();
-        upper - lower
-    });
     with_problem(problem, noise, &task, false, |weighted, _| {
         let linear = weighted.linear(&weighted.coordinates(&values));
         let columns = linear.columns(1, values.len());
@@ -185,7 +181,7 @@ pub(crate) fn information(problem: &Problem, noise: &Noise, fit: &Calibration) -
         let measured = weighted.whitening.len();
         let of = |from: usize, count: usize| columns.rows(from, count).tr_mul(&columns.rows(from, count));
         let known = of(measured, columns.nrows() - measured);
-        Some(Information { measured: of(0, measured) / scatter, known, widths: widths.collect() })
+        Some(Information { measured: of(0, measured) / scatter, known, widths: Information::widths(problem) })
     })
 }
 

@@ -24,6 +24,7 @@ use super::noise::Whitening;
 use super::precedence::Choice;
 use super::prediction::{Predict, PredictionError};
 use super::problem::Problem;
+use super::separate::additions::Test;
 use super::separate::variation::Variation;
 use super::windows::Windows;
 use super::windows::free::FreeStart;
@@ -225,6 +226,11 @@ pub(crate) trait Strategy: Debug + Sync {
     /// How folds are left out of this fit: where fits are cheap, by a refit.
     fn left_out(&self, _problem: &Problem, _fit: &Calibration) -> LeftOut {
         LeftOut::Refit
+    }
+
+    /// Single runs with the same rig that can be added to such an experiment.
+    fn more(&self, _model: &Model, _experiment: &Experiment) -> Vec<Test> {
+        Vec::new()
     }
 
     /// Further experiments that the model can be asked about.

@@ -30,6 +30,8 @@ impl Separation {
                 })).collect::<Vec<_>>(),
             })).collect::<Vec<_>>(),
             "invisible": self.invisible,
+            "determined": self.identified,
+            "additions": self.additions,
             "sources": self.sources,
             "pairs": self.pairs.iter().map(|pair| json!({
                 "effects": pair.effects, "cosine": pair.cosine, "likeness": pair.likeness.name(),

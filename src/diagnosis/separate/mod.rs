@@ -1,6 +1,7 @@
 //! Before and after an experiment: what it can tell apart ([`separate`]), plans of experiments ([`SingleWheelPlan`],
 //! [`TraversePlan`]), and which experiment would tell more ([`Suggestion`]).
 
+pub(crate) mod additions;
 mod answer;
 #[cfg(feature = "report")]
 mod json;
@@ -13,6 +14,7 @@ mod strength;
 mod suggest;
 pub(crate) mod variation;
 
+pub use additions::Addition;
 pub(crate) use answer::rounded;
 pub use noise::{AssumedNoise, NoiseSource};
 pub use plan::PlanError;

@@ -1,5 +1,6 @@
 //! What an experiment can tell apart.
 
+use super::additions::{Addition, AtHand, additions};
 use super::look::Look;
 use super::noise::{AssumedNoise, NoiseSource, planned};
 use super::strength::{SmallestStrength, smallest};
@@ -7,6 +8,8 @@ use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::diagnose::{prepare, prune};
 use crate::diagnosis::given::Given;
 use crate::diagnosis::halt::Halt;
+use crate::diagnosis::identified::{Identified, identified_at};
+use crate::diagnosis::information::Information;
 use crate::diagnosis::linear_algebra::norm;
 use crate::diagnosis::noise::{FloorSource, NoiseModel};
 use crate::diagnosis::problem::Problem;
@@ -107,6 +110,10 @@ pub struct Separation {
     pub invisible: Vec<String>,
     /// Pairs of visible effects, the most alike first.
     pub pairs: Vec<PairSight>,
+    /// What the measurements, made or planned, determine of the free parameters.
+    pub identified: Vec<Identified>,
+    /// Tests that would determine parameters of the soil which these measurements leave open, the cheapest first.
+    pub additions: Vec<Addition>,
     /// What was taken from where, in words, where two places disagree; priors of a class of soil.
     pub sources: Vec<String>,
 }
@@ -157,18 +164,24 @@ pub fn separate_unless(
     options: &SeparateOptions,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Result<Separation, CompareError> {
-    let mut problem = Problem::new(given, experiment, &options.added)?;
+    let given = given.into();
+    let mut problem = Problem::new(given.clone(), experiment, &options.added)?;
     problem.halt = Halt::when(stop);
-    told_apart(problem, options).map_err(|error| if stop() { CompareError::Interrupted } else { error })
+    told_apart(problem, &given, options).map_err(|error| if stop() { CompareError::Interrupted } else { error })
 }
 
-fn told_apart(mut problem: Problem, options: &SeparateOptions) -> Result<Separation, CompareError> {
+fn told_apart(mut problem: Problem, given: &Given, options: &SeparateOptions) -> Result<Separation, CompareError> {
     if let Some(candidates) = &options.candidates {
         problem.keep_candidates(candidates)?;
     }
     let calibrated = options.calibrate && problem.layout.present() > problem.base.len();
     let (values, noise, invisible) = if calibrated { fitted(&mut problem)? } else { as_given(&mut problem)? };
-    let look = Look::new(&problem, &values, &models(&noise))?;
+    let own_noise = models(&noise);
+    let look = Look::new(&problem, &values, &own_noise)?;
+    let information = Information::of(&problem, &values, &look.whitening, &look.sensitivities.base);
+    let identified = identified_at(&problem, &values, &information);
+    let at = AtHand { given, added: &options.added, problem: &problem, values: &values, noise: &own_noise };
+    let additions = additions(&at, &identified);
     let effects = effects(&problem, &look, &values);
     let visible: Vec<&str> =
         look.ids().filter(|id| effects.iter().any(|sight| sight.effect == **id && sight.visible)).collect();
@@ -184,7 +197,7 @@ fn told_apart(mut problem: Problem, options: &SeparateOptions) -> Result<Separat
     let absorbing = problem.base.iter().zip(&values).map(|(free, value)| (free.variable.name.clone(), *value));
     let (name, absorbing) = (problem.experiment.name.clone(), absorbing.collect());
     let sources = problem.sources.clone();
-    Ok(Separation { name, calibrated, noise, absorbing, effects, invisible, pairs, sources })
+    Ok(Separation { name, calibrated, noise, absorbing, effects, invisible, pairs, identified, additions, sources })
 }
 
 type Reference = (Vec<f64>, BTreeMap<String, AssumedNoise>, Vec<String>);

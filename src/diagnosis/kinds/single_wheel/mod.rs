@@ -18,6 +18,7 @@ use crate::diagnosis::least_squares::Pace;
 use crate::diagnosis::precedence::{Choice, Rank};
 use crate::diagnosis::prediction::{Predict, PredictionError};
 use crate::diagnosis::problem::Problem;
+use crate::diagnosis::separate::additions::Test;
 use crate::diagnosis::separate::variation::Variation;
 use crate::measurement::Experiment;
 use crate::model::{Model, ModelKind};
@@ -110,6 +111,10 @@ impl Strategy for SingleWheel {
             Phase::Next => 2.0,
             Phase::Done => 0.0,
         }
+    }
+
+    fn more(&self, model: &Model, experiment: &Experiment) -> Vec<Test> {
+        variations::more_loads(model, experiment)
     }
 
     fn variations(&self, model: &Model, experiment: &Experiment, _: Halt) -> Vec<Variation> {

@@ -2,6 +2,7 @@
 
 use super::plan::{SingleWheelPlan, carried};
 use crate::carriage::Rig;
+use crate::diagnosis::separate::additions::Test;
 use crate::diagnosis::separate::plan::handy;
 use crate::diagnosis::separate::variation::{
     Change, REPEATS, Repeated, Variation, combine, is_one_speed, range, second_speed, spread, with,
@@ -17,23 +18,17 @@ const WIDE: [f64; 9] = [-0.3, -0.15, 0.0, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8];
 const WIDE_LOADS: f64 = 2.5;
 const WIDE_SLIPS: (f64, f64) = (-0.05, 0.6);
 
-/// Variations that the model can be asked about.
-pub(super) fn variations(model: &Model, experiment: &Experiment) -> Vec<Variation> {
+/// What a wheel is put through, the rig that does it, and lowest, middle and highest loads, slips and wheel speeds.
+fn present(model: &Model, experiment: &Experiment) -> Option<(SingleWheelPlan, Rig, [[f64; 3]; 3])> {
     let column = |name: &'static str| move |run: &Run| run.data.column(name).unwrap_or_default().to_vec();
-    let ranges = (
-        range(experiment, column("load")),
-        range(experiment, column("slip")),
-        range(experiment, column("wheel_speed")),
-    );
-    let (Some(loads), Some(slips), Some(speeds)) = ranges else { return Vec::new() };
+    let loads = range(experiment, column("load"))?;
+    let slips = range(experiment, column("slip"))?;
+    let speeds = range(experiment, column("wheel_speed"))?;
     let mut rig_model = model.clone();
     for (name, value) in &experiment.parameters {
-        if rig_model.set(name, *value).is_err() {
-            return Vec::new();
-        }
+        rig_model.set(name, *value).ok()?;
     }
-    let rig = Rig::of(&rig_model.rover);
-    let present = SingleWheelPlan {
+    let plan = SingleWheelPlan {
         name: experiment.name.clone(),
         loads: spread(loads),
         slips: (0..9).map(|k| slips[0] + (slips[2] - slips[0]) * f64::from(k) / 8.0).collect(),
@@ -42,6 +37,27 @@ pub(super) fn variations(model: &Model, experiment: &Experiment) -> Vec<Variatio
         signals: experiment.signals(),
         parameters: experiment.parameters.clone(),
     };
+    Some((plan, Rig::of(&rig_model.rover), [loads, slips, speeds]))
+}
+
+/// One run over the slips of the others under half their lightest load, and one under twice their heaviest, as far as the soil carries it.
+pub(super) fn more_loads(model: &Model, experiment: &Experiment) -> Vec<Test> {
+    let Some((plan, rig, [loads, ..])) = present(model, experiment) else { return Vec::new() };
+    let Some(speed) = plan.wheel_speeds.first().copied() else { return Vec::new() };
+    let heavy = carried(&rig, LOADS[2] * loads[2], &plan.slips, &[speed]);
+    let one = |load: f64| {
+        let plan = SingleWheelPlan { loads: vec![load], wheel_speeds: vec![speed], repeats: 1, ..plan.clone() };
+        let text = format!("one more load of {load} N on {}", experiment.name);
+        let variation = with(text, 1, experiment, plan.experiment())?;
+        Some(Test { text: variation.text, runs: 1, experiment: variation.experiment })
+    };
+    let ends = [handy(LOADS[0] * loads[0]), handy(heavy)];
+    ends.into_iter().filter(|load| *load < loads[0] || *load > loads[2]).filter_map(one).collect()
+}
+
+/// Variations that the model can be asked about.
+pub(super) fn variations(model: &Model, experiment: &Experiment) -> Vec<Variation> {
+    let Some((present, rig, [loads, slips, speeds])) = present(model, experiment) else { return Vec::new() };
     let changes = changes(&present, &rig, loads, slips, speeds);
     combine(&present, &changes, true)
         .into_iter()

@@ -1,0 +1,109 @@
+//! Which further tests would determine what the measurements leave open.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+
+use bekker::diagnosis::{
+    CompareOptions, Determined, Given, Identified, PlatePlan, SeparateOptions, Separation, ShearPlan, compare,
+    modelled, separate,
+};
+use bekker::measurement::{Experiment, Table};
+use bekker::model::Model;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// Noise of a made test, as a share of each value: that of a soil grows with what it bears.
+const NOISE: f64 = 0.01;
+
+fn shear(normal_stresses: &[f64]) -> Experiment {
+    ShearPlan { normal_stresses: normal_stresses.to_vec(), repeats: 1, ..ShearPlan::default() }.experiment().unwrap()
+}
+
+fn plates(diameters: &[f64]) -> Experiment {
+    PlatePlan { diameters: diameters.to_vec(), repeats: 1, ..PlatePlan::default() }.experiment().unwrap()
+}
+
+fn look(experiment: &Experiment) -> Separation {
+    separate(Given::default(), experiment, &SeparateOptions::default()).unwrap()
+}
+
+fn determined(all: &[Identified], name: &str) -> Option<Determined> {
+    all.iter().find(|one| one.name == name).map(|one| one.determined)
+}
+
+/// What would be measured, with noise that is stated.
+fn made(planned: &Experiment, seed: u64) -> Experiment {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let values = modelled(&Model::preset("two_wheeled").unwrap(), planned).unwrap();
+    let usual = (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt();
+    let mut values = values.into_iter();
+    let mut made = planned.clone();
+    for run in &mut made.runs {
+        let names = run.data.names().to_vec();
+        let mut table = Table::new(names.clone()).unwrap();
+        for row in 0..run.data.rows() {
+            let cell = |name: &String| {
+                if !run.measured.contains(name) {
+                    return run.data.value(name, row);
+                }
+                let noise: f64 = StandardNormal.sample(&mut rng);
+                Some(values.next().unwrap() * (1.0 + NOISE * noise))
+            };
+            table.push_with_gaps(&names.iter().map(cell).collect::<Vec<_>>()).unwrap();
+        }
+        run.data = table;
+    }
+    made.noise = made.signals().into_iter().map(|signal| (signal, NOISE * usual)).collect();
+    made
+}
+
+#[test]
+fn analytic_one_normal_stress_gives_one_equation_for_cohesion_and_friction() {
+    let separation = look(&shear(&[5e3]));
+    // tau = c + sigma tan phi: at one sigma only the sum is measured.
+    for name in ["soil.cohesion", "soil.friction_angle"] {
+        assert_eq!(determined(&separation.identified, name), Some(Determined::Together), "{:?}", separation.identified);
+    }
+    let texts: Vec<&str> = separation.additions.iter().map(|addition| addition.text.as_str()).collect();
+    // A second line at the same stress or a plate gives no second equation.
+    assert_eq!(texts, ["2 shear tests (2, 10 kPa)"], "{:?}", separation.additions);
+    let addition = &separation.additions[0];
+    assert_eq!((addition.runs, addition.determines.len()), (2, 2));
+    assert!(addition.open.is_empty());
+}
+
+#[test]
+fn agreement_an_addition_that_is_made_determines_what_was_promised() {
+    let present = made(&shear(&[5e3]), 1);
+    let added = made(&shear(&[2e3, 10e3]), 2);
+    let options = CompareOptions { calibrate: true, ..CompareOptions::default() };
+    let alone = compare(Given::default(), &present, &options).unwrap();
+    assert_eq!(determined(&alone.identified, "soil.cohesion"), Some(Determined::Together), "{:?}", alone.identified);
+    let joint = Experiment::joint(vec![present, added]).unwrap();
+    let both = compare(Given::default(), &joint, &options).unwrap();
+    for name in ["soil.cohesion", "soil.friction_angle"] {
+        assert_eq!(determined(&both.identified, name), Some(Determined::Alone), "{:?}", both.identified);
+    }
+}
+
+#[test]
+fn property_one_plate_is_asked_for_another_size() {
+    // With one width of contact k_c is not even free.
+    let separation = look(&plates(&[0.1]));
+    assert_eq!(determined(&separation.identified, "soil.k_c"), None);
+    let first = &separation.additions[0];
+    assert!(first.determines.contains(&"soil.k_c".to_owned()), "{:?}", separation.additions);
+    assert_eq!(first.text, "2 plate tests (50, 200 mm)");
+    // Where all is determined nothing is asked for.
+    let all = look(&plates(&[0.05, 0.1, 0.2]));
+    assert!(all.additions.is_empty(), "{:?}", all.additions);
+}
+
+#[test]
+fn property_a_set_is_asked_for_what_all_of_it_leaves_open() {
+    let joint = Experiment::joint(vec![shear(&[5e3]), plates(&[0.05, 0.2])]).unwrap();
+    let separation = look(&joint);
+    assert_eq!(determined(&separation.identified, "soil.k_c"), Some(Determined::Alone), "{:?}", separation.identified);
+    let texts: Vec<&str> = separation.additions.iter().map(|addition| addition.text.as_str()).collect();
+    assert_eq!(texts, ["2 shear tests (2, 10 kPa)"], "{:?}", separation.additions);
+}
