@@ -52,7 +52,13 @@ impl Compare {
         match &self.html {
             Some(path) if !experiment.parts.is_empty() => {
                 let what = if calibrate { "calibrated together" } else { "compared as given" };
-                write_pages(&experiment, &comparison.part_models, what, path)?;
+                write_pages(
+                    &experiment,
+                    &comparison.part_models,
+                    what,
+                    &determined_in_words(&comparison.identified),
+                    path,
+                )?;
             }
             Some(path) => {
                 write_page(&comparison, path)?;

@@ -91,7 +91,7 @@ impl Diagnose {
             if experiment.parts.is_empty() {
                 write(path, &diagnosis_page(&diagnosis))?;
             } else {
-                write_pages(&experiment, &diagnosis.improved_parts, &sentence(&diagnosis), path)?;
+                write_pages(&experiment, &diagnosis.improved_parts, &sentence(&diagnosis), &[], path)?;
             }
         }
         saving.write_all(&diagnosis.improved, &diagnosis.improved_parts, &diagnosis.improved_is())

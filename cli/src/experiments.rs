@@ -71,12 +71,20 @@ impl Experiments {
     }
 }
 
-/// Writes a page of each of several experiments with its model, whose first line says what was found of all; the name of the experiment
+/// Writes a page of each of several experiments with its model, whose first lines say what was found of all; the name of the experiment
 /// stands behind that of the file.
-pub fn write_pages(experiment: &Experiment, models: &[(String, Model)], found: &str, page: &Path) -> Result<()> {
+pub fn write_pages(
+    experiment: &Experiment,
+    models: &[(String, Model)],
+    found: &str,
+    determined: &[String],
+    page: &Path,
+) -> Result<()> {
     for (part, (name, model)) in experiment.parts.iter().zip(models) {
         let mut comparison = compare(model, &part.experiment, &CompareOptions::default())?;
-        comparison.sources.insert(0, format!("fitted together with the others of {}: {found}", experiment.name));
+        let together = std::iter::once(format!("fitted together with the others of {}: {found}", experiment.name));
+        let determined = determined.iter().map(|words| format!("all together: {words}"));
+        comparison.sources.splice(0..0, together.chain(determined));
         let path = beside(page, name);
         write_page(&comparison, &path)?;
         say!("wrote {}", path.display());

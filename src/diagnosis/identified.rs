@@ -59,7 +59,9 @@ pub(crate) fn identified_at(problem: &Problem, values: &[f64], information: &Inf
     let step = |k: usize, change: f64| {
         let (name, unit) = (&free[k].variable.name, free[k].variable.unit.symbol);
         let moved = free[k].value(free[k].coordinate(values[k]) + change);
-        if free[k].is_logarithmic() {
+        if moved == values[k] {
+            format!("{name} beyond its bound")
+        } else if free[k].is_logarithmic() {
             format!("{name} times {}", two_digits(moved / values[k]))
         } else {
             let unit = if unit == "1" { String::new() } else { format!(" {unit}") };
