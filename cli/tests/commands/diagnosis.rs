@@ -3,6 +3,10 @@
 use crate::program::{SAND, bekker, call, done, file, json, refused, shown, text};
 use std::process::{Command, Stdio};
 
+/// Tests of the soil that are shipped.
+const PLATES: &str = "../examples/sand_plates";
+const SHEAR: &str = "../examples/sand_shear";
+
 /// A diagnosis of the shipped experiment that is quick.
 const QUICK: [&str; 6] = ["diagnose", SAND, "--candidates", "slip_sinkage,coulomb_friction", "--draws", "199"];
 
@@ -128,6 +132,31 @@ fn property_separate_tells_what_an_experiment_can_show() {
     let found = json(&out);
     assert_eq!(found["calibrated"], false);
     assert!(found["pairs"].as_array().expect("pairs").iter().all(|pair| pair["cosine"].as_f64() <= Some(1.0)));
+}
+
+#[test]
+fn property_separate_plans_the_cheapest_test_for_a_set() {
+    let out = file("set_separation.json");
+    let text = done(&["separate", SAND, PLATES, "--candidates", "slip_sinkage", "--json", shown(&out)]);
+    assert!(text.contains("determined by these measurements: ") && text.contains("cheapest additions"), "{text}");
+    let found = json(&out);
+    assert!(found["determined"].as_array().expect("parameters").iter().any(|one| one["name"] == "soil.exponent"));
+    let additions = found["additions"].as_array().expect("additions");
+    assert!(additions[0]["runs"].as_u64() >= Some(1) && additions[0]["determines"][0].is_string(), "{additions:?}");
+}
+
+#[test]
+fn property_what_experiments_share_is_said_on_the_command_line() {
+    let text = done(&["calibrate", PLATES, SHEAR, "--share", "vehicle"]);
+    assert!(text.contains("a soil of its own in each experiment"), "{text}");
+    assert!(text.contains("soil in sand_plates.k_phi") && text.contains("soil in sand_shear.cohesion"), "{text}");
+    refused(&["calibrate", SAND, "--share", "soil"], &["--share", "single experiment"]);
+    assert_eq!(call(&["calibrate", PLATES, SHEAR, "--share", "wheels"]).status.code(), Some(2));
+    let soil = file("several_soils.toml");
+    refused(
+        &["calibrate", PLATES, SHEAR, "--share", "drive", "--save-soil", shown(&soil)],
+        &["several soils", shown(&soil)],
+    );
 }
 
 #[cfg(unix)]
