@@ -48,7 +48,8 @@ def commands(first, second, rows, row_time):
 class RoverBench:
     kind = "traverse"
 
-    def __init__(self, seed, size="full", poor=False, under=()):
+    def __init__(self, seed, size="full", poor=False, under=(), soil=None):
+        """`soil` as name and parameters: the one to drive on; RuntimeError where it does not carry the rover up the slopes."""
         self.conditions = conditions.check(under)
         vehicle = self.vehicle = conditions.vehicle(under)
         self.model, self.jointed = vehicle.model, bool(vehicle.links)
@@ -74,8 +75,8 @@ class RoverBench:
         self.extra = {"patch_at": 1.2, "patch_half": 0.3, "hump_at": 0.12, "hump_width": 0.03}
         if "delay" in under:
             self.extra["body_delay"] = conditions.DELAY
-        for _ in range(200):
-            self.soil_name, self.soil = soils.draw(rng, vehicle.parameters["width"], firm=True)
+        for _ in range(200 if soil is None else 1):
+            self.soil_name, self.soil = soil or soils.draw(rng, vehicle.parameters["width"], firm=True)
             if self.climbs() and (not self.waves or np.all(np.isfinite(self.simulate([{}], coarse=True)))):
                 return
         raise RuntimeError("no soil carries the rover over these slopes")

@@ -5,7 +5,7 @@
 
 FOLDER gets a folder for each part and truth.json: the effect, in which parts it acts, its size in standard deviations as seen by
 the part alone. Parts are `wheel` and `other_wheel` (two wheels of different size on a carriage), `plates` and `shear` (tests of the same
-soil). The strength is at least 1.5 times what the part alone can see. Needs numpy only.
+soil), and `drive` (four runs of a rover with repeats). The strength is at least 1.5 times what the part alone can see. Needs numpy only.
 """
 
 import argparse
@@ -21,16 +21,25 @@ import cases  # noqa: E402
 import hidden  # noqa: E402
 import soil_tests  # noqa: E402
 import soils  # noqa: E402
+import vehicles  # noqa: E402
+from bench_rover import RoverBench  # noqa: E402
 from bench_wheel import WheelBench  # noqa: E402
 from detect import Detector  # noqa: E402
 
 WHEELS = ("wheel", "other_wheel")
 TESTS = {"plates": "plate_sinkage", "shear": "shear"}
-PARTS = (*WHEELS, *TESTS)
+DRIVE = "drive"
+PARTS = (*WHEELS, *TESTS, DRIVE)
 NOISE = 0.02
+DRIVE_SIZE = "reduced"
 SCATTER = 0.04  # of the soil from part to part, relative
 # Dimensions of the second wheel over those of the first: wider, smaller, and under other loads.
 WIDER, SMALLER, HEAVIER = 1.6, 0.8, 1.3
+
+
+def kind_of(part):
+    """The kind of experiment that a wheel or a drive is."""
+    return cases.ROVER if part == DRIVE else cases.WHEEL
 
 
 class OnSoil(WheelBench):
@@ -43,9 +52,7 @@ class OnSoil(WheelBench):
     def draw(self, rng, poor):
         super().draw(rng, poor)
         self.rig = self.given_rig
-        k_c, soil = self.given["k_c"], {k: v for k, v in self.given.items() if k != "k_c"}
-        # The contact's width is the smaller side of it.
-        self.soil_name, self.soil = "shared", {**soil, "k_phi": soil["k_phi"] + k_c / self.rig["width"]}
+        self.soil_name, self.soil = "shared", at_width(self.given, self.rig["width"])
         self.set_points = [(round(self.heavier * load, 1), speed) for load, speed in self.set_points]
 
 
@@ -60,8 +67,22 @@ def prepared(soil, seed, scatter):
     return of_parts
 
 
-def shared_soil(seed, scatter):
-    """A soil with k_c and k_phi of its own, that of each part, and two wheels that it carries."""
+def at_width(soil, width):
+    """The soil as a contact of one width meets it: the width is the smaller side of the contact."""
+    return {name: value for name, value in soil.items() if name != "k_c"} | {"k_phi": soil["k_phi"] + soil["k_c"] / width}
+
+
+def rover_on(seed, soil):
+    """A rover that drives on this soil; None where the soil does not carry it up the slopes."""
+    width = vehicles.TWO_WHEELED.parameters["width"]
+    try:
+        return RoverBench(seed, DRIVE_SIZE, soil=("shared", at_width(soil, width)))
+    except RuntimeError:
+        return None
+
+
+def shared_soil(seed, scatter, drives=False):
+    """A soil with k_c and k_phi of its own, that of each part, and two wheels that it carries, and with `drives` a rover."""
     rng = np.random.default_rng([seed, 9])
     for _ in range(200):
         rig = {"radius": float(rng.choice([0.10, 0.12])), "width": float(rng.choice([0.08, 0.10]))}
@@ -77,19 +98,24 @@ def shared_soil(seed, scatter):
         beds = prepared(soil, seed, scatter)
         benches = {"wheel": OnSoil(seed, beds["wheel"], rig, 1.0), "other_wheel": OnSoil(seed + 1, beds["other_wheel"], other, HEAVIER)}
         clean = [bench.simulate([{}, {"slip_sinkage.ding": 0.3}]) for bench in benches.values()]
-        if all(np.all(np.isfinite(signals)) for signals in clean):
-            return name, soil, beds, benches
-    raise RuntimeError("no soil carries both wheels")
+        if not all(np.all(np.isfinite(signals)) for signals in clean):
+            continue
+        if drives:
+            benches[DRIVE] = rover_on(seed + 2, beds[DRIVE])
+            if benches[DRIVE] is None:
+                continue
+        return name, soil, beds, benches
+    raise RuntimeError("no soil carries all")
 
 
 def make(folder, parts, case, place, seed, level=NOISE, multiple=None, form=None, scatter=SCATTER):
-    """Writes the folders and returns the truth. `place` is the part with the effect, or `all` for every wheel; `scatter` is how much the
-    soil differs from part to part."""
+    """Writes the folders and returns the truth. `place` is the part with the effect, or `all` for every wheel and drive; `scatter` is how much
+    the soil differs from part to part."""
     folder = pathlib.Path(folder)
-    name, shared, beds, benches = shared_soil(seed, scatter)
+    name, shared, beds, benches = shared_soil(seed, scatter, DRIVE in parts)
     of_tests = {"plates": soil_tests.PLATE_CASES, "shear": soil_tests.SHEAR_CASES}
-    shows = lambda part: part in WHEELS if part not in TESTS else case in of_tests[part]
-    there = [part for part in parts if place == part or place == "all" and part in WHEELS]
+    shows = lambda part: case in of_tests[part] if part in TESTS else case in cases.cases_of(kind_of(part))
+    there = [part for part in parts if place == part or place == "all" and part not in TESTS]
     if case != "clean" and not all(shows(part) for part in there):
         raise SystemExit(f"{case}: no effect of {place}")
     truth = {"parts": list(parts), "case": case, "where": [] if case == "clean" else there, "seed": seed, "noise": level, "scatter": scatter}
@@ -103,13 +129,16 @@ def make(folder, parts, case, place, seed, level=NOISE, multiple=None, form=None
                       "phi": float(np.degrees(soil["friction_angle"])), "K": soil["shear_modulus"]}  # fmt: skip
             soil_tests.write(folder / part, TESTS[part], case if part in there else "clean", own, ground=ground, noise=level)
             continue
-        detector = Detector(benches[part], level, hidden.REPLICATES, cases.library(cases.WHEEL, False))
+        kind, bench = kind_of(part), benches[part]
+        replicates = hidden.REPLICATES if kind == cases.WHEEL else bench.replicates
+        detector = Detector(bench, level, replicates, cases.library(kind, False))
         inside = case if part in truth["where"] else "clean"
+        own_form = form if any(f.case == case and f.form == form and kind in f.kinds for f in cases.FORMS) else None
         if inside != "clean" and strength is not None:
             # The same strength in every part.
-            signature = detector.signature(detector.effect(cases.find(cases.WHEEL, case, form), strength))
+            signature = detector.signature(detector.effect(cases.find(kind, case, own_form), strength))
             multiple = float(np.linalg.norm(signature)) / hidden.DETECTABLE
-        made = hidden.make(folder / part, cases.WHEEL, inside, form, level, own, multiple, detector=detector)
+        made = hidden.make(folder / part, kind, inside, own_form, level, own, multiple, detector=detector)
         for effect in made["effects"]:
             strength = effect["strength"]
             truth["effects"].append({**effect, "part": part})

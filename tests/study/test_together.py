@@ -63,3 +63,23 @@ def test_property_a_set_is_the_same_for_the_same_seed(tmp_path):
 def test_property_an_effect_that_a_part_does_not_have_is_refused(tmp_path):
     with pytest.raises(SystemExit, match="seating: no effect of shear"):
         joint.make(tmp_path, ("plates", "shear"), "seating", "shear", 3100)
+
+
+def test_analytic_a_drive_stands_on_the_soil_of_the_wheel():
+    _, soil, beds, benches = joint.shared_soil(3100, 0.0, drives=True)
+    wheel, drive = benches["wheel"], benches["drive"]
+    widths = [wheel.rig["width"], drive.vehicle.parameters["width"]]
+    # k = k_c/b + k_phi at the width b of each contact.
+    stiffness = [soil["k_c"] / width + soil["k_phi"] for width in widths]
+    assert [wheel.soil["k_phi"], drive.soil["k_phi"]] == pytest.approx(stiffness, rel=1e-12)
+    assert {name: drive.soil[name] for name in drive.soil if name != "k_phi"} == {
+        name: soil[name] for name in soil if name not in ("k_phi", "k_c")
+    }
+
+
+def test_property_sets_with_drives_have_different_names_and_places_that_show_the_effect():
+    jobs = list(together.jobs("development", 1, 3100, False, True))
+    assert len({together.name_of("development", job) for job in jobs}) == len(jobs)
+    assert all(place in (*parts, "all") for parts, _, place, _, _ in jobs)
+    # A tether pulls a rover only.
+    assert {place for _, case, place, _, _ in jobs if case == "tether"} == {"drive"}

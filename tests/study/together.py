@@ -7,7 +7,8 @@
 Makes sets with tests/generators/joint.py, has each diagnosed by one `bekker diagnose A B ..`, and adds a row to FOLDER/rows.csv as
 soon as it is; what has a row there is not made again. What is hidden: each effect that a wheel on a carriage shows, in one of two
 wheels, in both, and in a wheel beside plates or beside plates and shear tests; effects of the tests beside a wheel; nothing; and two
-wheels on two soils (`other_soil`), where no name is right. The soil of the parts differs a little, by seed. `--multiples` hides slip-sinkage at shares of what the part can see alone, and
+wheels on two soils (`other_soil`), where no name is right. `--drives` makes other sets: a wheel, or plates and a wheel, beside four runs of a
+rover, with each effect that both show in the wheel, in the drive and in both, and each that the drive alone shows. The soil of the parts differs a little, by seed. `--multiples` hides slip-sinkage at shares of what the part can see alone, and
 has the part diagnosed by itself, too.
 
 Scored: `right` (the effect alone, in the places where it acts), `wrong_place` (the effect, elsewhere), `right_tie` (tied with effects of like
@@ -38,26 +39,39 @@ FIRST_SEED = {"development": 3000, "report": 90000}
 LONGEST = 1800.0  # s, of one diagnosis
 COLUMNS = ("name", "parts", "case", "place", "multiple", "form", "seed", "outcome", "verdict", "said", "where", "tied", "deviations", "alone", "seconds", "error")
 TWO, PLATES, THREE = ("wheel", "other_wheel"), ("plates", "wheel"), ("plates", "shear", "wheel")
+DRIVE, ALL_KINDS = ("wheel", "drive"), ("plates", "wheel", "drive")
 OTHER_SOIL = "other_soil"
 # How much the soil differs from part to part, by seed; the diagnosis takes 0.05.
 SCATTER = (0.0, 0.03, 0.06)
 MULTIPLES = (0.25, 0.5, 0.75, 1.0, 1.5)
 
 
-def wheel_effects():
-    """Effects of the library that a wheel on a carriage shows."""
-    return [case for case in cases.cases_of(cases.WHEEL, False) if any(f.case == case and not f.outside for f in cases.FORMS)]
+def effects_of(kind):
+    """Effects of the library that such an experiment shows."""
+    return [case for case in cases.cases_of(kind, False) if any(f.case == case and not f.outside for f in cases.FORMS)]
 
 
-def jobs(set_name, seeds, first_seed, multiples):
+def drive_jobs(seed):
+    yield from ((parts, "clean", "all", None, seed) for parts in (DRIVE, ALL_KINDS))
+    of_wheel = effects_of(cases.WHEEL)
+    for effect in effects_of(cases.ROVER):
+        places = ("wheel", "drive", "all") if effect in of_wheel else ("drive",)
+        yield from ((DRIVE, effect, place, None, seed) for place in places)
+        yield (ALL_KINDS, effect, "drive", None, seed)
+
+
+def jobs(set_name, seeds, first_seed, multiples, drives=False):
     first = FIRST_SEED[set_name] if first_seed is None else first_seed
     for seed in range(first, first + seeds):
+        if drives:
+            yield from drive_jobs(seed)
+            continue
         if multiples:
             yield from ((TWO, "slip_sinkage", place, multiple, seed) for place in TWO for multiple in MULTIPLES)
             continue
         for parts in (TWO, PLATES, THREE):
             yield (parts, "clean", "all", None, seed)
-        for effect in wheel_effects():
+        for effect in effects_of(cases.WHEEL):
             yield from ((TWO, effect, place, None, seed) for place in (*TWO, "all"))
             yield from ((parts, effect, "wheel", None, seed) for parts in (PLATES, THREE))
         for case in ("plate_size", "box_bottom", "rate", "seating"):
@@ -118,7 +132,8 @@ def outcome(truth, result):
 def run(bekker, set_name, job, folder, threads):
     parts, case, place, multiple, seed = job
     # The report hides other forms of the literature.
-    form = plan.form_for(set_name, cases.WHEEL, case) or None
+    kind = cases.ROVER if place == "drive" else cases.WHEEL
+    form = plan.form_for(set_name, kind, case) or None
     inside = "clean" if case == OTHER_SOIL else case
     truth = joint.make(folder, parts, inside, place, seed, multiple=multiple, form=form, scatter=SCATTER[seed % len(SCATTER)]) | {"case": case}
     folders = [folder / part for part in parts]
@@ -148,7 +163,7 @@ def report(rows):
     bad = {"wrong", "wrong_place", "extra", "false_alarm"}
     shown = [row for row in rows if not row["multiple"]]
     groups = {"all": lambda row: row["case"] != OTHER_SOIL, "nothing hidden": lambda row: row["case"] == "clean"}
-    groups |= {f"{'+'.join(parts)}, one effect": lambda row, p="+".join(parts): row["parts"] == p and row["case"] not in ("clean", OTHER_SOIL) for parts in (TWO, PLATES, THREE)}
+    groups |= {f"{'+'.join(parts)}, one effect": lambda row, p="+".join(parts): row["parts"] == p and row["case"] not in ("clean", OTHER_SOIL) for parts in (TWO, PLATES, THREE, DRIVE, ALL_KINDS)}
     groups["two soils"] = lambda row: row["case"] == OTHER_SOIL
     lines = ["| | sets | right or honestly tied | 95 % | wrong name, place or alarm | seconds, median | longest |", "|---|---|---|---|---|---|---|"]
     for title, belongs in groups.items():
@@ -179,6 +194,7 @@ def main():
     parser.add_argument("--seeds", type=int, default=5)
     parser.add_argument("--first-seed", type=int)
     parser.add_argument("--multiples", action="store_true")
+    parser.add_argument("--drives", action="store_true", help="sets with drives in place of those without")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--out", type=Path, default=Path("study-of-sets"))
@@ -192,7 +208,7 @@ def main():
     path = a.out / "rows.csv"
     rows = list(csv.DictReader(open(path, newline=""))) if path.exists() else []
     done = {row["name"] for row in rows}
-    wanted = [job for job in jobs(a.set_name, a.seeds, a.first_seed, a.multiples) if name_of(a.set_name, job) not in done]
+    wanted = [job for job in jobs(a.set_name, a.seeds, a.first_seed, a.multiples, a.drives) if name_of(a.set_name, job) not in done]
     print(f"{len(wanted)} sets, {len(rows)} done before", flush=True)
     with ProcessPoolExecutor(a.jobs) as pool, open(path, "a", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
