@@ -9,14 +9,24 @@ pub(crate) fn of_parameters(fit: &Calibration) -> Vec<String> {
     for parameter in &fit.parameters {
         let name = &parameter.variable.name;
         if parameter.at_bound {
-            let (value, unit) = (parameter.value, parameter.variable.unit.symbol);
-            cautions.push(format!(
-                "{name} sits on its bound ({value:.4} {unit}): the fit wanted to go further than is believable"
-            ));
+            let bound = bound(parameter);
+            cautions
+                .push(format!("{name} sits on its bound ({bound}): the fit wanted to go further than is believable"));
         }
         cautions.extend(left_prior(parameter));
     }
     cautions
+}
+
+/// The bound on which a parameter sits, with its unit.
+fn bound(parameter: &CalibratedParameter) -> String {
+    let (value, variable) = (parameter.value, &parameter.variable);
+    let upper = (variable.max - value).abs() < (value - variable.min).abs();
+    let bound = if upper { variable.max } else { variable.min };
+    match variable.unit.symbol {
+        "1" => bound.to_string(),
+        unit => format!("{bound} {unit}"),
+    }
 }
 
 /// A parameter that left its prior.
