@@ -122,7 +122,7 @@ Compared with other simulators in one run, per CPU second:
 
 **What limits the speed.** An inner step of the two-wheeled rover evaluates the contact of each wheel twice, each time with 2 x 8
 quadrature nodes. A node takes 111 additions and multiplications. A wheel takes 1,955 of them and 12 divisions and square roots; the
-inner step takes 10,891 and 219 (three wheels of a rocker-bogie: 19,498 and 350, on random ground 34,935 and 357; counted by
+inner step takes 10,887 and 219 (three wheels of a rocker-bogie: 19,529 and 350, on random ground 34,966 and 357; counted by
 `cargo test --lib operations -- --nocapture`). A core of this machine makes 51 G additions and multiplications per second in AVX-512
 registers, or 3.2 G divisions. They are not fused into multiply-adds, since results have the same bits on every processor. So
 at most 3.6 million inner steps per second are possible in this way, of which 25 to 27 % are reached (rocker-bogie 30 %, random ground
