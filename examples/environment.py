@@ -42,7 +42,11 @@ commands `setup.action_scale` (N m, rad/s or m/s).
 
 **Observation space.** `Box(-1, 1)`, float32: each signal is divided by its scale and clipped. With `raw=True` the values are in
 SI units and are clipped at ten scales. With `measured=True` they are sensor readings (`sensor.*`: noise, bias, resolution,
-period) instead of true signals. `observe` selects other signals, and {extras}.
+period) instead of true signals. `observe` selects other signals, also {extras}.
+
+**Drives.** A motor gives no more than its supply voltage and its current limit allow: the presets have 24 V, the tasks set the limit
+of the current (`motor.inverse_voltage`, `motor.inverse_current_limit`). The no-load speed is 10.3 rad/s, which is within the scales of
+wheel speed and velocity. Joints have stops (`link[k].stop`, 45 degrees in the presets).
 
 **Rewards.** The reward is a weighted sum of terms. `info` lists each term, multiplied by its weight, as `reward_<term>`.
 `rewards` selects terms by name or takes `bekker.rewards.Term` objects that you define. `reward_weights` changes weights.
@@ -53,8 +57,9 @@ period) instead of true signals. `observe` selects other signals, and {extras}.
 rover finds no rest with them (the soil does not carry it), the reset draws again, up to ten draws in all.
 
 **Episode end.** An episode is *terminated* by an event, which `info["status"]` names (`stuck`, `tipped_over`, `belly_contact`,
-`left_terrain`, `sunk_to_axle`, or `failed` where the equations have no finite solution), or by reaching the goal (`goal`). Only
-the time limit *truncates* it: gymnasium's `max_episode_steps`, which `make` and `make_vec` set to the time limit of the task.
+`left_terrain`, `sunk_to_axle`, or `failed` where the equations have no finite solution), or by coming to the goal (`goal`),
+whether or not this is a success. Only the time limit *truncates* it: gymnasium's `max_episode_steps`, which `make` and `make_vec`
+set to the time limit of the task.
 
 **Info.** The keys are always the same: `time` (s), `x` and `distance` since the start (m), `status`, `success`,
 `electrical_energy` (J), `slip` and `sinkage` (m), each with one entry per wheel, `target_velocity` (m/s), `reward_<term>`, `drawn`.
@@ -117,7 +122,7 @@ Compared with other simulators in one run, per CPU second:
 
 **What limits the speed.** An inner step of the two-wheeled rover evaluates the contact of each wheel twice, each time with 2 x 8
 quadrature nodes. A node takes 111 additions and multiplications. A wheel takes 1,955 of them and 12 divisions and square roots; the
-inner step takes 10,891 and 219 (three wheels of a rocker-bogie: 19,498 and 350, on random ground 34,935 and 357; counted by
+inner step takes 10,887 and 219 (three wheels of a rocker-bogie: 19,529 and 350, on random ground 34,966 and 357; counted by
 `cargo test --lib operations -- --nocapture`). A core of this machine makes 51 G additions and multiplications per second in AVX-512
 registers, or 3.2 G divisions. They are not fused into multiply-adds, since results have the same bits on every processor. So
 at most 3.6 million inner steps per second are possible in this way, of which 25 to 27 % are reached (rocker-bogie 30 %, random ground
@@ -203,7 +208,11 @@ def chapter(task: bekker.Task) -> str:
     model, setup, observer = env.setup.model, env.setup, env.setup.observer
     about = {v["name"]: v for v in [*model.parameters(), *model.inputs(), *model.signals(), *model.sensors()]}
     inputs = [v["name"] for v in model.inputs()]
-    extra = {"target_velocity": ("m/s", "Speed that the task asks for."), "goal_distance": ("1", "Way left to the goal.")}
+    extra = {
+        "target_velocity": ("m/s", "Speed that the task asks for."),
+        "goal_distance": ("1", "Way left to the goal, as a share."),
+        "time_left": ("1", "Time left of that which the way takes at the speed asked for, as a share."),
+    }
     entries = []
     for k, (name, scale) in enumerate(zip(observer.names, observer.scales, strict=True)):
         unit, doc = extra[name] if name in extra else (about[name]["unit"], about[name]["doc"])
@@ -214,8 +223,8 @@ def chapter(task: bekker.Task) -> str:
     start += table(("Parameter", "Drawn", "Unit"), draws) if draws else ""
     if grades:
         start += "\n\nSet by the level (linear between 0 and 1) before the draws:\n\n" + table(("Parameter", "Level 0", "Level 1", "Unit"), grades)
-    changed = [(f"`{n}`", number(v), unit_of(n, about), about[n]["doc"]) for n, v in task.parameters.items()]
-    reached = " or by reaching the goal" if setup.goal.way() > 0.0 else ""
+    changed = [(f"`{n}`", number(v), unit_of(n, about), about[n]["doc"]) for n, v in {**task.parameters, **task.drive}.items()]
+    reached = " or by coming to the goal" if setup.goal.way() > 0.0 else ""
     return TASK.format(
         id=task.id,
         purpose=task.purpose,
@@ -259,7 +268,7 @@ def arguments() -> str:
 def page() -> str:
     catalogue = [(f"`{t.name}`", number(t.weight), t.doc) for t in bekker.rewards.TERMS.values()]
     head = HEAD.format(
-        extras=" and ".join(f"`{name}`" for name in EXTRAS),
+        extras=", ".join(f"`{name}`" for name in EXTRAS),
         terms=table(("Term", "Weight in `Rover-v0`", "What it is"), catalogue),
         arguments=arguments(),
     )

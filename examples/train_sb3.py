@@ -26,12 +26,12 @@ TASKS = ("SpeedHold", "SlopeClimb", "DitchCrossing", "EnergyTraverse", "SlipLimi
 EVALUATION_SEEDS = range(10_000, 10_020)
 GAMMA = 0.98
 RATE = 1e-3
-"""Learning rate at the start; it falls to nothing, linearly with the training time spent: with one that stays, policies that
+"""Learning rate at the start, chosen as the rest of the settings here on former versions of the tasks; it falls to nothing, linearly with the training time spent: with one that stays, policies that
 have come to hold a speed well get worse again. So the same seed gives another policy on a faster or slower machine."""
 ENTROPY = {"EnergyTraverse": "auto_0.01"}
-"""First weight of SAC's entropy, which it then learns; "auto", the library's 1, elsewhere. There a step is worth some hundredths
-and with 1 nothing but noise was learned in the time given; with 0.01 SlipLimited, where the way out of creeping has to be
-found, is not learned, and two other tasks less well."""
+"""First weight of SAC's entropy, which it then learns; "auto", the library's 1, elsewhere. On the former version of that task, where a step
+is worth some hundredths, with 1 nothing but noise was learned in the time given; with 0.01 the former SlipLimited, where the way out of
+creeping has to be found, was not learned, and two other tasks less well."""
 PERIOD = 0.1
 """Control period, s, five times the task's own: noise at 50 Hz moves a wheel in sand hardly at all, so that nothing is found
 out by it; at 10 Hz an episode is also five times shorter. Rewards are counted by time and distance, so returns compare."""

@@ -14,14 +14,15 @@ from pathlib import Path
 
 import gymnasium
 import numpy as np
+import task_sweep
 from train_sb3 import EVALUATION_SEEDS, PERIOD, TASKS
 
 import bekker
-from bekker.baselines import Evaluation, Policy, constant, evaluate, rtc, rtc_speed, slip_control, trained, velocity
+from bekker.baselines import Constant, Evaluation, Policy, constant, evaluate, rtc, rtc_speed, slip_control, trained, velocity
 
 BASELINES = {
     "standing still": lambda env: constant(env, 0.0),
-    "constant action 0.5": lambda env: constant(env, 0.5),
+    "best constant action": lambda env: best_constant(env),
     "velocity control": velocity,
     "RTC": rtc,
     "RTC with wheel-speed loops": rtc_speed,
@@ -29,6 +30,13 @@ BASELINES = {
 }
 BY_TORQUES = ("RTC", "RTC with wheel-speed loops", "slip control")
 """Those that have no other way to drive."""
+
+
+def best_constant(env: gymnasium.Env) -> Policy:
+    """That of the sweep (`task_sweep.py`) with the most successes."""
+    name = env.unwrapped.setup.task.name
+    best = task_sweep.best_constant([row for row in task_sweep.read() if row["task"] == name])
+    return Constant(np.array(best["action"].split(), np.float32))
 
 
 def pooled(env: gymnasium.Env, policies: list[Policy], episodes: int) -> Evaluation:

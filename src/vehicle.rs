@@ -1,6 +1,6 @@
 //! What the data sheet of a vehicle says: its bodies, its joints and where its wheels sit.
 
-use crate::scalar::MapScalar;
+use crate::scalar::{MapScalar, Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 
 /// Most generalised coordinates of a rover: three of the chassis and five passive joints.
@@ -60,6 +60,50 @@ parameters! {
         centre_of_mass_z: [Unit::METRE] = 0.0, -10.0..=10.0, Rig, "vehicle drawing";
         /// Viscous friction of the joint.
         damping: [Unit::NEWTON_METRE_SECOND] = 0.1, 0.0..=1e3, Fixed, "assumption: a plain bearing";
+        /// Angle of the joint, to either side of zero, at which it meets its stop; pi is no stop.
+        stop: [Unit::RADIAN] = std::f64::consts::PI, 0.0..=std::f64::consts::PI, Fixed, "vehicle drawing";
+        /// Stiffness of the stops.
+        stop_stiffness: [Unit::NEWTON_METRE_PER_RADIAN] = 100.0, 0.0..=1e6, Fixed, "assumption: the weight of a 6 kg rover bends it by less than 2 degrees";
+    }
+}
+
+/// Time constant of a stop, s: its damping over its stiffness. A wheel of a 3 kg rover side does not bounce off it.
+const STOP_TIME: f64 = 0.02;
+
+/// A joint at its stop at one instant; all zero within the stops.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AtStop<S> {
+    /// Moment on the link, nose up, N m.
+    pub moment: S,
+    /// Its slope against the angle, N m/rad, and against the rate, N m s/rad.
+    pub stiffness: S,
+    pub damping: S,
+    /// Energy stored in the stop, J, and power that it takes for good, W.
+    pub energy: S,
+    pub loss: S,
+}
+
+#[lanes]
+impl<S: Scalar> LinkParameters<S> {
+    /// The stop as a spring and a damper that push and never pull: M = -k (a - stop) - d a' where the angle a exceeds the stop,
+    /// and the mirror image on the other side.
+    pub(crate) fn at_stop(&self, angle: S, rate: S) -> AtStop<S> {
+        let zero = S::from(0.0);
+        let negative = angle.under(0.0);
+        let beyond = angle.abs() - self.stop;
+        let outward = rate.negative_where(negative);
+        let push = self.stop_stiffness * (beyond + outward * STOP_TIME);
+        let pushes = beyond.over(0.0) & push.over(0.0);
+        let push = S::select(pushes, push, zero);
+        let stiffness = S::select(pushes, self.stop_stiffness, zero);
+        let compressed = beyond.larger(zero);
+        AtStop {
+            moment: -push.negative_where(negative),
+            stiffness,
+            damping: stiffness * STOP_TIME,
+            energy: self.stop_stiffness * compressed * compressed * 0.5,
+            loss: (push - self.stop_stiffness * compressed) * outward,
+        }
     }
 }
 

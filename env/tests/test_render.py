@@ -68,6 +68,58 @@ def test_property_a_wheel_leaves_a_rut_as_deep_as_it_sank() -> None:
     assert soil_rows(frame)[-5] == fresh
 
 
+# Colours of the flag and of a drawbar pull; the legend is in the upper right, the numbers in the upper left.
+FLAG, PULL = (58, 142, 92), (206, 44, 66)
+BELOW_PANELS, RIGHT_OF_PANEL = 180, 300
+
+
+def count_of(frame: np.ndarray, colour: tuple[int, int, int]) -> int:
+    return int((frame == colour).all(axis=2).sum())
+
+
+def test_property_a_frame_shows_goal_target_and_reward() -> None:
+    env = made("rgb_array", "SlopeClimb")
+    env.reset(seed=0)
+    mechanics = env.unwrapped.mechanics
+    row = np.ascontiguousarray(mechanics.signals[0])
+    renderer = bekker._bekker.Renderer(mechanics.models[0], *SIZE)
+    plain = renderer.frame(0.0, row, "running")
+    ahead = renderer.frame(0.0, row, "running", goal=0.8)
+    assert count_of(plain[:, RIGHT_OF_PANEL:], FLAG) == 0 and count_of(ahead[:, RIGHT_OF_PANEL:], FLAG) > 300
+    numbers = [renderer.frame(0.0, row, "running", target=0.2), renderer.frame(0.0, row, "running", reward=-0.1)]
+    for frame in numbers:
+        assert not np.array_equal(frame, plain) and np.array_equal(frame[:, RIGHT_OF_PANEL:], plain[:, RIGHT_OF_PANEL:])
+    asked = mechanics.asked(0)
+    assert asked == {"reward": 0.0, "goal": mechanics.signals[0, mechanics.places["x"]] + 3.0, "target": asked["target"]}
+    assert np.array_equal(env.render(), renderer.frame(0.0, row, "running", **asked))
+
+
+def test_property_loose_soil_is_paler() -> None:
+    env = made("rgb_array", "DitchCrossing")
+    env.reset(seed=0, options={"x0": 0.6})
+    frame = env.render().astype(int)
+    length = 0.4 + 2 * 0.064
+    pixels = SIZE[0] / (3.0 * length)
+    middle = 0.6
+
+    def soil(x: float) -> float:
+        """Mean brightness below the surface there, over 40 columns."""
+        column = int(SIZE[0] / 2 + (x - middle) * pixels)
+        tops = soil_rows(frame)[column - 20 : column + 20]
+        return float(np.mean([frame[top + 8 : top + 40, column - 20 + k].mean() for k, top in enumerate(tops)]))
+
+    assert soil(1.0) > soil(0.1) + 10.0
+
+
+def test_property_pulls_are_to_be_seen() -> None:
+    """On a slope of 0.1 a wheel pulls with a tenth of its load, which is an arrow of 20 pixels."""
+    env = made("rgb_array", "SlopeClimb", parameters={"terrain.slope": 0.1})
+    env.reset(seed=0)
+    for _ in range(100):
+        env.step([0.5, 0.5])
+    assert count_of(env.render()[BELOW_PANELS:], PULL) > 60
+
+
 def test_property_another_episode_starts_on_fresh_ground() -> None:
     env = made("rgb_array")
     env.reset(seed=0)

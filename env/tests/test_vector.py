@@ -26,6 +26,7 @@ DIGGING: dict[str, Any] = {
         "sensor.torque_noise": 0.05,
         "sensor.wheel_speed_resolution": 0.05,
         "motor.inverse_voltage": 0.0,
+        "motor.inverse_current_limit": 0.0,
     },
 }
 

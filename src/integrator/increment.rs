@@ -83,6 +83,9 @@ impl<S: Scalar> Increment<S> {
             add_scaled(&mut right, constant.drawbar * gh, &wheel.tangent, n);
             add_scaled(&mut right, reaction * gh, &wheel.turn, n);
         }
+        for j in 0..rover.links.len() {
+            right[3 + j] -= now.stop_stiffness[j] * self.position[3 + j] * gh;
+        }
         self.rate = factors.solve(&right);
         for i in 0..n {
             self.position[i] += self.rate[i] * gh;

@@ -205,7 +205,9 @@ impl<S: Scalar> Integrator<S> {
             add_contact(&mut matrix, wheel, condensed, gh, n);
         }
         for (j, link) in rover.links.iter().enumerate() {
-            matrix[3 + j][3 + j] += (link.parameters.damping + self.now.joint_friction[j] * DRY_FRICTION) * gh;
+            let friction = link.parameters.damping + self.now.joint_friction[j] * DRY_FRICTION;
+            let stop = self.now.stop_damping[j] + self.now.stop_stiffness[j] * gh;
+            matrix[3 + j][3 + j] += (friction + stop) * gh;
         }
         Factors::new(&matrix, n).ok_or(DynamicsError::NotFinite)
     }

@@ -5,7 +5,7 @@ use crate::snapshot::{Moving, Reader, SnapshotError, Writer, close, load_all, op
 
 /// What the bytes are, and the version of their format: it grows with every change of what moves.
 const KIND: [u8; 4] = *b"BKRN";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 impl Run {
     /// Everything that moves as bytes, from which a run of the same model goes on to the same bits, here or in another

@@ -6,7 +6,7 @@
 //! ([`crate::integrator`], ROS2) from the present motion, with the forces of the rigid contacts as they were last, and
 //! gives the bodies the mean forces of that step: y' = y + h (3 k1 + k2)/2 with M k1 = F1 + gamma h A k1 and
 //! M k2 = F2 + gamma h A k2 - 2 M k1 means a mean force of (F1 + gamma h A k1)/2 + (F2 + gamma h A k2)/2. The wrench on
-//! each wheel, the drive's torque and the friction of each joint are the parts of that sum. What the bodies then do
+//! each wheel, the drive's torque, the friction and the stop of each joint are the parts of that sum. What the bodies then do
 //! with them, with joints and rigid contacts, is rapier's.
 
 use super::world::WheelLoad;
@@ -21,7 +21,7 @@ use crate::signals::Drive;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Loads {
     pub wheels: Vec<WheelLoad>,
-    /// Friction of each joint as a moment on its link, nose up.
+    /// Friction and stop of each joint as a moment on its link, nose up.
     pub links: Vec<f64>,
     /// Horizontal force on the chassis at its reference point.
     pub resistance: f64,
@@ -70,13 +70,15 @@ impl Loads {
         for (j, moment) in self.links.iter_mut().enumerate() {
             let damping = rover.links[j].parameters.damping;
             let friction = |evaluation: &Evaluation<f64>, rate: f64| (damping + evaluation.joint_friction[j]) * rate;
-            let slope = damping + now.joint_friction[j] * DRY_FRICTION;
+            let slope = damping + now.joint_friction[j] * DRY_FRICTION + now.stop_damping[j];
             let change = slope * gh * (first.rate[3 + j] + second.rate[3 + j]);
             let rates = [
                 now.frames.rate(j + 1) - now.frames.rate(rover.links[j].parent),
                 ahead.frames.rate(j + 1) - ahead.frames.rate(rover.links[j].parent),
             ];
-            *moment = -0.5 * (friction(now, rates[0]) + friction(ahead, rates[1]) + change);
+            let bent = now.stop_stiffness[j] * gh * (first.position[3 + j] + second.position[3 + j]);
+            let stop = now.stop_moment[j] + ahead.stop_moment[j] - bent;
+            *moment = 0.5 * (stop - friction(now, rates[0]) - friction(ahead, rates[1]) - change);
         }
         self.resistance = 0.5 * (now.resistance + ahead.resistance);
     }

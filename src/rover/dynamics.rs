@@ -1,7 +1,7 @@
 //! The equations of motion: M(q) u' = Q(q, u, wheels, command), explicit in the accelerations.
 
 use super::kinematics::{Frames, turn_jacobian};
-use super::{Rover, State, Track};
+use super::{LinkParameters, Rover, State, Track};
 use crate::contact::{Motion, Surface, Touch, slip, touch};
 use crate::effects::{BodyMotion, ExpressionFailure, Place};
 use crate::linear::{Factors, Matrix, Vector, add_outer, add_scaled, dot, zeros};
@@ -92,6 +92,10 @@ pub(crate) struct Evaluation<S> {
     pub acceleration: Vector<S>,
     /// Dry friction of each joint over its rate, N m s/rad, for the implicit integrator.
     pub joint_friction: Vector<S>,
+    /// Moment of each joint's stop on its link, N m, and its slopes against angle and rate, for the implicit integrator.
+    pub stop_moment: Vector<S>,
+    pub stop_stiffness: Vector<S>,
+    pub stop_damping: Vector<S>,
     pub potential: S,
     /// Power that joint friction and forces on the chassis take, W.
     pub other_loss: S,
@@ -114,6 +118,9 @@ impl<S: Scalar> Evaluation<S> {
             wheels,
             acceleration: zeros(),
             joint_friction: zeros(),
+            stop_moment: zeros(),
+            stop_stiffness: zeros(),
+            stop_damping: zeros(),
             potential: S::from(0.0),
             other_loss: S::from(0.0),
             resistance: S::from(0.0),
@@ -190,6 +197,7 @@ impl<S: Scalar> Evaluation<S> {
             let friction = (p.damping + self.joint_friction[j]) * state.rate[3 + j];
             force[3 + j] -= friction;
             self.other_loss += friction * state.rate[3 + j];
+            self.add_stop(p, j, (state.position[3 + j], state.rate[3 + j]), force);
         }
         let travelled = state.position[0] - state.start_x;
         let resistance = rover.effects.body_force(&BodyMotion { travelled, velocity: state.rate[0] })?;
@@ -198,6 +206,16 @@ impl<S: Scalar> Evaluation<S> {
         self.other_loss -= resistance * state.rate[0];
         debug_assert!(n <= super::MAX_COORDINATES);
         Ok(())
+    }
+
+    /// The stop of joint `j` at this angle and rate.
+    fn add_stop(&mut self, link: &LinkParameters<S>, j: usize, (angle, rate): (S, S), force: &mut Vector<S>) {
+        let stop = link.at_stop(angle, rate);
+        force[3 + j] += stop.moment;
+        (self.stop_moment[j], self.stop_stiffness[j], self.stop_damping[j]) =
+            (stop.moment, stop.stiffness, stop.damping);
+        self.potential += stop.energy;
+        self.other_loss += stop.loss;
     }
 
     fn add_mass(

@@ -10,6 +10,9 @@ use crate::wheel::Wheel;
 /// Supply voltage of the motors, V, which are of 24 V by their data sheet.
 const SUPPLY: f64 = 24.0;
 
+/// Angle of a bogie's stops, rad: an assumption; at 45 degrees a wheel of the presets is 7 to 9 cm above the others.
+const JOINT_STOP: f64 = std::f64::consts::FRAC_PI_4;
+
 impl Rover<f64> {
     /// The planar two-wheeled rover of Iagnemma 2001, 4.4.1: 10 kg, wheels of radius 10 cm and width
     /// 15 cm, 70 cm apart, on flat ground of the soil given there. The height of the centre of mass, the
@@ -83,6 +86,8 @@ impl Rover<f64> {
             centre_of_mass_x: 0.1,
             centre_of_mass_z: 0.01,
             damping: 0.05,
+            stop: JOINT_STOP,
+            ..LinkParameters::default()
         };
         rover.links = vec![Link { parent: 0, parameters: bogie }];
         rover.wheels[1].body = 1;

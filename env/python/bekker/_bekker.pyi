@@ -244,7 +244,16 @@ class Renderer:
     """Draws the frames of one run after the other; it remembers the ruts and how far the wheels have turned."""
 
     def __new__(cls, model: Model, width: int = 960, height: int = 540) -> Self: ...
-    def frame(self, time: float, signals: ArrayLike, status: str) -> NDArray[np.uint8]: ...
+    def frame(
+        self,
+        time: float,
+        signals: ArrayLike,
+        status: str,
+        *,
+        goal: float | None = None,
+        target: float | None = None,
+        reward: float | None = None,
+    ) -> NDArray[np.uint8]: ...
     def text(self, time: float, signals: ArrayLike, status: str) -> str: ...
 
 class _Deviation(TypedDict):

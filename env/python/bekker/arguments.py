@@ -26,6 +26,9 @@ __all__ = ["Arguments", "Draw", "Levelled", "Options", "Setup", "assign"]
 
 _SEEDS = 2**32
 
+# Wheel speeds that are followed exactly: no motor is in between, and none has parameters.
+IDEAL = "speed"
+
 
 class Arguments(TypedDict, total=False):
     """Arguments by name; those that are left out are the task's."""
@@ -118,7 +121,8 @@ class Setup:
                 raise InputError(f"terrain = {terrain!r}: expected the keys of the section [terrain] of a model file, such as {keys}")
             own.set_terrain(json.dumps(_plain(terrain)))
         # The task's values belong to its own vehicle.
-        for name, value in {**(self.task.parameters if model is None else {}), **given.get("parameters", {})}.items():
+        task = {} if model is not None else self.task.parameters if own.control == IDEAL else {**self.task.parameters, **self.task.drive}
+        for name, value in {**task, **given.get("parameters", {})}.items():
             assign(own, name, value)
         # As a file keeps it, without numbers that nothing reads: then a pickle is the same model in all of its parts.
         kept: Model = pickle.loads(pickle.dumps(own))

@@ -79,7 +79,7 @@ class Constant:
 
 def constant(env: gymnasium.Env[Any, Any], action: float = 0.3) -> Constant:
     """The same share of the scale on every wheel."""
-    return Constant(np.full(_rover(env).action_space.shape or (), action, dtype=np.float32))
+    return Constant(np.full(rover_of(env).action_space.shape or (), action, dtype=np.float32))
 
 
 class ControllerPolicy:
@@ -98,7 +98,7 @@ class ControllerPolicy:
     """
 
     def __init__(self, env: gymnasium.Env[Any, Any], kind: str, speed: float = 0.25) -> None:
-        setup = _rover(env).setup
+        setup = rover_of(env).setup
         self._model, self._observer = setup.model, setup.observer
         if self._model.control != "torque":
             raise InputError(f"a controller commands torques, this environment's actions are {self._model.control!r}")
@@ -155,7 +155,7 @@ class WheelSpeeds:
     velocity control, whose loops are inside the environment then."""
 
     def __init__(self, env: gymnasium.Env[Any, Any], speed: float = 0.25) -> None:
-        setup = _rover(env).setup
+        setup = rover_of(env).setup
         if setup.model.control not in ("speed", "speed_loop"):
             raise InputError(f"expected wheel speeds as actions, this environment's are {setup.model.control!r}")
         names = setup.observer.names
@@ -175,7 +175,7 @@ class WheelSpeeds:
 def velocity(env: gymnasium.Env[Any, Any], speed: float = 0.25) -> ControllerPolicy | WheelSpeeds:
     """Individual-wheel velocity control, the thesis's baseline: by torques or, where the actions are wheel speeds, by
     those."""
-    if _rover(env).setup.model.control in ("speed", "speed_loop"):
+    if rover_of(env).setup.model.control in ("speed", "speed_loop"):
         return WheelSpeeds(env, speed)
     return ControllerPolicy(env, "velocity", speed)
 
@@ -261,7 +261,12 @@ def evaluate(env: gymnasium.Env[Any, Any], policy: Policy, seeds: Iterable[int])
     )
 
 
-def _rover(env: gymnasium.Env[Any, Any]) -> RoverEnv:
+def rover_of(env: gymnasium.Env[Any, Any]) -> RoverEnv:
+    """The rover inside the wrappers of an environment.
+
+    Raises:
+        InputError: it is not one of bekker's.
+    """
     inner = env.unwrapped
     if not isinstance(inner, RoverEnv):
         raise InputError(f"env: expected an environment of bekker, found {type(inner).__name__}")

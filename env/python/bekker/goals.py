@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .rewards import Step
 
-__all__ = ["Goal", "Hold", "Open", "Reach", "ReachWithinSlip", "Way"]
+__all__ = ["Goal", "Hold", "Open", "Reach", "ReachOnSchedule", "ReachWithinSlip", "ReachWithinSpeed", "Way"]
 
 Bools: TypeAlias = NDArray[np.bool_]
 Floats: TypeAlias = NDArray[np.float64]
@@ -81,6 +81,53 @@ class ReachWithinSlip(Goal):
         way.tally += moved & beyond
         reached = moved & ~step.ended & (way.distance >= self.distance)
         return reached, reached & (way.tally <= self.share * way.steps)
+
+
+@dataclass(frozen=True)
+class ReachWithinSpeed(Goal):
+    """Coming so far ends the episode; success is to have done so faster than a limit for at most a share of the steps."""
+
+    distance: float
+    speed: float
+    """m/s."""
+    share: float
+
+    def way(self) -> float:
+        return self.distance
+
+    def judge(self, step: Step, way: Way, moved: Bools) -> tuple[Bools, Bools]:
+        way.tally += moved & (np.abs(step.signal("velocity")) > self.speed)
+        reached = moved & ~step.ended & (way.distance >= self.distance)
+        return reached, reached & (way.tally <= self.share * way.steps)
+
+
+@dataclass(frozen=True)
+class ReachOnSchedule(Goal):
+    """Coming so far ends the episode; success is to have done so on schedule and with the energy that the schedule allows.
+
+    The schedule is the time that the way takes at the speed asked for, ``target_velocity``: T = distance/target. Success
+    asks for an arrival between ``early`` T and ``late`` T, with an electrical energy of at most
+    m g distance (``energy`` + ``energy_per_speed`` target).
+    """
+
+    distance: float
+    late: float
+    early: float = 0.0
+    energy: float = np.inf
+    """Energy over m g distance that every schedule allows."""
+    energy_per_speed: float = 0.0
+    """What is allowed besides, for each m/s of the speed asked for, s/m."""
+
+    def way(self) -> float:
+        return self.distance
+
+    def judge(self, step: Step, way: Way, moved: Bools) -> tuple[Bools, Bools]:
+        reached = moved & ~step.ended & (way.distance >= self.distance)
+        # In schedules, so that a target of 0, which no arrival keeps, needs no case of its own.
+        gone = way.steps * (step.seconds * step.target_velocity / self.distance)
+        allowed = self.energy + self.energy_per_speed * step.target_velocity
+        thrifty = step.signal("electrical_energy") <= allowed * step.weight * self.distance
+        return reached, reached & (gone >= self.early) & (gone <= self.late) & (gone > 0.0) & thrifty
 
 
 @dataclass(frozen=True)

@@ -210,9 +210,11 @@ class Mechanics:
             slip_limit=setup.slip_limit,
             ended=ended,
             reached=ended,
+            success=ended,
         )
         way = Way(self.distance, numbers.steps, numbers.tally)
         step.reached, success = setup.goal.judge(step, way, moved)
+        step.success = success
         np.copyto(numbers.success, success, where=moved)
         np.copyto(numbers.states, numbers.codes, where=moved)
         numbers.states[step.reached] = GOAL
@@ -297,7 +299,9 @@ class Mechanics:
         self.batch.observe(self._observed, seen)
         goal = self.setup.goal.way()
         left = 1.0 - self.distance / goal if goal > 0.0 else self._zeros
-        observer.add_extras(seen, target_velocity=numbers.target_velocity, goal_distance=left)
+        time = numbers.steps * (self.setup.period / goal) if goal > 0.0 else self._zeros
+        time_left = 1.0 - time * numbers.target_velocity
+        observer.add_extras(seen, target_velocity=numbers.target_velocity, goal_distance=left, time_left=time_left)
         return seen
 
     def columns(self) -> dict[str, NDArray[Any]]:
@@ -336,6 +340,16 @@ class Mechanics:
             info[key] = value
         info["drawn"] = {name: float(values[index]) for name, (values, mask) in numbers.drawn.items() if mask[index]}
         return info
+
+    def asked(self, index: int) -> dict[str, float]:
+        """What a picture shows of the task: the goal's place along x (m), the speed asked for (m/s), the reward of the step."""
+        numbers, way = self._numbers, self.setup.goal.way()
+        shown = {"reward": float(self.rewards()[index])}
+        if way > 0.0:
+            shown["goal"] = float(numbers.start_x[index]) + way
+        if numbers.target_velocity[index] != 0.0:
+            shown["target"] = float(numbers.target_velocity[index])
+        return shown
 
     @property
     def drawn(self) -> Mapping[str, tuple[Floats, Bools]]:

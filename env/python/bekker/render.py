@@ -2,7 +2,8 @@
 """Pictures of rovers: what ``render()`` of the environments gives.
 
 - ``rgb_array``: a frame, height x width x 3 bytes, drawn in Rust without a display: the rover in its cross-section of the
-  ground, ruts as deep as the wheels have sunk, normal forces and drawbar pulls, time, speed and slip.
+  ground, loose soil paler, ruts as deep as the wheels have sunk, normal forces and drawbar pulls, time, reward, speed and slip,
+  and where the task has them the goal's flag and the speed asked for.
 - ``ansi``: a line of numbers and the profile of the ground in characters.
 - ``human``: the same frames in a window (pygame or, without it, matplotlib), shown by every step, reset and restored
   snapshot; ``render()`` itself has nothing left to do. A process has one window of pygame.
@@ -81,7 +82,7 @@ class Gallery:
         time, row = mechanics.batch.time(index), np.ascontiguousarray(mechanics.signals[index])
         if self.mode == "ansi":
             return renderer.text(time, row, mechanics.status(index))
-        return renderer.frame(time, row, mechanics.status(index))
+        return renderer.frame(time, row, mechanics.status(index), **mechanics.asked(index))
 
     def close(self) -> None:
         """Closes the window, where there is one."""

@@ -47,6 +47,8 @@ class Step:
     """Whether an event ended the drive in this step."""
     reached: NDArray[np.bool_]
     """Whether the goal was reached in this step."""
+    success: NDArray[np.bool_]
+    """Whether the episode so far is a success, as the goal judges it."""
 
     def signal(self, name: str) -> Floats:
         """A signal at the end of the step."""
@@ -91,11 +93,18 @@ def end(step: Step) -> Floats:
 
 
 def goal(step: Step) -> Floats:
-    return step.reached.astype(np.float64)
+    return (step.reached & step.success).astype(np.float64)
 
 
 def speed_error(step: Step) -> Floats:
     return -np.abs(step.signal("velocity") - step.target_velocity) * step.seconds
+
+
+def relative_speed_error(step: Step) -> Floats:
+    asked = step.target_velocity
+    error = np.abs(step.signal("velocity") - asked)
+    relative = np.divide(error, np.abs(asked), out=np.zeros(len(asked)), where=asked != 0.0)
+    return -relative * step.seconds
 
 
 def slip_excess(step: Step) -> Floats:
@@ -113,8 +122,14 @@ TERMS: dict[str, Term] = {
         Term("climb", 1.0, "metres gained in height", climb),
         Term("energy", 0.2, "minus the electrical energy drawn, divided by the weight m g: metres", energy),
         Term("end", 1.0, "minus one on the step in which an event ends the drive", end),
-        Term("goal", 1.0, "one on the step that reaches the goal", goal),
+        Term("goal", 1.0, "one on the step that reaches the goal with success", goal),
         Term("speed_error", 1.0, "minus the absolute difference between speed and target, integrated over time: metres", speed_error),
+        Term(
+            "relative_speed_error",
+            1.0,
+            "minus the absolute difference between speed and target over the target, integrated over time: seconds; 0 without a target",
+            relative_speed_error,
+        ),
         Term("slip_excess", 1.0, "minus the mean over the wheels of |slip| beyond the limit, integrated over time: seconds", slip_excess),
     )
 }

@@ -6,14 +6,16 @@ With mass m, gravity g, wheel radius r, n wheels and distance L between the oute
 |---|---|---|
 | ``pitch``, ``wheel.contact_angle``, ``link.angle`` | pi/2 | 1.57 rad |
 | ``pitch_rate``, ``link.rate`` | sqrt(g/L) | 3.7 rad/s |
-| ``velocity``, ``target_velocity`` | sqrt(g r), a Froude number of one | 0.99 m/s |
-| ``wheel.speed`` | sqrt(g/r) | 9.9 rad/s |
+| ``wheel.speed`` | 1.2 times the no-load speed U/(N K_t) of the motor, at least sqrt(g/r) | 12.3 rad/s |
+| ``velocity``, ``target_velocity`` | r times that: a Froude number of one at least | 1.23 m/s |
 | ``wheel.slip`` | 1 | 1 |
 | ``wheel.sinkage`` | r | 0.1 m |
 | ``wheel.normal_force``, ``wheel.drawbar_pull`` | m g/n, a wheel's share of the weight | 49 N |
 | ``wheel.torque`` | m g r/n | 4.9 N m |
 | ``wheel.current`` | m g r/n over gear ratio and torque constant | 2.1 A |
-| ``power``, ``electrical_power`` | m g sqrt(g r), the weight lifted at the velocity of one | 97 W |
+| ``power``, ``electrical_power`` | m g sqrt(g r), the weight lifted at a Froude number of one | 97 W |
+
+The supply voltage U bounds the speed of a driven wheel, so wheel speeds and velocities stay within their scales.
 
 An action of one means half of the scale of torque, wheel speed or velocity: half a wheel's weight at its rim is
 about what sand can carry (tan 29 degrees = 0.55).
@@ -33,14 +35,19 @@ from .vocabulary import unknown
 OBSERVED = ("pitch", "pitch_rate", "velocity", "wheel.speed", "wheel.torque", "wheel.contact_angle")
 """What the environment observes by default: what a rover's own sensors can tell."""
 
-EXTRAS = ("target_velocity", "goal_distance")
-"""What can be observed besides signals: the speed that the task asks for, and what is left of the way to the goal, as a share."""
+EXTRAS = ("target_velocity", "goal_distance", "time_left")
+"""What can be observed besides signals: the speed that the task asks for; what is left of the way to the goal, as a share; and
+what is left of the time that the way takes at the speed asked for, as a share."""
 
 RAW_LIMIT = 10.0
 """Bounds of raw observations, in scales."""
 
 ACTION_SHARE = 0.5
 """Share of the scale that an action of one commands."""
+
+NO_LOAD_MARGIN = 1.2
+"""Scale of the wheel speed over the no-load speed. Downhill a wheel drives its motor beyond that speed: 5 N m, the
+weight of the two-wheeled rover on one rim, by 2.1 rad/s, a fifth."""
 
 _COMMANDED = {
     "torque": "wheel.torque",
@@ -63,13 +70,14 @@ def natural_scales(model: Model) -> dict[str, float]:
     if length <= 0.0:
         raise InputError(f"wheel[{model.wheels}].x - wheel[1].x = {length} m: expected the front wheel before the rear")
     power = model.total_mass * gravity * sqrt(gravity * radius)
+    turning = max(sqrt(gravity / radius), NO_LOAD_MARGIN * no_load_speed(model))
     return {
         "pitch": pi / 2,
         "pitch_rate": sqrt(gravity / length),
-        "velocity": sqrt(gravity * radius),
+        "velocity": turning * radius,
         "power": power,
         "electrical_power": power,
-        "wheel.speed": sqrt(gravity / radius),
+        "wheel.speed": turning,
         "wheel.slip": 1.0,
         "wheel.sinkage": radius,
         "wheel.normal_force": share,
@@ -80,6 +88,12 @@ def natural_scales(model: Model) -> dict[str, float]:
         "link.angle": pi / 2,
         "link.rate": sqrt(gravity / length),
     }
+
+
+def no_load_speed(model: Model) -> float:
+    """Wheel speed at which the back-EMF is the supply voltage, rad/s; 0 where no voltage limits a motor."""
+    inverse = 0.0 if model.control == "speed" else model.get("motor.inverse_voltage")
+    return 0.0 if inverse == 0.0 else 1.0 / (inverse * model.get("motor.gear_ratio") * model.get("motor.torque_constant"))
 
 
 def action_scale(model: Model) -> float:

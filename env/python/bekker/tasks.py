@@ -6,7 +6,7 @@ from math import pi, radians, tan
 from typing import Any
 
 from .errors import InputError
-from .goals import Goal, Hold, Open, Reach, ReachWithinSlip
+from .goals import Goal, Hold, Open, ReachOnSchedule, ReachWithinSlip, ReachWithinSpeed
 from .randomise import Distribution, LogUniform, Uniform
 from .rewards import TERMS, Term, terms
 from .scales import OBSERVED
@@ -50,6 +50,8 @@ class Task:
     """The ground, as in the section ``[terrain]`` of a model file; that of the preset where None."""
     parameters: Mapping[str, float] = field(default_factory=dict)
     """Values that replace the preset's."""
+    drive: Mapping[str, float] = field(default_factory=dict)
+    """Values of the drives besides, where they are not ideal ones, which follow a wheel speed exactly."""
     action_scale: float | None = None
     """What an action of one commands, N m or rad/s; half of the natural scale where None."""
     target_velocity: float = 0.0
@@ -71,6 +73,12 @@ class Task:
         """The time limit in control periods of the default length."""
         return round(self.seconds / PERIOD)
 
+
+# Current limits of the amplifiers, beside the supply voltage of the presets. The motor of the vocabulary is of 20 W and 24 V, whose
+# windings bear about 1.2 A all the time: 2 A, 4.7 N m at the wheel, for the 10 kg rover, of which a wheel carries 4.9 N m at its rim.
+# The rovers of 3 kg a side have as much as the drives of the FSRL rover, 0.706 N m.
+_HEAVY = {"motor.inverse_current_limit": 1 / 2.0}
+_LIGHT = {"motor.inverse_current_limit": 1 / 0.3}
 
 # The thesis's sand with a shear modulus of 1 cm, as Wong measured on dry sand, instead of 3 cm: with 3 cm this rover needs about 40 % slip on
 # level ground, and on every climb it digs itself in.
@@ -102,20 +110,22 @@ TASKS: dict[str, Task] = {
             goal=Open(),
             seconds=20.0,
             rewards=tuple(TERMS[name] for name in ("progress", "energy", "end")),
+            drive=_HEAVY,
         ),
         Task(
             name="SpeedHold",
             purpose="Hold a speed over rolling sand with the torques of two wheels. A good task to start with: its reward is "
-            "dense, failures are rare, and there is a velocity controller to compare with.",
+            "dense, events are rare, and there is a velocity controller to compare with.",
             physics="The two-wheeled rover on waves of up to 5 degrees. Sinkage and slip resist the motion, so the torque that a "
             "speed needs changes along each wave and with the soil, which the policy does not observe.",
             success="The mean absolute difference between speed and target, from 3 s after the start on, is at most 10 % of "
             "the target.",
             goal=Hold(share=0.1, after=3.0),
             seconds=20.0,
-            rewards=_weighted(speed_error=10.0, energy=0.2, end=5.0),
+            rewards=_weighted(relative_speed_error=1.0, energy=0.2, end=20.0),
             terrain={"preset": "waves", "amplitude": 0.0, "wavelength": _ROLLING, "start": -10.0},
             parameters=SAND,
+            drive=_HEAVY,
             target_velocity=0.25,
             observe=(TARGET, *OBSERVED),
             randomise={TARGET: Uniform(0.1, 0.4), **SANDS, "terrain.start": Uniform(-10.0 - _ROLLING, -10.0)},
@@ -123,33 +133,39 @@ TASKS: dict[str, Task] = {
         ),
         Task(
             name="SlopeClimb",
-            purpose="Climb three metres of a sand slope within the time limit without digging in. Where the sand is weak and "
-            "the slope steep, wheels that all turn at one constant speed get stuck.",
+            purpose="Climb three metres of a sand slope on schedule: at the mean speed that the episode asks for. The steeper the slope "
+            "and the weaker the sand, the more the wheels slip, and the more they have to turn for the same way.",
             physics="The two-wheeled rover on an inclined plane; its drives control the wheel speeds. Uphill the rear wheel "
-            "carries more load, so that equal speeds leave traction of the front wheel unused. The steepest slopes are close to "
-            "the limit of this sand.",
-            success="The rover has moved three metres along x, which ends the episode.",
-            goal=Reach(3.0),
-            seconds=20.0,
+            "carries more load, so that equal speeds leave traction of the front wheel unused. The policy observes neither the slip nor "
+            "the sand; both follow from speeds, torques and the way gained.",
+            success="The rover has moved three metres along x, which ends the episode, after 90 to 110 % of the time that the way takes "
+            "at the speed asked for.",
+            goal=ReachOnSchedule(3.0, early=0.9, late=1.1),
+            seconds=30.0,
             control="speed_loop",
             rewards=_weighted(progress=1.0, energy=0.1, end=3.0, goal=3.0),
             terrain={"preset": "slope", "slope": 0.0},
             parameters=SAND,
-            randomise={**SANDS, "terrain.slope": Uniform(radians(4.0), radians(12.0))},
-            grades={"terrain.slope": (0.0, radians(8.0))},
+            drive=_HEAVY,
+            target_velocity=0.2,
+            observe=(TARGET, "goal_distance", "time_left", *OBSERVED),
+            randomise={TARGET: Uniform(0.12, 0.3), **SANDS, "terrain.slope": Uniform(radians(2.0), radians(10.0))},
+            grades={"terrain.slope": (0.0, radians(6.0))},
         ),
         Task(
             name="DitchCrossing",
-            purpose="Cross a ditch of loose sand with six wheels. The policy has to distribute the torque among wheels whose "
-            "loads change throughout the crossing.",
+            purpose="Cross a ditch of loose sand with six wheels, and slowly. Full torque crosses it with a run-up; at a speed at which "
+            "cameras and joints are safe, the policy has to distribute the torque among wheels whose loads change throughout the crossing.",
             physics="One side of the FSRL rover of Iagnemma's thesis (appendix C; 4.4.2) in front of a ditch three wheel "
             "diameters wide. The sand in the ditch is loose: it has half the stiffness and a sixth of the cohesion of the sand "
-            "around it. The walls are at most 14 degrees steep. An action of 1 is the torque limit of the drives, 0.706 N m.",
-            success="All wheels are beyond the far rim, 1.6 m along x, which ends the episode.",
-            goal=Reach(_DITCH + _RIM + 0.2 + 0.208),
+            "around it. The walls are at most 14 degrees steep. The stops of the bogie are at 45 degrees. An action of 1 is the torque limit of the drives, 0.706 N m.",
+            success="All wheels are beyond the far rim, 1.6 m along x, which ends the episode, with a speed above 0.3 m/s in at most 10 % of "
+            "the steps.",
+            goal=ReachWithinSpeed(_DITCH + _RIM + 0.2 + 0.208, speed=0.3, share=0.1),
             seconds=30.0,
             rewards=_weighted(progress=2.0, energy=0.2, end=3.0, goal=3.0),
             model="fsrl_ditch",
+            drive=_LIGHT,
             control="torque",
             action_scale=0.706,
             terrain={
@@ -165,33 +181,38 @@ TASKS: dict[str, Task] = {
                 },
             },
             observe=(*OBSERVED, "link.angle"),
-            randomise={"soil.friction_angle": Uniform(radians(27.0), radians(31.0))},
-            grades={"terrain.depth": (0.01, 0.03)},
+            randomise={"soil.friction_angle": Uniform(radians(28.0), radians(32.0)), "terrain.depth": Uniform(0.02, 0.03)},
+            grades={"terrain.depth": (0.01, 0.025)},
         ),
         Task(
             name="EnergyTraverse",
-            purpose="Cross random rough ground with as little energy per metre as possible.",
+            purpose="Cross random rough ground on schedule, with little energy. A fast drive is in time, and a slow one is thrifty: the "
+            "policy has to be as slow as the schedule of the episode allows.",
             physics="One side of a six-wheeled rocker-bogie on dry sand (Wong). Every episode has a new ground with a "
-            "spectrum of k^-3, which is smoother than the k^-2 of ISO 8608. Slip, sinkage and the windings dissipate energy, "
-            "so a smooth drive at even speed needs least.",
-            success="The rover has moved four metres along x, which ends the episode; `electrical_energy` over `distance` "
-            "measures the quality of the drive.",
-            goal=Reach(4.0),
-            seconds=40.0,
+            "spectrum of k^-3, which is smoother than the k^-2 of ISO 8608. Slip, sinkage and the windings dissipate energy, and so do "
+            "the gears, whose friction grows with the speed (0.05 N m s/rad, of 0.01 to 0.1 usual): at 0.25 m/s the drive takes 1.5 "
+            "times the energy per metre that it takes at 0.1 m/s.",
+            success="The rover has moved four metres along x, which ends the episode, within 105 % of the time T that the way takes at the "
+            "speed v asked for, with an electrical energy of at most m g 4 m (0.46 + 2.6 s/m v).",
+            goal=ReachOnSchedule(4.0, late=1.05, energy=0.46, energy_per_speed=2.6),
+            seconds=45.0,
             rewards=_weighted(progress=1.0, energy=1.0, end=3.0, goal=3.0),
             model="rocker_bogie_velocity",
             control="speed_loop",
             terrain={"preset": "random", "roughness": 0.0, "wavelength": 4.0, "exponent": 3.0},
-            observe=(*OBSERVED, "link.angle"),
-            randomise={TERRAIN_SEED: ANY_SEED},
-            grades={"terrain.roughness": (0.0, 0.04)},
+            drive={**_LIGHT, "viscous_friction.coefficient": 0.05},
+            target_velocity=0.15,
+            observe=(TARGET, "goal_distance", "time_left", *OBSERVED, "link.angle"),
+            randomise={TARGET: Uniform(0.1, 0.25), TERRAIN_SEED: ANY_SEED},
+            grades={"terrain.roughness": (0.0, 0.02)},
         ),
         Task(
             name="SlipLimited",
             purpose="Drive with little slip. Wheels that slip dig in, loosen the soil and falsify the odometry, so every step "
             "of a wheel beyond 30 % slip reduces the reward.",
-            physics="The two-wheeled rover on rolling, weak sand (cohesion 200 to 800 Pa), where slightly more torque than "
-            "needed makes the wheels slip. No sensor measures the slip; it follows from wheel speed and velocity.",
+            physics="The two-wheeled rover with a payload that the policy is not told, on rolling, weak sand (cohesion 200 to 800 Pa), "
+            "where slightly more torque than needed makes the wheels slip, and slightly less leaves the rover at rest. No sensor measures "
+            "the slip; it follows from wheel speed and velocity.",
             success="The rover has moved three metres along x, which ends the episode, with a wheel beyond 30 % slip in at "
             "most 10 % of the steps.",
             goal=ReachWithinSlip(3.0, 0.1),
@@ -199,7 +220,8 @@ TASKS: dict[str, Task] = {
             rewards=_weighted(progress=1.0, slip_excess=10.0, end=3.0, goal=3.0),
             terrain={"preset": "waves", "amplitude": 0.0, "wavelength": _ROLLING, "start": 0.5},
             parameters={**SAND, "soil.cohesion": 400.0},
-            randomise={"soil.cohesion": LogUniform(200.0, 800.0)},
+            drive=_HEAVY,
+            randomise={"soil.cohesion": LogUniform(200.0, 800.0), "rover.mass": Uniform(8.0, 12.0)},
             grades={"terrain.amplitude": (0.0, tan(radians(5.0)) * _ROLLING / (2 * pi))},
         ),
     )

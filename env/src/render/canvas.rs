@@ -8,6 +8,9 @@ use tiny_skia::{
 /// Red, green, blue, opacity.
 pub type Colour = [u8; 4];
 
+/// Length of the shortest arrow in its widths: a head of 3.2, and a little of its shaft.
+const SHORTEST: f32 = 4.0;
+
 /// The picture.
 pub struct Canvas {
     pixels: Pixmap,
@@ -105,11 +108,12 @@ impl Canvas {
         self.fill_path(builder.finish(), &paint(colour));
     }
 
-    /// An arrow; one too short for its head is left out.
+    /// An arrow; a short one is thinner, and one of a few pixels is left out.
     pub fn arrow(&mut self, [x, y]: [f32; 2], [dx, dy]: [f32; 2], width: f32, colour: Colour) {
         let length = dx.hypot(dy);
+        let width = width.min(length / SHORTEST);
         let head = 3.2 * width;
-        if length < 1.2 * head {
+        if width < 1.0 {
             return;
         }
         let [ux, uy] = [dx / length, dy / length];

@@ -13,6 +13,9 @@ pub struct Colours {
     surface: Colour,
     depth: Colour,
     edge: Colour,
+    /// Weaker soil, and soil that wheels have pressed.
+    loose: Colour,
+    pressed: Colour,
     grain: [Colour; 3],
     pub ink: Colour,
     pub card: Colour,
@@ -21,11 +24,13 @@ pub struct Colours {
 impl Colours {
     /// The Earth's sand, Mars or the Moon, whichever gravity is near, m/s^2.
     pub fn of(gravity: f64) -> Self {
-        let day = |sky, surface, depth, edge, grain| Self {
+        let day = |sky, surface, depth, edge: Colour, grain: [Colour; 3]| Self {
             sky,
             surface,
             depth,
             edge,
+            loose: grain[0],
+            pressed: edge,
             grain,
             ink: [38, 40, 46, 255],
             card: [255, 255, 255, 205],
@@ -54,7 +59,7 @@ impl Colours {
                 [220, 220, 216, 255],
                 [[214, 214, 210, 150], [72, 72, 74, 140], [130, 130, 130, 160]],
             );
-            Self { ink: [236, 238, 242, 255], card: [16, 18, 24, 205], ..night }
+            Self { ink: [236, 238, 242, 255], card: [16, 18, 24, 205], pressed: [70, 70, 72, 255], ..night }
         }
     }
 }
@@ -67,6 +72,8 @@ pub struct Ruts {
     before: Vec<Option<[f64; 2]>>,
 }
 
+/// Soil that is weaker by less than this is drawn as the rest.
+const LEAST_WEAKNESS: f64 = 0.02;
 /// Length of a cell along x, m.
 const CELL: f64 = 0.004;
 /// A wheel that is further away than this, m, has been put there, not driven.
@@ -123,12 +130,60 @@ pub fn draw(canvas: &mut Canvas, view: &View, rover: &Rover, scene: &Scene, ruts
     let mut soil = top.clone();
     soil.extend([[width + 4.0, height], [0.0, height]]);
     canvas.blend(&soil, (highest, colours.surface), (height, colours.depth));
+    loose(canvas, view, rover, colours, &positions, &top);
     grains(canvas, view, colours, &top);
     let fresh: Vec<[f32; 2]> = positions.iter().map(|x| view.pixel([*x, rover.terrain.at(*x).height])).collect();
     let faint = [colours.edge[0], colours.edge[1], colours.edge[2], 120];
     canvas.dashed(&fresh, 1.0, faint, [5.0, 5.0]);
     canvas.line(&top, 2.0, colours.edge);
+    tracks(canvas, ruts, colours, &positions, &top);
     marks(canvas, view, rover);
+}
+
+/// Share by which the soil at x is weaker than the vehicle's nominal one, in stiffness or in cohesion, whichever is more.
+fn weakness(rover: &Rover, x: f64) -> f64 {
+    let (nominal, here) = (&rover.soil, rover.terrain.soil(&rover.soil, x));
+    let share = |here: f64, nominal: f64| if nominal > 0.0 { 1.0 - here / nominal } else { 0.0 };
+    share(here.k_phi, nominal.k_phi).max(share(here.cohesion, nominal.cohesion)).clamp(0.0, 1.0)
+}
+
+/// Soil that is weaker than the rest, paler down to a depth of a wheel's radius, and named.
+fn loose(canvas: &mut Canvas, view: &View, rover: &Rover, colours: &Colours, positions: &[f64], top: &[[f32; 2]]) {
+    let depth = (rover.wheel.radius * view.scale) as f32;
+    let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
+    let mut deepest: f32 = 0.0;
+    for (x, [column, row]) in positions.iter().zip(top) {
+        let weak = weakness(rover, *x);
+        if weak < LEAST_WEAKNESS {
+            continue;
+        }
+        let [r, g, b, _] = colours.loose;
+        canvas.rectangle([*column, *row], [2.0, depth], [r, g, b, (190.0 * weak) as u8]);
+        (low, high, deepest) = (low.min(*column), high.max(*column), deepest.max(*row));
+    }
+    if high - low > 60.0 {
+        letters::centred(
+            canvas,
+            "loose soil",
+            [0.5 * (low + high), deepest + depth + 14.0],
+            12.0,
+            [255, 255, 255, 220],
+        );
+    }
+}
+
+/// A dark edge where wheels have pressed the soil.
+fn tracks(canvas: &mut Canvas, ruts: &Ruts, colours: &Colours, positions: &[f64], top: &[[f32; 2]]) {
+    let mut pressed: Vec<[f32; 2]> = Vec::new();
+    for (x, [column, row]) in positions.iter().zip(top) {
+        if ruts.depth(*x) > 0.0 {
+            // Below the surface, which stays where it is.
+            pressed.push([*column, *row + 2.5]);
+        } else if !pressed.is_empty() {
+            canvas.line(&std::mem::take(&mut pressed), 5.0, colours.pressed);
+        }
+    }
+    canvas.line(&pressed, 5.0, colours.pressed);
 }
 
 /// Grains that belong to the ground: the same at the same place in every frame.

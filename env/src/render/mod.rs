@@ -3,6 +3,7 @@
 //! The soil is drawn as the model has it: pressed down under the wheels' arcs, and left as deep behind them as they sank.
 
 mod canvas;
+mod flag;
 mod ground;
 mod letters;
 mod panel;
@@ -19,6 +20,17 @@ use ground::Ruts;
 use numpy::{AllowTypeChange, PyArray1, PyArray3, PyArrayLike1, PyArrayMethods};
 use pyo3::prelude::*;
 use scene::Scene;
+
+/// What a task asks for, where a frame is to show it.
+#[derive(Clone, Copy, Default)]
+struct Asked {
+    /// Position of the goal along x, m.
+    goal: Option<f64>,
+    /// Speed to drive at, m/s.
+    target: Option<f64>,
+    /// Reward of the step.
+    reward: Option<f64>,
+}
 
 /// Draws the frames of one run after the other; it remembers the ruts and how far the wheels have turned.
 #[pyclass(module = "bekker")]
@@ -48,17 +60,23 @@ impl Renderer {
     }
 
     /// A frame from the true signals in the vocabulary's order: height x width x 3 bytes. Frames are to be asked for in the
-    /// order of their times; an earlier time starts a new run.
+    /// order of their times; an earlier time starts a new run. `goal` (x, m), `target` (m/s) and `reward` are shown where given.
+    #[pyo3(signature = (time, signals, status, *, goal = None, target = None, reward = None))]
+    #[allow(clippy::too_many_arguments, reason = "names in Python")]
     fn frame<'py>(
         &mut self,
         py: Python<'py>,
         time: f64,
         signals: PyArrayLike1<'py, f64, AllowTypeChange>,
         status: &str,
+        goal: Option<f64>,
+        target: Option<f64>,
+        reward: Option<f64>,
     ) -> PyResult<Bound<'py, PyArray3<u8>>> {
         let signals = self.read(signals.as_array().as_slice().unwrap_or_default())?;
         let (width, height) = self.size;
-        let bytes = py.detach(|| crate::error::fenced(|| self.draw(time, &signals, status)))??;
+        let asked = Asked { goal, target, reward };
+        let bytes = py.detach(|| crate::error::fenced(|| self.draw(time, &signals, status, asked)))??;
         PyArray1::from_vec(py, bytes).reshape([height as usize, width as usize, 3])
     }
 
@@ -90,7 +108,7 @@ impl Renderer {
         Ok(signals)
     }
 
-    fn draw(&mut self, time: f64, signals: &Signals, status: &str) -> PyResult<Vec<u8>> {
+    fn draw(&mut self, time: f64, signals: &Signals, status: &str, asked: Asked) -> PyResult<Vec<u8>> {
         let scene = Scene::new(&self.rover, signals);
         self.remember(time, signals, &scene);
         let view = scene::View::new(&self.rover, &scene, self.size);
@@ -98,9 +116,12 @@ impl Renderer {
             Canvas::new(self.size).ok_or_else(|| InputError::new_err("the frame is too large to be drawn"))?;
         let colours = ground::Colours::of(self.rover.environment.gravity);
         ground::draw(&mut canvas, &view, &self.rover, &scene, &self.ruts, &colours);
+        if let Some(x) = asked.goal {
+            flag::draw(&mut canvas, &view, &self.rover, x);
+        }
         vehicle::draw(&mut canvas, &view, &self.rover, &scene, &self.turned);
         vehicle::forces(&mut canvas, &view, &self.rover, &scene, signals);
-        panel::draw(&mut canvas, time, signals, status, &colours);
+        panel::draw(&mut canvas, time, signals, status, asked, &colours);
         Ok(canvas.rgb())
     }
 

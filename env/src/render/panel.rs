@@ -1,9 +1,10 @@
 //! The numbers: time, speed, slip of each wheel, and what the arrows mean.
 
+use super::Asked;
 use super::canvas::{Canvas, Colour};
 use super::ground::Colours;
 use super::letters;
-use super::vehicle::{DRAWBAR, NORMAL};
+use super::vehicle::{DRAWBAR, NORMAL, PULL};
 use bekker::signals::Signals;
 
 const SIZE: f32 = 13.0;
@@ -14,17 +15,18 @@ const MUCH_SLIP: f64 = 0.4;
 const LITTLE: Colour = [58, 142, 92, 255];
 const MUCH: Colour = [206, 44, 66, 255];
 
-pub fn draw(canvas: &mut Canvas, time: f64, signals: &Signals, status: &str, colours: &Colours) {
+pub fn draw(canvas: &mut Canvas, time: f64, signals: &Signals, status: &str, asked: Asked, colours: &Colours) {
     let wheels = signals.wheels.len();
     let bars = 8.0 + 9.0 * wheels as f32;
-    let lines = [format!("time   {time:6.2} s"), format!("speed {:7.3} m/s", signals.body.velocity), slip(signals)];
+    let lines = lines(time, signals, asked);
+    let count = lines.len() as f32;
     let widest = lines.iter().map(|line| letters::width(line, SIZE)).fold(0.0, f32::max);
-    let size = [widest + 2.0 * EDGE, 3.0 * LINE + bars + 1.5 * EDGE];
+    let size = [widest + 2.0 * EDGE, count * LINE + bars + 1.5 * EDGE];
     canvas.card([EDGE, EDGE], size, 8.0, colours.card);
     for (k, line) in lines.iter().enumerate() {
         letters::write(canvas, line, [2.0 * EDGE, 2.0 * EDGE + k as f32 * LINE], SIZE, colours.ink);
     }
-    let top = 2.0 * EDGE + 3.0 * LINE;
+    let top = 2.0 * EDGE + count * LINE;
     for (k, wheel) in signals.wheels.iter().enumerate() {
         bar(canvas, [2.0 * EDGE, top + 9.0 * k as f32], widest, wheel.slip);
     }
@@ -36,6 +38,17 @@ pub fn draw(canvas: &mut Canvas, time: f64, signals: &Signals, status: &str, col
         canvas.card([left - EDGE, EDGE], [width + 2.0 * EDGE, 1.6 * SIZE + 2.0 * EDGE], 8.0, MUCH);
         letters::write(canvas, &text, [left, 2.0 * EDGE], 1.6 * SIZE, [255, 255, 255, 255]);
     }
+}
+
+/// Time, what the task asks for beside what is, and slip last, above its bars.
+fn lines(time: f64, signals: &Signals, asked: Asked) -> Vec<String> {
+    let mut lines = vec![format!("time   {time:6.2} s")];
+    lines.extend(asked.reward.map(|reward| format!("reward {reward:7.3}")));
+    lines.extend(asked.goal.map(|x| format!("goal in {:5.2} m", x - signals.body.x)));
+    lines.extend(asked.target.map(|target| format!("target{target:7.3} m/s")));
+    lines.push(format!("speed {:7.3} m/s", signals.body.velocity));
+    lines.push(slip(signals));
+    lines
 }
 
 fn slip(signals: &Signals) -> String {
@@ -56,7 +69,7 @@ fn bar(canvas: &mut Canvas, [x, y]: [f32; 2], width: f32, slip: f64) {
 }
 
 fn legend(canvas: &mut Canvas, colours: &Colours) {
-    let texts = [("normal force", NORMAL), ("drawbar pull", DRAWBAR)];
+    let texts = [("normal force".to_owned(), NORMAL), (format!("{PULL} x drawbar pull"), DRAWBAR)];
     let widest = texts.iter().map(|(text, _)| letters::width(text, 0.85 * SIZE)).fold(0.0, f32::max);
     let size = [widest + 34.0 + 2.0 * EDGE, 2.0 * LINE + EDGE];
     let left = canvas.width() - size[0] - EDGE;
@@ -64,6 +77,6 @@ fn legend(canvas: &mut Canvas, colours: &Colours) {
     for (k, (text, colour)) in texts.into_iter().enumerate() {
         let row = 2.0 * EDGE + k as f32 * LINE;
         canvas.arrow([left + EDGE, row + 5.0], [24.0, 0.0], 3.0, colour);
-        letters::write(canvas, text, [left + EDGE + 34.0, row], 0.85 * SIZE, colours.ink);
+        letters::write(canvas, &text, [left + EDGE + 34.0, row], 0.85 * SIZE, colours.ink);
     }
 }

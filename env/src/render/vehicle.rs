@@ -18,6 +18,9 @@ const HUB: Colour = [224, 122, 48, 255];
 pub const NORMAL: Colour = [36, 104, 196, 255];
 pub const DRAWBAR: Colour = [206, 44, 66, 255];
 
+/// How much longer than a normal force a drawbar pull of the same size is drawn: on level ground a wheel pulls with a tenth of its load.
+pub const PULL: f64 = 4.0;
+
 const SPOKES: usize = 6;
 
 pub fn draw(canvas: &mut Canvas, view: &View, rover: &Rover, scene: &Scene, turned: &[f64]) {
@@ -141,7 +144,8 @@ fn draw_wheel(canvas: &mut Canvas, centre: [f32; 2], radius: f64, angle: f64) {
     canvas.disc(centre, 0.11 * outer, HUB);
 }
 
-/// What the soil does to the wheels: a wheel's share of the weight is an arrow of one and a half radii.
+/// What the soil does to the wheels: a wheel's share of the weight is an arrow of one and a half radii. The pull starts at the
+/// wheel's centre, on which it acts: at the rim the soil's edge would hide it.
 pub fn forces(canvas: &mut Canvas, view: &View, rover: &Rover, scene: &Scene, signals: &Signals) {
     let share = rover.total_mass() * rover.environment.gravity / rover.wheels.len().max(1) as f64;
     let scale = 1.5 * scene.radius * view.scale / share.max(f64::MIN_POSITIVE);
@@ -154,6 +158,6 @@ pub fn forces(canvas: &mut Canvas, view: &View, rover: &Rover, scene: &Scene, si
     for (wheel, signal) in scene.wheels.iter().zip(&signals.wheels) {
         let rim = [0, 1].map(|axis| wheel.centre[axis] - scene.radius * wheel.normal[axis]);
         canvas.arrow(view.pixel(rim), pixels(wheel.normal, signal.normal_force), width, NORMAL);
-        canvas.arrow(view.pixel(rim), pixels(wheel.tangent, signal.drawbar_pull), width, DRAWBAR);
+        canvas.arrow(view.pixel(wheel.centre), pixels(wheel.tangent, PULL * signal.drawbar_pull), width, DRAWBAR);
     }
 }
