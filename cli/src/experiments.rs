@@ -1,13 +1,13 @@
 //! Which experiments a command works on: one folder, or several on one soil, and the model.
 
-use crate::compare::write_page;
 use crate::import;
 use crate::model::ModelChanges;
-use crate::output::say;
+use crate::output::write;
 use anyhow::{Result, bail};
-use bekker::diagnosis::{CompareOptions, Given, compare};
+use bekker::diagnosis::Given;
 use bekker::measurement::Experiment;
 use bekker::model::Model;
+use bekker::report::part_page;
 use std::path::{Path, PathBuf};
 
 /// Folders and the model behind them.
@@ -29,33 +29,44 @@ pub struct Experiments {
 impl Experiments {
     /// The experiment, or several as one, and what is given beside. What is no folder and stands last is the model.
     pub fn read(self) -> Result<(Experiment, Given)> {
-        let (folders, model) = match self.experiments.as_slice() {
-            [folders @ .., last] if !folders.is_empty() && !last.is_dir() => (folders, Some(last)),
-            folders => (folders, None),
-        };
-        let mut read = folders.iter().map(|folder| import::read(folder)).collect::<Result<Vec<_>>>()?;
-        let experiment = if read.len() == 1 { read.remove(0) } else { Experiment::joint(read)? };
-        let model = model.map(|path| path.to_string_lossy().into_owned());
-        let mut given = self.changes.with(model).given()?;
-        if let Some(deviation) = self.soil_scatter {
-            if experiment.parts.is_empty() {
-                bail!("--soil-scatter: this is a single experiment; it says how the soils of several differ");
-            }
-            given = given.with_soil_scatter(deviation)?;
-        }
+        let (folders, model) = folders_and_model(&self.experiments);
+        let experiment = read_together(folders)?;
+        let given = self.changes.with(model).given()?;
+        let given = scattered(given, &experiment, self.soil_scatter)?;
         Ok((experiment, given))
     }
+}
+
+/// Folders, and the model behind them: what is no folder and stands last.
+pub fn folders_and_model(paths: &[PathBuf]) -> (&[PathBuf], Option<String>) {
+    match paths {
+        [folders @ .., last] if !folders.is_empty() && !last.is_dir() => {
+            (folders, Some(last.to_string_lossy().into_owned()))
+        }
+        folders => (folders, None),
+    }
+}
+
+/// The experiment of a folder, or several as one.
+pub fn read_together(folders: &[PathBuf]) -> Result<Experiment> {
+    let mut read = folders.iter().map(|folder| import::read(folder)).collect::<Result<Vec<_>>>()?;
+    Ok(if read.len() == 1 { read.remove(0) } else { Experiment::joint(read)? })
+}
+
+/// What is given, with how much the soils of several experiments differ, where that is said.
+pub fn scattered(given: Given, experiment: &Experiment, deviation: Option<f64>) -> Result<Given> {
+    let Some(deviation) = deviation else { return Ok(given) };
+    if experiment.parts.is_empty() {
+        bail!("--soil-scatter: this is a single experiment; it says how the soils of several differ");
+    }
+    Ok(given.with_soil_scatter(deviation)?)
 }
 
 /// Writes a page of each of several experiments with its model, whose first line says what was found of all; the name of the experiment
 /// stands behind that of the file.
 pub fn write_pages(experiment: &Experiment, models: &[(String, Model)], found: &str, page: &Path) -> Result<()> {
-    for (part, (name, model)) in experiment.parts.iter().zip(models) {
-        let mut comparison = compare(model, &part.experiment, &CompareOptions::default())?;
-        comparison.sources.insert(0, format!("fitted together with the others of {}: {found}", experiment.name));
-        let path = beside(page, name);
-        write_page(&comparison, &path)?;
-        say!("wrote {}", path.display());
+    for (part, (name, model)) in models.iter().enumerate() {
+        write(&beside(page, name), &part_page(experiment, part, model, found)?)?;
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! The workbench's server in a thread of its own, without Python.
 
-use crate::compare::{Asked, SoilAsked, failed, given};
+use crate::compare::{Asked, SoilAsked, failed, given, scattered};
 use crate::error::{self, InputError, SimulationError};
 use crate::experiment::Source;
 use bekker::model::Model;
@@ -21,7 +21,7 @@ pub struct NativeStudio {
     thread: Mutex<Option<JoinHandle<Result<(), StudioError>>>>,
 }
 
-/// Starts a server with these experiments. `port` 0 takes a free one; `in_notebook` lets pages of notebooks on this machine show it.
+/// Starts a server with these experiments; `scatter` is that of the soil of those that are several on one soil. `port` 0 takes a free one; `in_notebook` lets pages of notebooks on this machine show it.
 #[pyfunction]
 pub fn open_studio(
     py: Python<'_>,
@@ -29,6 +29,7 @@ pub fn open_studio(
     model: Asked,
     values: BTreeMap<String, f64>,
     soil: SoilAsked,
+    scatter: Option<f64>,
     port: u16,
     in_notebook: bool,
 ) -> PyResult<NativeStudio> {
@@ -36,7 +37,8 @@ pub fn open_studio(
     let mut opened = Vec::new();
     for experiment in experiments {
         let (experiment, _) = experiment.read(py)?;
-        opened.push(Opened { experiment, given: given.clone(), example: false });
+        let given = scattered(given.clone(), scatter.filter(|_| !experiment.parts.is_empty()))?;
+        opened.push(Opened { experiment, given, example: false });
     }
     let address = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port);
     let options = Options { address, experiments: opened, fmu: Some(pack), in_notebook, ..Options::default() };
