@@ -108,6 +108,6 @@ def studio(
     asked, values = given(model, parameters)
     in_notebook = "ipykernel" in sys.modules
     opened = [sources(experiment) for experiment in experiments]
-    lists = [experiment for experiment in experiments if isinstance(experiment, Sequence) and not isinstance(experiment, str)]
+    lists = [one for one in experiments if isinstance(one, Sequence) and not isinstance(one, str)]
     scatter = scatter_of(lists[0] if lists else experiments[0], soil_scatter)
     return Studio(_bekker.open_studio(opened, asked, values, passed(soil_from), scatter, port, in_notebook), height)
