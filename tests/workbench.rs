@@ -119,3 +119,130 @@ fn property_an_effect_has_a_strength_at_which_it_shows() {
     }
     assert!(shown.len() > 15 && shown.values().all(|shown| *shown), "{shown:?}");
 }
+
+/// Plates, a shear box and a wheel as if on one soil: three kinds of experiment.
+fn three_kinds() -> Experiment {
+    let read = |name: &str| Experiment::read(format!("examples/{name}")).unwrap();
+    Experiment::joint(vec![read("sand_plates"), read("sand_shear"), read("sand_wheel")]).unwrap()
+}
+
+/// The same wheel twice.
+fn twice(experiment: &Experiment) -> Experiment {
+    Experiment::joint_named(vec![("a".to_owned(), experiment.clone()), ("b".to_owned(), experiment.clone())]).unwrap()
+}
+
+/// What a trial of a set shows of each part is what the comparison of the set has there, under names of its own.
+fn assert_parts(bench: &Workbench, values: &Values, all: &Fit) {
+    let trial = bench.trial(values, false).unwrap();
+    assert_same(&trial.fit, all);
+    let set = bench.experiment();
+    let mut seen = 0;
+    for (k, (part, runs)) in set.parts.iter().zip(set.runs_of_parts()).enumerate() {
+        let own = bench.trial_of_part(k, &trial, values, false).unwrap().fit;
+        seen += own.rmse.len();
+        for (signal, error) in &own.rmse {
+            assert_eq!(all.rmse[&part.signal(signal)].to_bits(), error.to_bits(), "{signal} of {}", part.name);
+        }
+        for ((mine, of_all), read) in own.runs.iter().zip(&all.runs[runs]).zip(&part.experiment.runs) {
+            assert_eq!((mine.run.as_str(), &of_all.run), (read.name.as_str(), &format!("{}/{}", part.name, read.name)));
+            let names: Vec<String> = mine.signals.iter().map(|signal| part.signal(&signal.signal)).collect();
+            assert_eq!(names, of_all.signals.iter().map(|signal| signal.signal.clone()).collect::<Vec<_>>());
+        }
+        // The part by itself, with what the values of the set are there, gives the same.
+        let values = bench.values_of_part(k, values).unwrap();
+        assert_same(&bench.parts()[k].trial(&values, false).unwrap().fit, &own);
+    }
+    assert_eq!(seen, all.rmse.len());
+}
+
+#[test]
+fn agreement_a_set_has_the_numbers_of_its_comparison() {
+    let set = three_kinds();
+    let bench = Workbench::open(Given::default(), &set).unwrap();
+    let comparison = compare(Given::default(), &set, &CompareOptions::default()).unwrap();
+    assert_parts(&bench, &Values::new(), comparison.fit());
+    assert_eq!(bench.noise_floor(), &comparison.noise_floor);
+    assert_eq!(bench.trial(&Values::new(), false).unwrap().failures, comparison.failures);
+    // A wheel's curves are drawn of its part; tests of a soil have none.
+    let curves = |k: usize| bench.sketch_of_part(k, Axis::Slip, &Values::new());
+    assert!(curves(0).unwrap().is_none() && curves(2).unwrap().is_some());
+    assert!(Workbench::open(Given::default(), &sand()).unwrap().parts().is_empty());
+}
+
+#[test]
+fn agreement_a_calibrated_set_is_the_calibrated_comparison_and_saves_its_models() {
+    let set = three_kinds();
+    let bench = Workbench::open(Given::default(), &set).unwrap().calibrated(&|| false).unwrap();
+    let comparison = compare(Given::default(), &set, &calibrating()).unwrap();
+    let (calibration, fit) = comparison.calibrated.as_ref().unwrap();
+    assert_eq!(&bench.baseline().unwrap().calibration, calibration);
+    assert_eq!(bench.noise_floor(), &comparison.noise_floor);
+    let values = found(&bench);
+    assert_parts(&bench, &values, fit);
+    for (k, (name, model)) in comparison.part_models.iter().enumerate() {
+        let own = bench.model_of_part(k, &values).unwrap();
+        assert_eq!(own.to_toml().unwrap(), model.to_toml().unwrap(), "{name}");
+    }
+}
+
+#[test]
+fn property_an_effect_acts_in_the_parts_in_which_it_is_placed() {
+    let bench = Workbench::open(Given::default(), &twice(&sand())).unwrap();
+    let modelled = |values: &[(&str, f64)]| {
+        let values: Values = values.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
+        let trial = bench.trial(&values, false).unwrap();
+        let of_part = |k: usize| bench.trial_of_part(k, &trial, &values, false).unwrap().fit;
+        (of_part(0), of_part(1), bench.values_of_part(0, &values).unwrap())
+    };
+    let (a, b, _) = modelled(&[]);
+    let (a_with, b_without, _) = modelled(&[("slip_sinkage in a.n1", 0.3)]);
+    let (a_too, b_too, _) = modelled(&[("slip_sinkage.n1", 0.3)]);
+    assert_same(&b, &b_without);
+    assert_same(&a_with, &a_too);
+    assert_same(&a_too, &b_too);
+    assert_ne!(a.rmse, a_with.rmse);
+    // Where an effect acts everywhere and in one part besides, the strengths add up there.
+    let (sum, _, own) = modelled(&[("slip_sinkage.n1", 0.1), ("slip_sinkage in a.n1", 0.2)]);
+    assert_eq!(own["slip_sinkage.n1"], 0.1 + 0.2);
+    assert!((sum.rmse["sinkage"] / a_with.rmse["sinkage"] - 1.0).abs() < 1e-9, "0.1 + 0.2 is 0.3 but for rounding");
+    // The scatter of the soil may carry a part beyond the bounds of the set's own parameter.
+    let most = bench.parameters().iter().find(|p| p.variable.name == "soil.cohesion").unwrap().variable.max;
+    let beyond: Values = [("soil.cohesion".to_owned(), most), ("soil_scatter in a.cohesion".to_owned(), 1.2)].into();
+    let trial = bench.trial(&beyond, false).unwrap();
+    assert!(bench.values_of_part(0, &beyond).unwrap()["soil.cohesion"] > most);
+    assert!(bench.trial_of_part(0, &trial, &beyond, true).is_ok());
+    assert!(bench.sketch_of_part(0, Axis::Slip, &beyond).unwrap().is_some());
+    // What is known of one rig is moved there alone.
+    let (larger, same, own) = modelled(&[("wheel in a.radius", 0.15)]);
+    let alone = Workbench::open(Given::default(), &sand()).unwrap();
+    assert_same(&larger, &alone.trial(&[("wheel.radius".to_owned(), 0.15)].into(), false).unwrap().fit);
+    assert_same(&same, &b);
+    assert_eq!(own["wheel.radius"], 0.15);
+    let values = [("wheel in a.radius".to_owned(), 0.15)].into();
+    let radius = |k: usize| bench.model_of_part(k, &values).unwrap().rover.wheel.radius;
+    assert!(radius(0) == 0.15 && radius(1) != 0.15);
+    // It shows at the same strength wherever it acts.
+    let typical = |name: &str| bench.parameters().iter().find(|p| p.variable.name == name).unwrap().typical;
+    assert_eq!(typical("slip_sinkage in b.n1"), typical("slip_sinkage.n1"));
+    let parts = |name: &str| bench.parameters().iter().find(|p| p.variable.name == name).unwrap().parts.clone();
+    assert_eq!(parts("soil.k_phi"), None);
+    assert_eq!(parts("slip_sinkage.n1"), Some(vec![0, 1]));
+    assert_eq!(parts("slip_sinkage in b.n1"), Some(vec![1]));
+}
+
+#[test]
+fn agreement_a_drive_of_a_set_moves_as_by_itself() {
+    let drive = hill_drive::drive(|_, _| true);
+    let shipped = hill_drive::shipped();
+    let alone = Workbench::open(&shipped, &drive).unwrap();
+    let set = Workbench::open(&shipped, &twice(&drive)).unwrap();
+    let values: Values = [("soil.friction_angle".to_owned(), 0.5)].into();
+    let expected = alone.trial(&values, true).unwrap();
+    let trial = set.trial(&values, false).unwrap();
+    for k in 0..2 {
+        let own = set.trial_of_part(k, &trial, &values, true).unwrap().fit;
+        assert_same(&own, &expected.fit);
+        assert_eq!(own.motion, expected.fit.motion);
+        assert_eq!(set.uncounted_of_part(k), alone.uncounted());
+    }
+}

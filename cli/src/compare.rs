@@ -52,13 +52,8 @@ impl Compare {
         match &self.html {
             Some(path) if !experiment.parts.is_empty() => {
                 let what = if calibrate { "calibrated together" } else { "compared as given" };
-                write_pages(
-                    &experiment,
-                    &comparison.part_models,
-                    what,
-                    &determined_in_words(&comparison.identified),
-                    path,
-                )?;
+                let found = std::iter::once(what.to_owned()).chain(determined_in_words(&comparison.identified));
+                write_pages(&experiment, &comparison.part_models, &found.collect::<Vec<_>>().join(". "), path)?;
             }
             Some(path) => {
                 write_page(&comparison, path)?;

@@ -1,6 +1,6 @@
 //! `bekker diagnose`.
 
-use crate::diagnosis_text::{print, sentence};
+use crate::diagnosis_text::print;
 use crate::experiments::{Experiments, files, write_pages};
 use crate::output::{check_all_writable, check_writable, write, write_json};
 use crate::progress::Reporter;
@@ -9,7 +9,7 @@ use crate::soil_from::SoilFrom;
 use crate::{import, interrupt};
 use anyhow::{Context, Result, bail};
 use bekker::diagnosis::{CompareError, Control, DiagnoseOptions, diagnose};
-use bekker::report::diagnosis_page;
+use bekker::report::{diagnosis_page, verdict_in_words};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -91,7 +91,7 @@ impl Diagnose {
             if experiment.parts.is_empty() {
                 write(path, &diagnosis_page(&diagnosis))?;
             } else {
-                write_pages(&experiment, &diagnosis.improved_parts, &sentence(&diagnosis), &[], path)?;
+                write_pages(&experiment, &diagnosis.improved_parts, &verdict_in_words(&diagnosis), path)?;
             }
         }
         saving.write_all(&diagnosis.improved, &diagnosis.improved_parts, &diagnosis.improved_is())

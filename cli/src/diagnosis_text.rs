@@ -3,15 +3,16 @@
 use crate::output::say;
 use anyhow::Result;
 use bekker::diagnosis::{
-    CandidateResult, Diagnosis, ParameterResult, STANDARD_ERROR, Step, UncountedGroup, UncountedRows, Verdict,
+    CandidateResult, Diagnosis, ParameterResult, STANDARD_ERROR, Step, UncountedGroup, UncountedRows,
 };
+use bekker::report::verdict_in_words;
 
 /// Candidates that are listed.
 const LISTED: usize = 10;
 
 /// Prints the verdict and what it rests on.
 pub fn print(diagnosis: &Diagnosis) -> Result<()> {
-    say!("{}: {}", diagnosis.experiment.name, sentence(diagnosis));
+    say!("{}: {}", diagnosis.experiment.name, verdict_in_words(diagnosis));
     print_steps(diagnosis)?;
     print_candidates(diagnosis)?;
     print_parameters(diagnosis)?;
@@ -75,32 +76,6 @@ fn print_partial(diagnosis: &Diagnosis) -> Result<()> {
         say!("\nnot tried: {}", diagnosis.not_tried.join("; "));
     }
     Ok(())
-}
-
-/// The verdict in a sentence.
-pub fn sentence(diagnosis: &Diagnosis) -> String {
-    let effects = diagnosis.involved_in_words().join(", ");
-    let share = 100.0 * diagnosis.explained_share;
-    let word = diagnosis.verdict.name();
-    match (diagnosis.verdict, diagnosis.involved().len()) {
-        (Verdict::Explained, _) => format!("{word}. The calibrated model leaves only noise; no effect is missing"),
-        (Verdict::EffectMissing, 1) => {
-            format!("{word}. {effects} is missing from the model and accounts for {share:.0} % of the structure")
-        }
-        (Verdict::EffectMissing, _) => {
-            format!("{word}. {effects} are missing from the model and account for {share:.0} % of the structure")
-        }
-        (Verdict::Unexplained, 0) => {
-            format!("{word}. There is more than noise in what the model leaves, and no known effect accounts for it")
-        }
-        (Verdict::Unexplained, _) => {
-            format!("{word}. {effects} accounts for {share:.0} % of the structure only; something else is missing too")
-        }
-        (Verdict::Undetermined, 0) => {
-            format!("{word}. This experiment cannot tell whether an effect is missing")
-        }
-        (Verdict::Undetermined, _) => format!("{word}. This experiment cannot decide on {effects}"),
-    }
 }
 
 /// Errors step by step, fitted and on what was left out.

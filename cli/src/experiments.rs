@@ -1,25 +1,32 @@
 //! Which experiments a command works on: one folder, or several on one soil, and the model.
 
-use crate::compare::write_page;
 use crate::import;
 use crate::model::ModelChanges;
-use crate::output::say;
+use crate::output::write;
 use anyhow::{Context, Result, bail};
-use bekker::diagnosis::{CompareOptions, Given, compare};
+use bekker::diagnosis::Given;
 use bekker::measurement::{Experiment, Share};
 use bekker::model::Model;
+use bekker::report::part_page;
 use std::path::{Path, PathBuf};
 
 /// Folders and the model behind them.
 #[derive(clap::Args)]
 pub struct Experiments {
     /// Folders of experiments, each with `experiment.toml` and CSV files. Several are fitted together: they share the soil's
-    /// parameters, unless --share or `[shared]` in the folders says otherwise, and each keeps its rig and noise. MODEL: a model file (TOML) or the name of a built-in model; else the one that
-    /// `experiment.toml` names, or a plain rover or wheel.
+    /// parameters, unless --share or `[shared]` in the folders says otherwise, and each keeps its rig and noise. MODEL: a model file
+    /// (TOML) or the name of a built-in model; else the one that `experiment.toml` names, or a plain rover or wheel.
     #[arg(required = true, value_name = "EXPERIMENT.. [MODEL]")]
     experiments: Vec<PathBuf>,
     #[command(flatten)]
     changes: ModelChanges,
+    #[command(flatten)]
+    together: Together,
+}
+
+/// What is said of several experiments that are fitted together.
+#[derive(clap::Args)]
+pub struct Together {
     /// Of several experiments: relative standard deviation of the soil from one to the next, 0 where all were made in one bed; 0.05 if not
     /// given.
     #[arg(long, value_name = "SHARE")]
@@ -47,47 +54,52 @@ impl Experiments {
     }
 
     fn read_by(self, read_one: impl Fn(&Path) -> Result<Experiment>) -> Result<(Experiment, Given)> {
-        let (folders, model) = match self.experiments.as_slice() {
-            [folders @ .., last] if !folders.is_empty() && !last.is_dir() => (folders, Some(last)),
-            folders => (folders, None),
-        };
-        let mut read = folders.iter().map(|folder| read_one(folder)).collect::<Result<Vec<_>>>()?;
-        let experiment = if read.len() == 1 { read.remove(0) } else { Experiment::joint(read)? };
-        let model = model.map(|path| path.to_string_lossy().into_owned());
-        let mut given = self.changes.with(model).given()?;
-        if let Some(deviation) = self.soil_scatter {
-            if experiment.parts.is_empty() {
-                bail!("--soil-scatter: this is a single experiment; it says how the soils of several differ");
-            }
-            given = given.with_soil_scatter(deviation)?;
-        }
-        if let Some(share) = &self.share {
-            if experiment.parts.is_empty() {
-                bail!("--share: this is a single experiment; it says what several have in common");
-            }
-            given = given.with_share(share);
-        }
+        let (folders, model) = folders_and_model(&self.experiments);
+        let experiment = read_together(folders, read_one)?;
+        let given = self.together.add_to(self.changes.with(model).given()?, &experiment)?;
         Ok((experiment, given))
     }
 }
 
-/// Writes a page of each of several experiments with its model, whose first lines say what was found of all; the name of the experiment
+impl Together {
+    /// Adds what is said to what is given.
+    pub fn add_to(&self, given: Given, experiment: &Experiment) -> Result<Given> {
+        let option = self.soil_scatter.map(|_| "--soil-scatter").or(self.share.as_ref().map(|_| "--share"));
+        if let Some(option) = option.filter(|_| experiment.parts.is_empty()) {
+            bail!("{option}: this is a single experiment; it says something of several that are fitted together");
+        }
+        let given = match &self.share {
+            Some(share) => given.with_share(share),
+            None => given,
+        };
+        match self.soil_scatter {
+            Some(deviation) => Ok(given.with_soil_scatter(deviation)?),
+            None => Ok(given),
+        }
+    }
+}
+
+/// Folders, and the model behind them: what is no folder and stands last.
+pub fn folders_and_model(paths: &[PathBuf]) -> (&[PathBuf], Option<String>) {
+    match paths {
+        [folders @ .., last] if !folders.is_empty() && !last.is_dir() => {
+            (folders, Some(last.to_string_lossy().into_owned()))
+        }
+        folders => (folders, None),
+    }
+}
+
+/// The experiment of a folder, or several as one.
+pub fn read_together(folders: &[PathBuf], read_one: impl Fn(&Path) -> Result<Experiment>) -> Result<Experiment> {
+    let mut read = folders.iter().map(|folder| read_one(folder)).collect::<Result<Vec<_>>>()?;
+    Ok(if read.len() == 1 { read.remove(0) } else { Experiment::joint(read)? })
+}
+
+/// Writes a page of each of several experiments with its model, whose first line says what was found of all; the name of the experiment
 /// stands behind that of the file.
-pub fn write_pages(
-    experiment: &Experiment,
-    models: &[(String, Model)],
-    found: &str,
-    determined: &[String],
-    page: &Path,
-) -> Result<()> {
-    for (part, (name, model)) in experiment.parts.iter().zip(models) {
-        let mut comparison = compare(model, &part.experiment, &CompareOptions::default())?;
-        let together = std::iter::once(format!("fitted together with the others of {}: {found}", experiment.name));
-        let determined = determined.iter().map(|words| format!("all together: {words}"));
-        comparison.sources.splice(0..0, together.chain(determined));
-        let path = beside(page, name);
-        write_page(&comparison, &path)?;
-        say!("wrote {}", path.display());
+pub fn write_pages(experiment: &Experiment, models: &[(String, Model)], found: &str, page: &Path) -> Result<()> {
+    for (part, (name, model)) in models.iter().enumerate() {
+        write(&beside(page, name), &part_page(experiment, part, model, found)?)?;
     }
     Ok(())
 }

@@ -1,11 +1,11 @@
 //! `bekker studio`.
 
+use crate::experiments::{Together, folders_and_model, read_together};
 use crate::model::ModelArguments;
 use crate::output::say;
 use crate::soil_from::SoilFrom;
 use crate::{example, import, interrupt};
-use anyhow::{Context, Result};
-use bekker::diagnosis::Given;
+use anyhow::{Context, Result, bail};
 use bekker::measurement::Experiment;
 use bekker::model::Model;
 use bekker_studio::{Opened, Options, StudioError};
@@ -18,11 +18,19 @@ use std::path::PathBuf;
 #[derive(clap::Args)]
 #[command(after_help = import::FORMAT)]
 pub struct Studio {
-    /// Folders of experiments, each with `experiment.toml` and CSV files.
+    /// Folders of experiments, each with `experiment.toml` and CSV files. Several are fitted together, as by `bekker
+    /// diagnose`: they share the soil's parameters, or what --share names, and each keeps its rig and noise. MODEL: a model file (TOML) or the name of a built-in
+    /// model; else the one that `experiment.toml` names, or a plain rover or wheel.
+    #[arg(value_name = "EXPERIMENT.. [MODEL]")]
     experiments: Vec<PathBuf>,
-    /// The model beside the experiments: a model file (TOML) or the name of a built-in model.
+    /// Open several experiments each by itself; one of them is chosen on the page.
+    #[arg(long, conflicts_with_all = ["soil_scatter", "share"])]
+    apart: bool,
+    /// The model beside the experiments, as MODEL.
     #[arg(long, value_name = "MODEL")]
     model: Option<String>,
+    #[command(flatten)]
+    together: Together,
     /// Add effects of your own: a TOML file with `[[effect]]` tables; may be given several times.
     #[arg(long, value_name = "FILE")]
     effects_from: Vec<PathBuf>,
@@ -42,16 +50,22 @@ pub struct Studio {
 
 impl Studio {
     pub fn run(self) -> Result<()> {
-        let arguments = ModelArguments::of(self.model, self.effects_from, self.changes);
+        let (folders, last) = folders_and_model(&self.experiments);
+        if let (Some(last), Some(model)) = (&last, &self.model) {
+            bail!("two models are given: {last} and --model {model}");
+        }
+        let arguments = ModelArguments::of(last.or(self.model), self.effects_from, self.changes);
         let given = self.soil.add_to(arguments.given()?)?;
-        let experiments = if self.experiments.is_empty() {
-            vec![shipped(given)?]
-        } else {
-            let opened = |folder: &PathBuf| {
-                let experiment = import::read(folder)?;
-                Ok(Opened { experiment, given: given.clone(), example: false })
-            };
-            self.experiments.iter().map(opened).collect::<Result<_>>()?
+        let opened = |experiment| -> Result<Opened> {
+            let given = self.together.add_to(given.clone(), &experiment)?;
+            Ok(Opened { experiment, given, example: false })
+        };
+        let experiments = match folders {
+            [] => vec![Opened { example: true, ..opened(shipped()?)? }],
+            folders if self.apart => {
+                folders.iter().map(|folder| opened(import::read(folder)?)).collect::<Result<_>>()?
+            }
+            folders => vec![opened(read_together(folders, import::read)?)?],
         };
         interrupt::listen("the workbench ends")?;
         let options = Options { experiments, fmu: Some(pack), ..Options::default() };
@@ -72,10 +86,9 @@ impl Studio {
 }
 
 /// The experiment that travels with the program.
-fn shipped(given: Given) -> Result<Opened> {
+fn shipped() -> Result<Experiment> {
     let texts = example::FILES.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).collect();
-    let experiment = Experiment::from_texts(&texts).context("the shipped example")?;
-    Ok(Opened { experiment, given, example: true })
+    Experiment::from_texts(&texts).context("the shipped example")
 }
 
 fn pack(model: &Model) -> Result<Vec<u8>, String> {

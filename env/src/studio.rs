@@ -1,6 +1,6 @@
 //! The workbench's server in a thread of its own, without Python.
 
-use crate::compare::{Asked, SoilAsked, failed, given};
+use crate::compare::{Asked, SoilAsked, TogetherAsked, failed, given, together as add_together};
 use crate::error::{self, InputError, SimulationError};
 use crate::experiment::Source;
 use bekker::model::Model;
@@ -21,7 +21,8 @@ pub struct NativeStudio {
     thread: Mutex<Option<JoinHandle<Result<(), StudioError>>>>,
 }
 
-/// Starts a server with these experiments. `port` 0 takes a free one; `in_notebook` lets pages of notebooks on this machine show it.
+/// Starts a server with these experiments; `together` is said of those that are several. `port` 0 takes a free one; `in_notebook` lets
+/// pages of notebooks on this machine show it.
 #[pyfunction]
 pub fn open_studio(
     py: Python<'_>,
@@ -29,6 +30,7 @@ pub fn open_studio(
     model: Asked,
     values: BTreeMap<String, f64>,
     soil: SoilAsked,
+    together: TogetherAsked,
     port: u16,
     in_notebook: bool,
 ) -> PyResult<NativeStudio> {
@@ -36,7 +38,8 @@ pub fn open_studio(
     let mut opened = Vec::new();
     for experiment in experiments {
         let (experiment, _) = experiment.read(py)?;
-        opened.push(Opened { experiment, given: given.clone(), example: false });
+        let given = if experiment.parts.is_empty() { given.clone() } else { add_together(given.clone(), &together)? };
+        opened.push(Opened { experiment, given, example: false });
     }
     let address = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), port);
     let options = Options { address, experiments: opened, fmu: Some(pack), in_notebook, ..Options::default() };

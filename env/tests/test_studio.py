@@ -63,3 +63,17 @@ def test_property_what_cannot_be_opened_is_refused(tmp_path: Path) -> None:
         taken.listen()
         with pytest.raises(InputError, match="0 takes a free one"):
             bekker.studio(SAND, port=taken.getsockname()[1])
+
+
+def test_agreement_a_list_is_a_set_on_one_soil() -> None:
+    folders = [SAND.parent / name for name in ("sand_plates", "sand_shear")]
+    with bekker.studio(folders, SAND, soil_scatter=0.1) as bench:
+        listed, _ = asked(f"{bench.url}api/experiments")
+        assert isinstance(listed, dict)
+        assert [one["name"] for one in listed["experiments"]] == ["sand_plates + sand_shear", "a wheel on dry sand"]
+        trial, _ = asked(f"{bench.url}api/experiments/{listed['experiments'][0]['id']}/trial", {"part": "sand_shear"})
+        assert isinstance(trial, dict)
+        comparison = bekker.compare(folders, soil_scatter=0.1)
+        assert comparison.given is not None and trial["rmse"] == comparison.given.rmse
+    with pytest.raises(InputError, match="soil_scatter: expected several experiments"):
+        bekker.studio(SAND, soil_scatter=0.1)

@@ -4,9 +4,10 @@ use super::layout::Layout;
 use super::motion::{Motion, motions};
 use super::prediction::PredictionError;
 use super::problem::Problem;
-use crate::measurement::Experiment;
+use crate::measurement::{Experiment, Part, Run};
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// One signal of one run, one entry a row; NaN where nothing was measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -92,6 +93,24 @@ impl Fit {
         squares.retain(|_, (_, count)| *count > 0);
         let rmse = squares.into_iter().map(|(name, (sum, count))| (name, (sum / count as f64).sqrt())).collect();
         Self { runs, rmse, motion: Vec::new() }
+    }
+
+    /// What it says of one of several experiments, whose runs stand at `runs`: under names of its own.
+    pub(crate) fn of_part(&self, part: &Part, runs: Range<usize>) -> Self {
+        let own = |signal: &SignalFit| {
+            let name = part.own(&signal.signal).unwrap_or(&signal.signal).to_owned();
+            SignalFit { signal: name, ..signal.clone() }
+        };
+        let of_run = |(fit, run): (&RunFit, &Run)| RunFit {
+            run: run.name.clone(),
+            signals: fit.signals.iter().map(own).collect(),
+        };
+        let rmse = self.rmse.iter().filter_map(|(signal, error)| Some((part.own(signal)?.to_owned(), *error)));
+        Self {
+            runs: self.runs[runs].iter().zip(&part.experiment.runs).map(of_run).collect(),
+            rmse: rmse.collect(),
+            motion: Vec::new(),
+        }
     }
 
     /// The same with the motion of the model's rover, at `values` of the parameters that are free with `effects`.

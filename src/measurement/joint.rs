@@ -119,6 +119,12 @@ impl Part {
         format!("{}.{signal}", self.name)
     }
 
+    /// Name that a signal of all parts has in this one; `None` where it is another part's.
+    #[must_use]
+    pub fn own<'a>(&self, signal: &'a str) -> Option<&'a str> {
+        signal.strip_prefix(self.name.as_str())?.strip_prefix('.')
+    }
+
     fn noise(&self) -> impl Iterator<Item = (String, f64)> {
         self.experiment.noise.iter().map(|(signal, deviation)| (self.signal(signal), *deviation))
     }

@@ -17,12 +17,18 @@ const MOST_SENTENCES: usize = 5;
 /// A self-contained HTML page of a comparison: no network, light and dark, readable on a phone.
 #[must_use]
 pub fn comparison_page(comparison: &Comparison) -> String {
+    page_with(comparison, None)
+}
+
+/// The same with a `note` before anything else is said.
+pub(super) fn page_with(comparison: &Comparison, note: Option<&str>) -> String {
     let name = &comparison.experiment.name;
     let mut page = Page::new(&format!("{name}: model and measurement"));
     page.data(saved_comparison(comparison).to_string());
     page.html("<div id=\"first\">");
     page.html(&format!("<h1>{}: model and measurement</h1>", escape(name)));
     page.html(&format!("<p class=\"lead\">{}</p>", escape(&what_was_measured(&comparison.experiment))));
+    page.html(&note.map_or_else(String::new, |note| format!("<p>{}</p>", escape(note))));
     let sentences: String = summary(comparison).iter().map(|s| format!("<p>{}</p>", escape(s))).collect();
     page.html(&format!("<div class=\"verdict\">{sentences}</div>"));
     let view = view(comparison);

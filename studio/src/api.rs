@@ -1,12 +1,12 @@
 //! What the page asks, and the page itself.
 
-use crate::bench::{Bench, Step};
+use crate::bench::Step;
 use crate::error::Refusal;
 use crate::guard::guarded;
 use crate::options::Opened;
 use crate::state::Shared;
 use crate::work::{self, Event, Kind, Order};
-use crate::{page, upload};
+use crate::{export, page, trial, upload};
 use axum::body::Bytes;
 use axum::extract::{DefaultBodyLimit, Path, Query, State};
 use axum::http::StatusCode;
@@ -15,10 +15,7 @@ use axum::response::sse::{self, KeepAlive, Sse};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{delete, get, post, put};
 use axum::{Json, Router, middleware};
-use bekker::diagnosis::{CompareOptions, Workbench, compare};
 use bekker::measurement::{self, Meaning};
-use bekker::report::shown::{self, Form, Values};
-use bekker::report::{comparison_page, diagnosis_page};
 use futures_util::stream::{self, Stream};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -26,7 +23,6 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::sync::{Arc, MutexGuard, PoisonError};
-use std::time::Instant;
 use tokio::sync::broadcast::error::RecvError;
 
 type Answer = Result<Json<Value>, Refusal>;
@@ -92,35 +88,10 @@ async fn experiment(State(shared): State<Shared>, Path(id): Path<String>) -> Ans
     quickly(&shared, move || Ok(Json(bench.shown()))).await
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Trial {
-    #[serde(default)]
-    values: Values,
-    /// The input over which the model is drawn, of a single wheel.
-    #[serde(default)]
-    axis: Option<String>,
-    /// Whether it is asked how the rover moves.
-    #[serde(default)]
-    motion: bool,
-}
-
 async fn trial(State(shared): State<Shared>, Path(id): Path<String>, body: Bytes) -> Answer {
     let bench = shared.bench(&id)?;
-    let asked: Trial = read(&body)?;
-    quickly(&shared, move || {
-        let (workbench, start) = (bench.workbench(), Instant::now());
-        let trial = workbench.trial(&asked.values, asked.motion)?;
-        let axis = asked.axis.as_deref().and_then(shown::axis);
-        let curves = axis.map(|axis| workbench.sketch(axis, &asked.values)).transpose()?.flatten();
-        let form = Form::plain();
-        let mut shown = shown::model(workbench.experiment(), &trial.fit, &trial.failures, &trial.unanswered, &form);
-        let curves = curves.iter().map(|curves| (curves.axis.name(), shown::curves(curves, None, &form)));
-        shown["curves"] = json!(curves.collect::<BTreeMap<_, _>>());
-        shown["milliseconds"] = json!(1e3 * start.elapsed().as_secs_f64());
-        Ok(Json(shown))
-    })
-    .await
+    let asked: trial::Asked = read(&body)?;
+    quickly(&shared, move || Ok(Json(trial::trial(&bench, &asked)?))).await
 }
 
 async fn begin(State(shared): State<Shared>, Path(id): Path<String>, body: Bytes) -> Answer {
@@ -177,63 +148,13 @@ async fn accept(State(shared): State<Shared>, Path(id): Path<String>, body: Byte
     quickly(&shared, move || Ok(Json(json!({ "at": bench.accept(step)? })))).await
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Export {
-    what: What,
-    #[serde(default)]
-    values: Values,
-}
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum What {
-    /// The model as TOML.
-    Toml,
-    /// The model as an FMU.
-    Fmu,
-    /// The page of a comparison with this model.
-    Report,
-    /// The page of the last diagnosis.
-    Diagnosis,
-}
-
 async fn export(State(shared): State<Shared>, Path(id): Path<String>, body: Bytes) -> Result<Response, Refusal> {
     let bench = shared.bench(&id)?;
-    let asked: Export = read(&body)?;
+    let asked: export::Asked = read(&body)?;
     let fmu = shared.fmu;
-    let (kind, ending, bytes) = quickly(&shared, move || {
-        let workbench = bench.workbench();
-        Ok(match asked.what {
-            What::Toml => {
-                let text = workbench.model(&asked.values)?.to_toml().map_err(Refusal::bad)?;
-                ("application/toml", "toml", text.into_bytes())
-            }
-            What::Fmu => {
-                let pack = fmu.ok_or_else(|| Refusal::missing("packer of FMUs in this program"))?;
-                ("application/octet-stream", "fmu", pack(&workbench.model(&asked.values)?).map_err(Refusal::bad)?)
-            }
-            What::Report => {
-                ("text/html; charset=utf-8", "html", report(&bench, &workbench, &asked.values)?.into_bytes())
-            }
-            What::Diagnosis => {
-                let diagnosis =
-                    bench.diagnosis().ok_or_else(|| Refusal::missing("diagnosis yet: rank the effects first"))?;
-                ("text/html; charset=utf-8", "html", diagnosis_page(&diagnosis).into_bytes())
-            }
-        })
-    })
-    .await?;
-    let disposition = format!("attachment; filename=\"{id}.{ending}\"");
-    Ok(([(CONTENT_TYPE, kind.to_owned()), (CONTENT_DISPOSITION, disposition)], bytes).into_response())
-}
-
-/// The page that `bekker compare` writes for a model with these values.
-fn report(bench: &Bench, workbench: &Workbench, values: &Values) -> Result<String, Refusal> {
-    let model = workbench.model(values)?;
-    let given = bench.given.clone().with_model(model, "the model of the workbench");
-    let comparison = compare(given, workbench.experiment(), &CompareOptions::default())?;
-    Ok(comparison_page(&comparison))
+    let file = quickly(&shared, move || export::export(&bench, &asked, fmu)).await?;
+    let disposition = format!("attachment; filename=\"{}\"", file.name);
+    Ok(([(CONTENT_TYPE, file.kind.to_owned()), (CONTENT_DISPOSITION, disposition)], file.bytes).into_response())
 }
 
 async fn new_upload(State(shared): State<Shared>) -> Json<Value> {

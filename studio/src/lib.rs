@@ -14,11 +14,13 @@
 mod api;
 mod bench;
 mod error;
+mod export;
 mod guard;
 mod options;
 mod page;
 mod server;
 mod state;
+mod trial;
 mod upload;
 mod work;
 

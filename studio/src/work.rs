@@ -155,7 +155,8 @@ impl Worker<'_> {
     }
 
     fn rank(&self, order: &Order) -> Result<(), CompareError> {
-        let parameters = self.bench.workbench().parameters();
+        let workbench = self.bench.workbench();
+        let parameters = workbench.parameters();
         let names = |effect: Option<&String>| {
             let own = parameters.iter().filter(|parameter| parameter.effect.as_ref() == effect);
             own.map(|parameter| parameter.variable.name.clone()).collect::<Vec<_>>()

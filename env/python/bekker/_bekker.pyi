@@ -80,10 +80,11 @@ def diagnose(
     together: tuple[float | None, list[str] | None],
 ) -> tuple[NativeDiagnosis | None, BaseException | None]: ...
 def open_studio(
-    experiments: Sequence[_Experiment],
+    experiments: Sequence[_Experiment | Sequence[_Experiment]],
     model: tuple[Model, str] | None,
     values: dict[str, float],
     soil: tuple[str, str] | None,
+    together: tuple[float | None, list[str] | None],
     port: int,
     in_notebook: bool,
 ) -> NativeStudio: ...

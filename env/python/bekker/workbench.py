@@ -3,14 +3,14 @@
 import html
 import sys
 import webbrowser
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from types import TracebackType
 
 from typing_extensions import Self
 
 from . import _bekker
 from .errors import InputError
-from .experiment import ExperimentLike, source
+from .experiment import ExperimentLike, sources, together_of
 from .models import ModelLike, given
 from .soil import SoilLike, passed
 
@@ -71,10 +71,12 @@ class Studio:
 
 
 def studio(
-    *experiments: ExperimentLike,
+    *experiments: ExperimentLike | Sequence[ExperimentLike],
     model: ModelLike | None = None,
     parameters: Mapping[str, float] | None = None,
     soil_from: SoilLike | None = None,
+    soil_scatter: float | None = None,
+    share: Iterable[str] | None = None,
     port: int = 0,
     height: int = 900,
 ) -> Studio:
@@ -82,13 +84,16 @@ def studio(
 
     It listens on this machine's loopback interface only; a kernel on another machine needs a tunnel to its port. Pages of
     notebooks on this machine may show it within theirs, other sites may not. Several experiments are chosen from on the
-    page.
+    page. A list of experiments is a set on one soil, as for :func:`bekker.diagnose`: ``bekker.studio(["plates", "wheel"])``
+    fits them together.
 
     Args:
-        experiments: folders or :class:`Experiment` objects, one or more.
+        experiments: folders, :class:`Experiment` objects, or lists of them, one or more.
         model: the model beside them, as for :func:`compare`.
         parameters: values of parameters by name, SI units.
         soil_from: what another experiment found of the soil, as in :func:`bekker.compare`.
+        soil_scatter: for lists, as in :func:`bekker.diagnose`.
+        share: for lists, as in :func:`bekker.diagnose`.
         port: the port to listen on; 0 takes a free one.
         height: height of the page in a notebook, pixels.
 
@@ -104,5 +109,7 @@ def studio(
         raise InputError(f"height: {height} pixels show nothing, expected 100 or more")
     asked, values = given(model, parameters)
     in_notebook = "ipykernel" in sys.modules
-    sources = [source(experiment) for experiment in experiments]
-    return Studio(_bekker.open_studio(sources, asked, values, passed(soil_from), port, in_notebook), height)
+    opened = [sources(experiment) for experiment in experiments]
+    lists = [one for one in experiments if isinstance(one, Sequence) and not isinstance(one, str)]
+    together = together_of(lists[0] if lists else experiments[0], soil_scatter, share)
+    return Studio(_bekker.open_studio(opened, asked, values, passed(soil_from), together, port, in_notebook), height)

@@ -18,6 +18,7 @@ use crate::diagnosis::windows::Windows;
 use crate::measurement::{Experiment, Part, SensorError, Share};
 use crate::model::Model;
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -125,6 +126,32 @@ impl<'a> Problem<'a> {
             (self.experiment.parts[k].name.clone(), part.saved(&placed.free, &values))
         };
         (0..self.parts.len()).map(saved).collect()
+    }
+
+    /// Part number `k` as a problem of its own: with the effects that may act in it, and what the others state of the soil.
+    pub fn part_by_itself(&self, k: usize) -> Problem<'static> {
+        let mut part = self.part_of(k);
+        part.library.clone_from(&self.parts[k].library);
+        part.experiment.to_mut().parameters.clone_from(&self.parts[k].experiment.parameters);
+        part.owned()
+    }
+
+    /// What `values` of the `free` parameters of the whole are in part number `k`, by the names of its own model.
+    pub fn values_in_part(&self, k: usize, free: &[Free], values: &[f64]) -> BTreeMap<String, f64> {
+        let placed = Placed::of(free, &self.parts[k], k);
+        let own = placed.values(values, free);
+        placed.free.into_iter().map(|free| free.variable.name).zip(own).collect()
+    }
+
+    /// Takes another value for a parameter that is known in part number `k`, by its name there.
+    pub fn set_known_in_part(&mut self, k: usize, name: &str, value: f64) {
+        Arc::make_mut(&mut self.parts[k]).set_known(name, value);
+        for run in self.experiment.runs_of_parts()[k].clone() {
+            if !self.experiment.recorded_run(run).parameters.contains_key(name) {
+                set_unchecked(&mut self.models[run], name, value);
+            }
+        }
+        self.sensitivities = None;
     }
 
     /// The parts of a joint experiment in which an effect acts, by name; none of a single experiment, in which it acts everywhere.
@@ -259,11 +286,25 @@ fn merged_library(problems: &[Problem], experiment: &Experiment) -> Vec<Candidat
 /// A parameter that acts in some parts; `suffix` on the name of what it belongs to says where.
 fn within(free: &Free, parts: &[usize], suffix: &str) -> Free {
     let name = free.variable.name.clone();
-    let split = if SensorError::is_named(&name) { name.rsplit_once('.') } else { name.split_once('.') };
     let mut own = free.clone();
-    own.variable.name = split.map_or_else(|| format!("{name}{suffix}"), |(of, field)| format!("{of}{suffix}.{field}"));
+    own.variable.name = placed_name(&name, suffix);
     own.within = Some(Within { parts: parts.to_vec(), name, factor_of: Vec::new() });
     own
+}
+
+/// The name of a parameter with `suffix` on what it belongs to.
+fn placed_name(name: &str, suffix: &str) -> String {
+    let split = if SensorError::is_named(name) { name.rsplit_once('.') } else { name.split_once('.') };
+    split.map_or_else(|| format!("{name}{suffix}"), |(of, field)| format!("{of}{suffix}.{field}"))
+}
+
+/// Name of a known parameter of one of several experiments among those of all: its own where they share it.
+pub(crate) fn name_in_part(name: &str, part: &Part) -> String {
+    if Share::of(name) == Some(Share::Soil) {
+        name.to_owned()
+    } else {
+        placed_name(name, &format!("{IN}{}", part.name))
+    }
 }
 
 impl Problem<'_> {

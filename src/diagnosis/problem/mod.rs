@@ -29,6 +29,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+pub(super) use joint::name_in_part;
 pub use joint::plain_effect;
 pub(super) use parameters::class_priors;
 use parameters::{base_parameters, library};

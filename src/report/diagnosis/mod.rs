@@ -10,6 +10,7 @@ mod parameters;
 mod words;
 
 pub(super) use measured::how_drawn;
+pub use words::verdict_in_words;
 
 use super::drive;
 use super::page::{Page, escape};

@@ -57,6 +57,33 @@ pub(super) fn p_value(p: f64, smallest: f64) -> String {
     if p <= smallest * (1.0 + 1e-9) { format!("\u{2264} {}", short(smallest)) } else { digits(p) }
 }
 
+/// The verdict in a line: its name, and what it says.
+#[must_use]
+pub fn verdict_in_words(diagnosis: &Diagnosis) -> String {
+    let effects = diagnosis.involved_in_words().join(", ");
+    let share = 100.0 * diagnosis.explained_share;
+    let word = diagnosis.verdict.name();
+    match (diagnosis.verdict, diagnosis.involved().len()) {
+        (Verdict::Explained, _) => format!("{word}. The calibrated model leaves only noise; no effect is missing"),
+        (Verdict::EffectMissing, 1) => {
+            format!("{word}. {effects} is missing from the model and accounts for {share:.0} % of the structure")
+        }
+        (Verdict::EffectMissing, _) => {
+            format!("{word}. {effects} are missing from the model and account for {share:.0} % of the structure")
+        }
+        (Verdict::Unexplained, 0) => {
+            format!("{word}. There is more than noise in what the model leaves, and no known effect accounts for it")
+        }
+        (Verdict::Unexplained, _) => {
+            format!("{word}. {effects} accounts for {share:.0} % of the structure only; something else is missing too")
+        }
+        (Verdict::Undetermined, 0) => {
+            format!("{word}. This experiment cannot tell whether an effect is missing")
+        }
+        (Verdict::Undetermined, _) => format!("{word}. This experiment cannot decide on {effects}"),
+    }
+}
+
 /// The verdict in one sentence.
 pub(super) fn answer(diagnosis: &Diagnosis) -> String {
     let (named, tied) = named_and_tied(diagnosis);

@@ -4,6 +4,8 @@ import type { Values } from "./types";
 
 export interface View {
   experiment: string;
+  /** Which of several experiments on one soil is shown, by its short name; the first where it is empty. */
+  part: string;
   /** The step of the history. */
   at: number;
   /** Effects that are on. */
@@ -29,6 +31,7 @@ export interface View {
 
 const EMPTY: View = {
   experiment: "",
+  part: "",
   at: 0,
   on: [],
   set: {},
@@ -60,6 +63,7 @@ export function readView(hash: string = location.hash): View {
   return {
     ...EMPTY,
     experiment: all.get("e") ?? "",
+    part: all.get("part") ?? "",
     at: numbers(all.get("at"))[0] ?? 0,
     on: (all.get("on") ?? "").split(",").filter(Boolean),
     set,
@@ -79,6 +83,7 @@ function written(view: View): string {
   const all = new URLSearchParams();
   const put = (name: string, value: string, unless = "") => value !== unless && all.set(name, value);
   put("e", view.experiment);
+  put("part", view.part);
   put("at", String(view.at));
   put("on", view.on.join(","));
   put("set", Object.entries(view.set).map(([name, value]) => `${name}:${value}`).join(","));

@@ -1,10 +1,11 @@
 /** Effects with toggles and strengths, and what the ranking found of each. */
 
-import { useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 import { column, listed, quantity, short, spoken } from "./format";
 import { useStore } from "./hooks";
+import { families, placeOf, plainName } from "./set";
 import { keyOf, store } from "./store";
-import type { Candidate, Parameter } from "./types";
+import type { Candidate, EffectInfo, Parameter } from "./types";
 
 /** Parameters that a search shows. */
 const MOST_FOUND = 8;
@@ -37,17 +38,18 @@ export function Slider({ parameter, label }: { parameter: Parameter; label: stri
   const movable = store.range(parameter);
   const range: Range = movable ?? [parameter.min, parameter.max];
   const text = `${short(value * parameter.factor)}${parameter.unit ? ` ${parameter.unit}` : ""}`;
+  const id = `p-${parameter.name.replaceAll(" ", "-")}`;
   const found = store.found.get(keyOf(store.view.on))?.fitted?.[parameter.name];
   const fitted = found && found.value === value ? found : parameter.fitted?.value === value ? parameter.fitted : null;
   return (
     <div class="slider" title={parameter.about}>
-      <label for={`p-${parameter.name}`}>{label}</label>
-      <output for={`p-${parameter.name}`}>
+      <label for={id}>{label}</label>
+      <output for={id}>
         {text}
         {fitted?.std != null && <span class="soft"> ± {short(fitted.std * parameter.factor)}</span>}
       </output>
       <input
-        id={`p-${parameter.name}`}
+        id={id}
         type="range"
         min={0}
         max={STEPS}
@@ -85,20 +87,55 @@ function words(candidate: Candidate | undefined, gain: number | null, best: bool
   return best ? "best single effect" : candidate.p_value > 0.05 ? "no more than noise" : "explained by others";
 }
 
-function Effect({ id, about, gain, most, best }: { id: string; about: string; gain: number | null; most: number; best: boolean }) {
-  const { view, diagnosis } = useStore();
-  const on = view.on.includes(id);
+interface Row {
+  /** The effect wherever it may act, and where it acts or would act first. */
+  family: EffectInfo[];
+  shown: EffectInfo;
+  on: boolean;
+}
+
+/** A row for every place in which an effect acts; one for an effect that does not, where it would gain the most. */
+function rowsOf(family: EffectInfo[], on: string[], gains: Map<string, number | null>): Row[] {
+  const acting = family.filter(({ id }) => on.includes(id));
+  if (acting.length) return acting.map((shown) => ({ family, shown, on: true }));
+  const best = family.reduce((most, one) => ((gains.get(one.id) ?? 0) > (gains.get(most.id) ?? 0) ? one : most));
+  return [{ family, shown: best, on: false }];
+}
+
+function Effect({ row, gains, most, best }: { row: Row; gains: Map<string, number | null>; most: number; best: string | undefined }) {
+  const { diagnosis, whole } = useStore();
+  const [chosen, choose] = useState("");
+  const { family, on } = row;
+  const shown = on ? row.shown : (family.find(({ id }) => id === chosen) ?? row.shown);
+  const { id, about } = shown;
+  const gain = gains.get(id) ?? null;
   const candidate = diagnosis?.candidates.find((one) => one.effect === id);
+  const several = whole !== null && family.length > 1;
+  const place = (elsewhere: string) => (on ? store.place(id, elsewhere) : choose(elsewhere));
+  // What was chosen before is over once it has acted.
+  useEffect(() => {
+    if (on) choose("");
+  }, [on]);
+  const described = `about-${id.replaceAll(" ", "-")}`;
   return (
     <li class={on ? "effect on" : "effect"}>
       <label class="toggle">
-        <input type="checkbox" role="switch" checked={on} disabled={!store.canToggle(id)} onChange={() => store.toggle(id)} aria-describedby={`about-${id}`} />
-        <span class="name">{spoken(id)}</span>
+        <input type="checkbox" role="switch" checked={on} disabled={!store.canToggle(id)} onChange={() => store.toggle(id)} aria-describedby={described} />
+        <span class="name">{spoken(several ? shown.plain : id)}</span>
         <Gain gain={gain} most={most} candidate={candidate} />
       </label>
-      <p id={`about-${id}`} class="about">
+      {several && (
+        <label class="where">
+          <span class="unseen">Where {spoken(shown.plain)} acts</span>
+          <select value={id} onChange={(event) => place(event.currentTarget.value)}>
+            {family.map((one) => <option key={one.id} value={one.id}>{placeOf(one, whole)}</option>)}
+          </select>
+        </label>
+      )}
+      <p id={described} class="about">
         {about}
-        {(candidate || gain !== null) && <em> {words(candidate, gain, best)}</em>}
+        {!several && whole !== null && whole.parts.length > 1 && shown.parts && <> Acts {placeOf(shown, whole)}.</>}
+        {(candidate || gain !== null) && <em> {words(candidate, gain, id === best)}</em>}
       </p>
       {on && store.parametersOf(id).map((parameter) => (
         <Slider key={parameter.name} parameter={parameter} label={spoken(parameter.name.slice(id.length + 1))} />
@@ -109,24 +146,25 @@ function Effect({ id, about, gain, most, best }: { id: string; about: string; ga
 
 /** What is taken as known, and may be moved all the same to see what it does. */
 function Known() {
-  const { experiment, view } = useStore();
+  const { experiment, part, view } = useStore();
   const [search, setSearch] = useState("");
-  if (!experiment || experiment.known.length === 0) return null;
+  const known = (experiment?.known ?? []).filter(({ parts }) => !part || !parts || parts.includes(part.part));
+  if (known.length === 0) return null;
   const words = search.toLowerCase().split(/\s+/);
-  const moved = experiment.known.filter(({ name }) => name in store.values());
-  const found = search ? experiment.known.filter(({ name, about }) => words.every((word) => `${name} ${about}`.toLowerCase().replaceAll("_", " ").includes(word))) : [];
+  const moved = known.filter(({ name }) => name in store.values());
+  const found = search ? known.filter(({ name, about }) => words.every((word) => `${name} ${about}`.toLowerCase().replaceAll("_", " ").includes(word))) : [];
   const shown = [...new Set([...moved, ...found.slice(0, MOST_FOUND)])];
   return (
     <details class="card" open={moved.some(({ name }) => name in view.set) || undefined}>
       <summary><h2>What is taken as known</h2></summary>
-      <p class="hint">Dimensions, masses and whatever else no calibration of this experiment moves: {experiment.known.length} parameters.</p>
+      <p class="hint">Dimensions, masses and whatever else no calibration moves: {known.length} parameters{part && ` of ${part.part}`}.</p>
       <label>
         Find a parameter{" "}
         <input type="search" value={search} placeholder="radius" onInput={(event) => setSearch(event.currentTarget.value)} />
       </label>
       {found.length > MOST_FOUND && <p class="hint">{found.length - MOST_FOUND} more; say more of the name.</p>}
       {search && found.length === 0 && <p class="hint">No parameter is called so.</p>}
-      {shown.map((parameter) => <Slider key={parameter.name} parameter={parameter} label={spoken(parameter.name)} />)}
+      {shown.map((parameter) => <Slider key={parameter.name} parameter={parameter} label={plainName(parameter)} />)}
     </details>
   );
 }
@@ -149,17 +187,28 @@ function Interpolation() {
   );
 }
 
+/** Rows keep their place in the page, and with it the keyboard's focus, where an effect comes to act elsewhere. */
+function keyed(rows: Row[]): [string, Row][] {
+  const count = new Map<string, number>();
+  return rows.map((row) => {
+    const { plain } = row.shown;
+    const number = count.get(plain) ?? 0;
+    count.set(plain, number + 1);
+    return [`${plain} ${number}`, row];
+  });
+}
+
 export function Effects() {
   const { experiment, view, jobs, diagnosis } = useStore();
   if (!experiment) return null;
   const accepted = store.accepted;
   const gains = new Map(experiment.effects.map(({ id }) => [id, accepted.includes(id) ? null : store.gain(id)]));
   const most = Math.max(1, ...[...gains.values()].map((gain) => gain ?? 0));
-  const rank = (id: string) => (view.on.includes(id) ? Number.POSITIVE_INFINITY : (gains.get(id) ?? -1));
+  const rank = ({ shown, on }: Row) => (on ? Number.POSITIVE_INFINITY : (gains.get(shown.id) ?? -1));
   // While a person moves a strength its row stays where it is: the order follows the gains only.
   const offered = experiment.effects.filter(({ id, shows }) => (shows && store.canToggle(id)) || view.on.includes(id));
-  const sorted = offered.sort((p, q) => rank(q.id) - rank(p.id));
-  const hidden = store.saved ? [] : experiment.effects.filter(({ shows }) => !shows);
+  const sorted = families(offered).flatMap((family) => rowsOf(family, view.on, gains)).sort((p, q) => rank(q) - rank(p));
+  const hidden = store.saved ? [] : experiment.effects.filter(({ id, plain, shows }) => !shows && id === plain);
   const unseen = (diagnosis?.invisible ?? []).filter((id) => !hidden.some((one) => one.id === id));
   const searching = jobs.has("rank");
   const shown = [...gains.values()].some((gain) => gain !== null);
@@ -174,9 +223,7 @@ export function Effects() {
         </p>
       )}
       <ul class="effects">
-        {sorted.map(({ id, about }) => (
-          <Effect key={id} id={id} about={about} gain={gains.get(id) ?? null} most={most} best={id === best} />
-        ))}
+        {keyed(sorted).map(([key, row]) => <Effect key={key} row={row} gains={gains} most={most} best={best} />)}
       </ul>
       {store.saved && <Interpolation />}
       {hidden.length > 0 && (
@@ -191,17 +238,24 @@ export function Effects() {
 }
 
 export function Parameters() {
-  const { experiment, jobs, listed: server } = useStore();
+  const { experiment, part, jobs, listed: server } = useStore();
   if (!experiment) return null;
+  const base = store.parametersOf(null);
+  const own = base.filter(({ parts }) => part && parts?.includes(part.part));
+  const elsewhere = base.filter(({ parts }) => part && parts && !parts.includes(part.part));
   const others = (server?.experiments ?? []).filter((one) => one.id !== experiment.id);
   const fitting = jobs.has("fit");
   return (
     <>
     <details class="card" open={false}>
       <summary><h2>Soil and other calibrated parameters</h2></summary>
-      {store.parametersOf(null).map((parameter) => (
+      {part && <h3>Shared by all experiments</h3>}
+      {base.filter((one) => !own.includes(one) && !elsewhere.includes(one)).map((parameter) => (
         <Slider key={parameter.name} parameter={parameter} label={spoken(parameter.name)} />
       ))}
+      {part && own.length > 0 && <h3>Of {part.part} alone</h3>}
+      {own.map((parameter) => <Slider key={parameter.name} parameter={parameter} label={plainName(parameter)} />)}
+      {elsewhere.length > 0 && <p class="hint">{elsewhere.length} more belong to the other experiments and show when these do.</p>}
       {experiment.calibration && (
         <p class="hint">
           ± is the standard error. {experiment.calibration.agreeing} of {experiment.calibration.searches} searches from different starts ended at the

@@ -26,9 +26,9 @@ export function column(experiment: Experiment, name: string): ForPeople {
   return experiment.columns[name] ?? { name: spoken(name), unit: "", factor: 1 };
 }
 
-/** `slip_sinkage` is slip sinkage. */
+/** `slip_sinkage` is slip sinkage; where it acts, behind ` in ` or ` not in `, keeps its name. */
 export function spoken(id: string): string {
-  return id.replaceAll("_", " ");
+  return id.replace(/ in \S+|_/g, (found) => (found === "_" ? " " : found));
 }
 
 export function listed(ids: string[]): string {

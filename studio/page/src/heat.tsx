@@ -88,7 +88,7 @@ function Map({ experiment, trial, signal, x, y }: { experiment: Experiment; tria
   if (!found) return <p>There is nothing to map: these conditions were not recorded beside this signal.</p>;
   const { across, upward, cells } = found;
   const shown = column(experiment, signal);
-  const noise = experiment.noise[signal]?.value ?? trial.rmse[signal] ?? 1;
+  const noise = experiment.noise[signal]?.value ?? store.errorOf(signal, trial.rmse) ?? 1;
   const known = experiment.noise[signal]?.value != null;
   return (
     <>
@@ -125,7 +125,7 @@ function Map({ experiment, trial, signal, x, y }: { experiment: Experiment; tria
 }
 
 export function Failures() {
-  const { experiment, trial, view } = useStore();
+  const { experiment, part, trial, view } = useStore();
   if (!experiment || !trial) return null;
   const all = conditions(experiment, trial);
   const drive = experiment.kind === "traverse";
@@ -145,7 +145,7 @@ export function Failures() {
   const named = all.map((one): [string, string] => [one.key, one.people.name]);
   return (
     <section class="card" aria-labelledby="failures">
-      <h2 id="failures">Where the model fails</h2>
+      <h2 id="failures">Where the model fails{part && `: ${part.part}`}</h2>
       {trial.failures === null ? null : worst.length === 0 ? <p>No mean residual exceeds the noise of one measurement.</p> : (
         <ul>
           {worst.map((failure) => (

@@ -6,22 +6,61 @@ import { canUndo } from "./address";
 import { column, listed, quantity, short, spoken, times } from "./format";
 import { useStore } from "./hooks";
 import { AT_NOISE, keyOf, store } from "./store";
-import type { JobKind } from "./types";
+import type { JobKind, Values } from "./types";
 
 /** Ratios are drawn on a scale that gives small ones room: 1 is the noise. */
 function place(ratio: number, most: number): number {
   return 100 * Math.sqrt(ratio / most);
 }
 
+/** An error and the one before it, on a scale on which the noise is marked. */
+function Track({ ratio, old, most, title }: { ratio: number; old: number | null; most: number; title?: string }) {
+  return (
+    <span class="track" title={title}>
+      {old !== null && <i class="old" style={{ width: `${place(old, most)}%` }} />}
+      <i class={ratio <= AT_NOISE ? "now good" : "now"} style={{ width: `${place(ratio, most)}%` }} />
+      <u style={{ left: `${place(1, most)}%` }} />
+    </span>
+  );
+}
+
+/** Of several experiments on one soil: the error of each and of all, and a choice of the one that is shown. */
+function Parts({ before, most }: { before: Values | undefined; most: number }) {
+  const { whole, part, trial } = useStore();
+  if (!whole || !part || !trial) return null;
+  const row = (now: number | null, old: number | null) =>
+    now === null ? <span class="soft">noise unknown</span> : <><b class="value">{times(now)} noise</b><Track ratio={now} old={old} most={most} /></>;
+  return (
+    <fieldset class="parts">
+      <legend>Experiments on one soil; the plots show the chosen one</legend>
+      {whole.parts.map((one) => (
+        <label key={one.part}>
+          <input type="radio" name="part" value={one.part} checked={(store.view.part || part.part) === one.part} onChange={() => store.choosePart(one.part)} />
+          <span class="name">{one.part}</span>
+          {row(store.overallOf(one, trial.rmse), store.overallOf(one, before))}
+          {one.name !== one.part && <span class="about">{one.name}</span>}
+        </label>
+      ))}
+      <p>
+        <span class="name">all together</span>
+        {row(store.overall(trial.rmse), store.overall(before))}
+      </p>
+    </fieldset>
+  );
+}
+
 export function Errors() {
-  const { experiment, trial, steps, view } = useStore();
-  if (!experiment || !trial) return null;
+  const { experiment, whole, part, trial, steps, view } = useStore();
+  if (!experiment || !whole || !trial) return null;
   const before = steps[store.isChanged() ? view.at : (store.step?.parent ?? view.at)]?.rmse;
-  const ratios = experiment.signals.map((signal) => [store.ratio(signal, trial.rmse) ?? 0, store.ratio(signal, before) ?? 0]).flat();
-  const most = Math.max(4, ...ratios) * 1.05;
+  const own = experiment.signals.map((signal) => [store.ratio(signal, trial.rmse) ?? 0, store.ratio(signal, before) ?? 0]).flat();
+  const ofParts = whole.parts.map((one) => [store.overallOf(one, trial.rmse) ?? 0, store.overallOf(one, before) ?? 0]).flat();
+  const most = Math.max(4, ...own, ...ofParts) * 1.05;
   return (
     <section class="card" aria-labelledby="errors">
       <h2 id="errors">Error against the noise</h2>
+      <Parts before={before} most={most} />
+      {part && <h3>Signals of {part.part}</h3>}
       <ul class="errors">
         {experiment.signals.map((signal) => {
           const ratio = store.ratio(signal, trial.rmse);
@@ -32,16 +71,12 @@ export function Errors() {
             <li key={signal}>
               <span class="name">{shown.name}</span>
               <span class="value">
-                {quantity(trial.rmse[signal], shown)} <b>{ratio === null ? "" : `${times(ratio)} noise`}</b>
+                {quantity(store.errorOf(signal, trial.rmse), shown)} <b>{ratio === null ? "" : `${times(ratio)} noise`}</b>
               </span>
               {ratio === null ? (
                 <span class="soft">noise unknown: no repeats, none stated</span>
               ) : (
-                <span class="track" title={`noise ${quantity(floor?.value, shown)}, from ${floor?.source}`}>
-                  {old !== null && <i class="old" style={{ width: `${place(old, most)}%` }} />}
-                  <i class={ratio <= AT_NOISE ? "now good" : "now"} style={{ width: `${place(ratio, most)}%` }} />
-                  <u style={{ left: `${place(1, most)}%` }} />
-                </span>
+                <Track ratio={ratio} old={old} most={most} title={`noise ${quantity(floor?.value, shown)}, from ${floor?.source}`} />
               )}
             </li>
           );
@@ -213,14 +248,20 @@ function verdict(): string {
   if (!found) return "";
   if (found.interrupted) return "The search was stopped before all was tried.";
   const tied = found.candidates.filter((one) => one.tied).map((one) => one.effect);
-  if (found.verdict === "effect_missing") return `Verdict: ${listed(found.effects)} ${found.effects.length > 1 ? "are" : "is"} missing from the model.`;
+  if (found.verdict === "effect_missing") return `Verdict: ${listed(found.effects.map(placed))} ${found.effects.length > 1 ? "are" : "is"} missing from the model.`;
   if (found.verdict === "explained") return "Verdict: the calibrated model leaves only noise.";
   if (found.verdict === "undetermined") return tied.length ? `Verdict: open; ${listed(tied)} cannot be told apart here.` : "Verdict: open; this experiment cannot decide.";
-  return found.effects.length ? `Verdict: ${listed(found.effects)} explains a part only.` : "Verdict: something is missing that no known effect explains.";
+  return found.effects.length ? `Verdict: ${listed(found.effects.map(placed))} explains a part only.` : "Verdict: something is missing that no known effect explains.";
+}
+
+/** An effect that a diagnosis names, with where it acts of several experiments. */
+function placed(effect: string): string {
+  const parts = store.diagnosis?.where?.[effect];
+  return parts ? [effect, ...parts.map((part, k) => `${k ? "and" : "in"} ${part}`)].join(" ") : effect;
 }
 
 export function Exports() {
-  const { experiment, diagnosis, listed: server, saved, step } = useStore();
+  const { experiment, part, diagnosis, listed: server, saved, step } = useStore();
   if (!experiment) return null;
   if (saved) {
     const toml = step?.toml;
@@ -229,11 +270,12 @@ export function Exports() {
     ) : <p class="hint">This step has no model to save.</p>;
   }
   const out = (what: string, ending: string) => {
-    const name = `${experiment.id}.${ending}`;
-    void save(`api/experiments/${experiment.id}/export`, { what, values: store.values() }, name).catch((error) => store.fail(error));
+    const name = `${experiment.id}${part ? `-${part.part}` : ""}.${ending}`;
+    void save(`api/experiments/${experiment.id}/export`, { what, values: store.values(), part: part?.part }, name).catch((error) => store.fail(error));
   };
   return (
-    <div class="actions" role="group" aria-label="Save the model">
+    <div class="actions" role="group" aria-label={part ? `Save the model of ${part.part}` : "Save the model"}>
+      {part && <p class="hint">Of <b>{part.part}</b>, the experiment that is shown:</p>}
       <button type="button" onClick={() => out("toml", "toml")}>Save model (TOML)</button>
       {server?.fmu && <button type="button" onClick={() => out("fmu", "fmu")}>Save FMU</button>}
       <button type="button" onClick={() => out("report", "html")}>Save report</button>
@@ -301,7 +343,9 @@ export function Next() {
           )}
         </>
       )}
-      {store.saved ? null : jobs.has("separate") ? <Bar kind="separate" /> : (
+      {store.saved ? null : experiment.parts.length ? (
+        <p class="hint">What one of them can tell apart, and what to measure next with its rig: <code>bekker studio</code> with that one alone.</p>
+      ) : jobs.has("separate") ? <Bar kind="separate" /> : (
         <button type="button" onClick={() => void store.begin("separate")}>What can this experiment tell apart?</button>
       )}
     </section>

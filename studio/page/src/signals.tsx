@@ -99,7 +99,7 @@ function Signal({ signal, xName }: { signal: string; xName: string }) {
   if (!experiment || !trial) return null;
   const shown = column(experiment, signal);
   const ratio = store.ratio(signal, trial.rmse);
-  const error = quantity(trial.rmse[signal], shown);
+  const error = quantity(store.errorOf(signal, trial.rmse), shown);
   const title = `${shown.name}: error ${error}${ratio === null ? "" : `, ${short(ratio)} times the noise`}`;
   return (
     <div class="signal">
@@ -157,7 +157,7 @@ function Legend({ experiment }: { experiment: Experiment }) {
 }
 
 export function Signals() {
-  const { experiment, trial, steps, view } = useStore();
+  const { experiment, whole, part, trial, steps, view } = useStore();
   if (!experiment) return null;
   const drive = experiment.kind === "traverse";
   const along = course(experiment);
@@ -167,8 +167,16 @@ export function Signals() {
     store.go({ [which]: value === "" || !Number.isFinite(Number(value)) ? null : Number(value) });
   return (
     <section class="card" aria-labelledby="signals">
-      <h2 id="signals">Measured and modelled</h2>
+      <h2 id="signals">Measured and modelled{part && `: ${part.part}`}</h2>
       <div class="controls">
+        {whole && part && (
+          <label>
+            Experiment{" "}
+            <select value={view.part || part.part} onChange={(event) => store.choosePart(event.currentTarget.value)}>
+              {whole.parts.map((one) => <option key={one.part} value={one.part}>{one.part}</option>)}
+            </select>
+          </label>
+        )}
         {experiment.signals.length > 3 && (
           <label>
             Find a signal{" "}

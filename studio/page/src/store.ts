@@ -3,8 +3,10 @@
 import { get, post, remove } from "./api";
 import { readView, sameView, writeView, type View } from "./address";
 import type { Plan } from "./plan";
+import { spoken } from "./format";
 import { embedded } from "./saved";
-import type { Diagnosis, Experiment, Found, Job, JobKind, Listed, Parameter, Separation, Snapshot, Step, Trial, Values } from "./types";
+import { partOf, shownOf } from "./set";
+import type { Diagnosis, Experiment, Found, Job, JobKind, Listed, Measured, Parameter, Part, Separation, Snapshot, Step, Trial, Values } from "./types";
 import { experimentOf, motionOf, trialOf, type WireModel } from "./wire";
 
 /** Share of a noise floor above which an error is more than noise. */
@@ -15,7 +17,12 @@ export class Store {
   readonly saved = embedded();
   view: View = readView();
   listed: Listed | null = null;
+  /** What is open: an experiment, or several on one soil. */
+  whole: Experiment | null = null;
+  /** The same with the measurements that are shown: of several experiments those of one. They change with the trial that belongs to them. */
   experiment: Experiment | null = null;
+  /** Which of several experiments is shown; null where there is one. */
+  part: Part | null = null;
   steps: Step[] = [];
   found = new Map<string, Found>();
   diagnosis: Diagnosis | null = null;
@@ -73,7 +80,7 @@ export class Store {
   private startSaved(): void {
     const saved = this.saved;
     if (!saved) return;
-    this.experiment = saved.experiment;
+    this.show(saved.experiment, "");
     this.steps = saved.snapshot.steps;
     this.found = new Map(saved.snapshot.found.map((found) => [keyOf(found.effects), found]));
     this.diagnosis = saved.snapshot.diagnosis;
@@ -112,7 +119,7 @@ export class Store {
 
   private async open(id: string): Promise<void> {
     this.events?.close();
-    this.experiment = null;
+    this.show(null, "");
     this.trial = null;
     this.other = null;
     this.steps = [];
@@ -122,11 +129,26 @@ export class Store {
     this.separation = null;
     this.changed();
     try {
-      this.experiment = experimentOf(await get<Experiment>(`api/experiments/${id}`));
+      this.show(experimentOf(await get<Experiment>(`api/experiments/${id}`)), this.view.part);
     } catch (error) {
       return this.fail(error);
     }
     this.listen(id);
+  }
+
+  /** Shows the measurements of an experiment, of several those of one. */
+  private show(whole: Experiment | null, part: string): void {
+    if (whole === this.whole && this.experiment && partOf(whole, part) === this.part) return;
+    this.whole = whole;
+    this.part = partOf(whole, part);
+    this.experiment = whole && shownOf(whole, this.part);
+  }
+
+  /** Chooses which of several experiments is shown. */
+  choosePart(part: string): void {
+    this.touch("part");
+    this.go({ part, run: 0, row: 0, range: null, a: null, b: null, search: "", heat: ["", "", ""] }, true);
+    void this.ask("part");
   }
 
   private listen(id: string): void {
@@ -165,7 +187,7 @@ export class Store {
 
   private async refresh(): Promise<void> {
     if (!this.experiment) return;
-    this.experiment = experimentOf(await get<Experiment>(`api/experiments/${this.experiment.id}`));
+    this.show(experimentOf(await get<Experiment>(`api/experiments/${this.experiment.id}`)), this.part?.part ?? "");
     this.changed();
   }
 
@@ -264,18 +286,34 @@ export class Store {
   toggle(effect: string): void {
     this.touch("toggle");
     if (this.saved) return this.toggleSaved(effect);
-    const on = this.view.on.includes(effect) ? this.view.on.filter((id) => id !== effect) : [...this.view.on, effect];
+    const set = { ...this.view.set };
+    const goesOn = !this.view.on.includes(effect);
+    for (const parameter of this.parametersOf(effect)) {
+      if (goesOn) set[parameter.name] = parameter.typical;
+      else delete set[parameter.name];
+    }
+    this.turn(goesOn ? [...this.view.on, effect] : this.view.on.filter((id) => id !== effect), set);
+  }
+
+  /** Lets an effect act in other ones of several experiments, with the strength that it has. */
+  place(effect: string, elsewhere: string): void {
+    this.touch("toggle");
+    const set = { ...this.view.set };
+    const others = this.parametersOf(elsewhere);
+    this.parametersOf(effect).forEach((parameter, k) => {
+      const other = others[k];
+      if (other) set[other.name] = this.value(parameter);
+      delete set[parameter.name];
+    });
+    this.turn([...this.view.on.filter((id) => id !== effect && id !== elsewhere), elsewhere], set);
+  }
+
+  /** Lets these effects act: with what a fit of them has found or, until it is there, with `otherwise`. */
+  private turn(on: string[], otherwise: Values): void {
     const known = this.found.get(keyOf(on));
-    let set: Values;
+    let set = otherwise;
     if (keyOf(on) === keyOf(this.step?.effects ?? [])) set = {};
     else if (known) set = this.difference(known.values);
-    else {
-      set = { ...this.view.set };
-      for (const parameter of this.parametersOf(effect)) {
-        if (on.includes(effect)) set[parameter.name] = parameter.typical;
-        else delete set[parameter.name];
-      }
-    }
     this.go({ on, set }, true);
     // A fit that came in during a search has no standard errors yet.
     this.following = !known?.fitted && this.experiment?.calibration !== null && keyOf(on) !== keyOf(this.step?.effects ?? []);
@@ -335,8 +373,8 @@ export class Store {
     // What is accepted stays as it was shown, though a fit may still be on its way.
     this.following = false;
     const before = this.step?.effects ?? [];
-    const added = this.view.on.filter((id) => !before.includes(id)).map((id) => `+ ${id.replaceAll("_", " ")}`);
-    const gone = before.filter((id) => !this.view.on.includes(id)).map((id) => `− ${id.replaceAll("_", " ")}`);
+    const added = this.view.on.filter((id) => !before.includes(id)).map((id) => `+ ${spoken(id)}`);
+    const gone = before.filter((id) => !this.view.on.includes(id)).map((id) => `− ${spoken(id)}`);
     const label = [...added, ...gone].join(", ") || "parameters set by hand";
     const step = { label, parent: this.view.at, effects: this.view.on, values: this.values(), rmse: {} };
     try {
@@ -390,12 +428,15 @@ export class Store {
     try {
       do {
         this.askAgain = false;
-        const trial = await this.answer(this.values());
+        const part = this.view.part;
+        const trial = await this.answer(this.values(), part);
         if (this.experiment?.id !== id) break;
-        if (!this.saved) trial.motion = this.trial?.motion ?? [];
+        const another = partOf(this.whole, part) !== this.part;
+        if (!this.saved && !another) trial.motion = this.trial?.motion ?? [];
+        await this.askOther(id, part);
+        this.show(this.whole, part);
         this.trial = trial;
         this.error = null;
-        await this.askOther(id);
         this.changed();
       } while (this.askAgain);
     } catch (error) {
@@ -409,19 +450,22 @@ export class Store {
   private otherIs = "";
 
   /** The model that is drawn beside, where there is one and it is not there already. */
-  private async askOther(id: string): Promise<void> {
+  private async askOther(id: string, part: string): Promise<void> {
     const step = this.view.versus === null ? undefined : this.steps[this.view.versus];
-    const wanted = step ? JSON.stringify([id, this.view.versus, this.view.axis]) : "";
+    const wanted = step ? JSON.stringify([id, part, this.view.versus, this.view.axis]) : "";
     if (wanted === this.otherIs && (this.other !== null) === Boolean(step)) return;
     this.otherIs = wanted;
-    this.other = step ? await this.answer(step.values) : null;
+    this.other = step ? await this.answer(step.values, part) : null;
   }
 
-  private async answer(values: Values): Promise<Trial> {
-    const { experiment, view, saved } = this;
-    if (!experiment) throw new Error("no experiment is open");
+  /** The model with these values beside the measurements of `part`. */
+  private async answer(values: Values, part: string): Promise<Trial> {
+    const { whole, view, saved } = this;
+    if (!whole) throw new Error("no experiment is open");
+    const own = partOf(whole, part);
+    const experiment = shownOf(whole, own);
     if (!saved) {
-      const wire = await post<WireModel>(`api/experiments/${experiment.id}/trial`, { values, axis: view.axis });
+      const wire = await post<WireModel>(`api/experiments/${whole.id}/trial`, { values, axis: view.axis, part: own?.part });
       return trialOf(experiment, wire, view.axis);
     }
     const trial = saved.trial(values, view.axis, view.at);
@@ -455,14 +499,14 @@ export class Store {
 
   /** How the rover moves is asked for once a slider rests: it takes a second simulation. */
   private askMotion(): void {
-    const experiment = this.experiment;
-    if (experiment?.kind !== "traverse" || this.saved) return;
     clearTimeout(this.motionTimer);
+    const { experiment, part } = this;
+    if (experiment?.kind !== "traverse" || this.saved) return;
     this.motionTimer = window.setTimeout(async () => {
       const values = this.values();
       try {
-        const wire = await post<WireModel>(`api/experiments/${experiment.id}/trial`, { values, motion: true });
-        if (this.trial && this.experiment?.id === experiment.id) {
+        const wire = await post<WireModel>(`api/experiments/${experiment.id}/trial`, { values, motion: true, part: part?.part });
+        if (this.trial && this.experiment?.id === experiment.id && this.part?.part === part?.part) {
           this.trial = { ...this.trial, motion: wire.motion.map(motionOf) };
           this.changed();
         }
@@ -472,17 +516,24 @@ export class Store {
     }, 250);
   }
 
-  /** Error over noise of one signal; null where the noise is not known. */
-  ratio(signal: string, rmse: Values | undefined): number | null {
-    const noise = this.experiment?.noise[signal]?.value ?? null;
-    const error = rmse?.[signal];
-    return noise === null || error === undefined || noise <= 0 ? null : error / noise;
+  /** The error of a signal of what is shown, among those of all. */
+  errorOf(signal: string, rmse: Values | undefined): number | undefined {
+    return rmse?.[this.part ? `${this.part.part}.${signal}` : signal];
   }
 
-  /** Root mean square of error over noise of all signals whose noise is known. */
+  /** Error over noise of one signal of what is shown; null where the noise is not known. */
+  ratio(signal: string, rmse: Values | undefined): number | null {
+    return over(this.errorOf(signal, rmse), this.experiment?.noise[signal]?.value);
+  }
+
+  /** Root mean square of error over noise of all signals whose noise is known; of several experiments of all of them. */
   overall(rmse: Values | undefined): number | null {
-    const ratios = (this.experiment?.signals ?? []).map((signal) => this.ratio(signal, rmse)).filter((r) => r !== null);
-    return ratios.length ? Math.sqrt(ratios.reduce((sum, ratio) => sum + ratio * ratio, 0) / ratios.length) : null;
+    return this.whole && together(this.whole, rmse, "");
+  }
+
+  /** The same of one of several experiments. */
+  overallOf(part: Part, rmse: Values | undefined): number | null {
+    return together(part, rmse, `${part.part}.`);
   }
 
   /** The effects to which others are added: none in a report, which has tried each alone. */
@@ -497,6 +548,17 @@ export class Store {
     const withIt = this.found.get(keyOf([...accepted, effect]));
     return without && withIt ? without.chi_square - withIt.chi_square : null;
   }
+}
+
+/** An error over its noise; null where one of them is not known. */
+function over(error: number | undefined, noise: number | null | undefined): number | null {
+  return noise == null || error === undefined || noise <= 0 ? null : error / noise;
+}
+
+/** Root mean square of error over noise; `before` stands before the names of the signals in `rmse`. */
+function together(of: Measured, rmse: Values | undefined, before: string): number | null {
+  const ratios = of.signals.map((signal) => over(rmse?.[before + signal], of.noise[signal]?.value)).filter((ratio) => ratio !== null);
+  return ratios.length ? Math.sqrt(ratios.reduce((sum, ratio) => sum + ratio * ratio, 0) / ratios.length) : null;
 }
 
 export function keyOf(effects: string[]): string {

@@ -38,31 +38,55 @@ export interface Parameter {
   start: number;
   typical: number;
   effect: string | null;
+  /** Of several experiments on one soil those in which it acts; null where it acts in all. */
+  parts: string[] | null;
   prior: { mean: number; sd: number } | null;
   fitted: Fitted | null;
 }
 
 export type Kind = "single_wheel" | "traverse" | "plate_sinkage" | "shear";
 
-export interface Experiment {
-  id: string;
+/** What was measured: of an experiment, or of one of several on one soil under its own names. */
+export interface Measured {
   name: string;
   kind: Kind;
-  example: boolean;
   signals: string[];
   columns: Record<string, ForPeople>;
   runs: Run[];
   noise: Record<string, { value: number | null; source: string }>;
+  uncounted: { run: string; first: number; last: number; why: string; reason: string }[];
+  wheel: { radius: number | null };
+}
+
+/** One of several experiments on one soil; `part` is its short name, with which names of its signals, runs and parameters begin or end. */
+export interface Part extends Measured {
+  part: string;
+}
+
+/** An effect, and of several experiments where it acts: under one `plain` name it may act in all of `parts`, in one, or in all but one. */
+export interface EffectInfo {
+  id: string;
+  plain: string;
+  parts: string[] | null;
+  about: string;
+  /** Whether it can change anything in this kind of experiment. */
+  shows: boolean;
+}
+
+/** Of several experiments on one soil `signals` and `noise` are those of all (`part.signal`), and the rest that is measured stands in
+ * `parts`. */
+export interface Experiment extends Measured {
+  id: string;
+  example: boolean;
   parameters: Parameter[];
   /** What no calibration moves. */
   known: Parameter[];
-  /** `shows` is whether the effect can change anything in this kind of experiment. */
-  effects: { id: string; about: string; shows: boolean }[];
+  effects: EffectInfo[];
   calibration: { chi_square: number; degrees_of_freedom: number; searches: number; agreeing: number; cautions: string[] } | null;
   doubts: string[];
   sources: string[];
-  uncounted: { run: string; first: number; last: number; why: string; reason: string }[];
-  wheel: { radius: number | null };
+  /** Several experiments on one soil; none where there is one. */
+  parts: Part[];
 }
 
 export interface Curve {
@@ -98,6 +122,7 @@ export interface Failure {
 }
 
 export interface Trial {
+  /** By signal; of several experiments of all of them, the rest being of the one that is shown. */
   rmse: Values;
   runs: Record<string, { modelled: Numbers; residual: Numbers }>[];
   unanswered: { run: string; first_row: number; last_row: number; reason: string }[];
@@ -150,6 +175,8 @@ export interface Candidate {
 export interface Diagnosis {
   verdict: "explained" | "effect_missing" | "unexplained" | "undetermined";
   effects: string[];
+  /** Of several experiments those in which each of `effects` acts. */
+  where?: Record<string, string[]>;
   candidates: Candidate[];
   invisible: string[];
   suggestions: { text: string }[];

@@ -30,7 +30,7 @@ function stretches(experiment: Experiment, trial: Trial, run: number, of: string
     let [worst, signal]: [number | null, string] = [null, ""];
     for (const name of of ? [of] : experiment.signals) {
       const own = (trial.runs[run]?.[name]?.residual ?? []).slice(first, last).filter((value) => value !== null);
-      const scale = experiment.noise[name]?.value ?? trial.rmse[name];
+      const scale = experiment.noise[name]?.value ?? store.errorOf(name, trial.rmse);
       if (own.length === 0 || !scale) continue;
       const ratio = Math.sqrt(own.reduce((sum, value) => sum + value * value, 0) / own.length) / scale;
       if (worst === null || ratio > worst) [worst, signal] = [ratio, name];

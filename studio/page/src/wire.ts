@@ -1,6 +1,6 @@
 /** From what a server sends or a saved file holds to what the page draws. */
 
-import type { Curves, Experiment, Motion, Numbers, Trial } from "./types";
+import type { Curves, Experiment, Measured, Motion, Numbers, Trial } from "./types";
 
 /** Numbers as they are, or rounded to whole numbers of two bytes: offset + step × number. */
 export type Packed = Numbers | { o: number; s: number; w: string };
@@ -56,6 +56,10 @@ export interface WireModel extends Omit<Trial, "runs" | "curves" | "motion"> {
 }
 
 export function experimentOf(wire: Experiment): Experiment {
+  return { ...measuredOf(wire), parts: wire.parts.map(measuredOf) };
+}
+
+function measuredOf<M extends Measured>(wire: M): M {
   const columns = (all: Record<string, Packed>) => Object.fromEntries(Object.entries(all).map(([name, packed]) => [name, numbers(packed)]));
   return { ...wire, runs: wire.runs.map((run) => ({ ...run, data: columns(run.data), terrain: run.terrain && columns(run.terrain) })) };
 }

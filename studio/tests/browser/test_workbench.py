@@ -328,7 +328,7 @@ def test_the_saved_report_breaks_no_rule_of_accessibility(browser: Any, report: 
 
 
 def test_several_experiments_two_models_and_an_fmu(browser: Any, drive: Path, tmp_path: Path) -> None:
-    with serving("--port", 0, drive, ROOT / "examples/sand_wheel") as address:
+    with serving("--port", 0, "--apart", drive, ROOT / "examples/sand_wheel") as address:
         page = opened(browser, address, viewport={"width": 1440, "height": 900})
         # Two models beside the measurements, and their differences at a cursor.
         page.get_by_label("Beside it").select_option(label="as given")
@@ -378,6 +378,116 @@ def test_several_experiments_two_models_and_an_fmu(browser: Any, drive: Path, tm
         assert page.strange == []
 
 
+#: Error over noise of the second wheel, in the page.
+WHEEL_2 = "window.bekker.overallOf(window.bekker.whole.parts[1], window.bekker.trial.rmse)"
+
+
+def of_part(page: Any, part: str) -> float:
+    """Error over noise of one of several experiments."""
+    value = page.evaluate(f"window.bekker.overallOf(window.bekker.whole.parts.find((one) => one.part === '{part}'), window.bekker.trial.rmse)")
+    assert isinstance(value, float)
+    return value
+
+
+@pytest.fixture(scope="module")
+def together() -> Iterator[str]:
+    """One wheel twice and plates, as if on one soil."""
+    folders = [ROOT / "examples" / name for name in ("sand_wheel", "sand_wheel", "sand_plates")]
+    with serving("--port", 0, *folders) as found:
+        yield found
+
+
+def test_several_experiments_on_one_soil_have_the_errors_of_the_command_line(browser: Any, together: str, tmp_path: Path) -> None:
+    folders = [ROOT / "examples" / name for name in ("sand_wheel", "sand_wheel", "sand_plates")]
+    command = [PROGRAM, "calibrate", *folders, "--json", tmp_path / "calibrated.json"]
+    subprocess.run([str(part) for part in command], check=True, capture_output=True)
+    page = opened(browser, together)
+    assert page.evaluate("window.bekker.trial.rmse") == json.loads((tmp_path / "calibrated.json").read_text())["rmse"]
+    # By keyboard to the last of them: its plots, its parameters, its address.
+    assert page.get_by_role("radio").count() == 3
+    page.get_by_role("radio", name="sand_wheel ", exact=False).first.focus()
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("ArrowDown")
+    until(page, "window.bekker.experiment.kind === 'plate_sinkage'")
+    assert page.get_by_role("radio", name="sand_plates").is_checked()
+    page.get_by_role("heading", name="Measured and modelled: sand_plates").wait_for()
+    assert "part=sand_plates" in page.url
+    page.get_by_text("Soil and other calibrated parameters").click()
+    page.get_by_role("heading", name="Of sand_plates alone").wait_for()
+    before = page.evaluate("window.bekker.trial.runs")
+    page.reload()
+    until(page, "window.bekker?.trial")
+    assert page.evaluate("window.bekker.trial.runs") == before
+    page.go_back()
+    page.go_back()
+    until(page, "window.bekker.experiment.kind === 'single_wheel'")
+    assert page.strange == []
+
+
+def test_an_effect_acts_in_one_of_several_experiments_or_in_all(browser: Any, together: str) -> None:
+    page = opened(browser, together)
+    first, second = of_part(page, "sand_wheel"), of_part(page, "sand_wheel_2")
+    place = page.get_by_label("Where slip sinkage acts")
+    place.select_option(label="in sand_wheel_2")
+    page.get_by_role("switch", name="slip sinkage").click()
+    until(page, "window.bekker.found.has('slip_sinkage in sand_wheel_2') && !window.bekker.jobs.has('fit')")
+    # The other wheel has the same soil but not the effect: one of them is fitted better, and the effect goes with its own slider.
+    until(page, f"{WHEEL_2} < 0.95 * {second}")
+    assert of_part(page, "sand_wheel") > of_part(page, "sand_wheel_2")
+    assert page.get_by_role("slider", name="n1").count() == 1
+    # In all of them instead; the row and the keyboard's focus stay.
+    place.focus()
+    place.select_option(label="in sand_wheel and sand_wheel_2")
+    until(page, "window.bekker.found.get('slip_sinkage')?.fitted && !window.bekker.jobs.has('fit')")
+    assert page.evaluate("document.activeElement?.closest('.where') !== null")
+    until(page, f"{WHEEL_2} < 0.8 * {second}")
+    assert of_part(page, "sand_wheel") < 0.8 * first
+    whole = overall(page)
+    page.get_by_role("button", name="Accept slip sinkage").click()
+    until(page, "window.bekker.view.at === 2")
+    assert abs(page.evaluate("window.bekker.overall(window.bekker.steps[2].rmse)") - whole) < 1e-9
+    # Each has its own model, and its page says that the others were there.
+    page.get_by_role("radio", name="sand_wheel_2").check()
+    until(page, "window.bekker.part.part === 'sand_wheel_2'")
+    with page.expect_download() as download:
+        page.get_by_role("button", name="Save model (TOML)").first.click()
+    assert download.value.suggested_filename.endswith("-sand_wheel_2.toml")
+    assert "slip_sinkage" in download.value.path().read_text()
+    with page.expect_download(timeout=PATIENCE) as download:
+        page.get_by_role("button", name="Save report").first.click()
+    assert "fitted together" in download.value.path().read_text()
+    assert page.strange == []
+
+
+def test_a_search_in_several_experiments_names_the_effect_and_its_place(browser: Any) -> None:
+    folders = [ROOT / "examples" / name for name in ("sand_plates", "sand_shear")]
+    with serving("--port", 0, *folders) as address:
+        page = opened(browser, address)
+        before = overall(page)
+        page.get_by_role("button", name="Find what is missing").click()
+        until(page, "window.bekker.found.size > 2")
+        until(page, "window.bekker.diagnosis && !window.bekker.jobs.has('rank')")
+        found = page.evaluate("window.bekker.diagnosis.effects")
+        page.get_by_role("button", name="Try ").first.click()
+        until(page, f"window.bekker.overall(window.bekker.trial.rmse) < 0.8 * {before}")
+        assert found
+        with page.expect_download(timeout=PATIENCE) as download:
+            page.get_by_role("button", name="Save page of the diagnosis").first.click()
+        assert "One of sand_plates + sand_shear, fitted together" in download.value.path().read_text()
+        assert page.strange == []
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [390, 1440])
+def test_a_set_breaks_no_rule_of_accessibility(browser: Any, together: str, scheme: str, width: int) -> None:
+    page = opened(browser, together, color_scheme=scheme, viewport={"width": width, "height": 900})
+    page.get_by_role("switch", name="slip sinkage").click()
+    until(page, "!window.bekker.jobs.has('fit')")
+    page.get_by_text("Soil and other calibrated parameters").click()
+    assert violations(page) == []
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), "nothing sticks out"
+
+
 def test_steps_come_back_to_a_server_that_was_started_again(browser: Any) -> None:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
@@ -416,7 +526,7 @@ def test_plots_of_a_hundred_thousand_points(browser: Any, address: str) -> None:
         "id": "log", "name": "log", "kind": "traverse", "example": False, "signals": signals, "columns": dict.fromkeys(data, column),
         "runs": [run], "noise": {name: {"value": 0.1, "source": "stated"} for name in signals}, "parameters": [], "known": [], "effects": [],
         "calibration": {"chi_square": 1, "degrees_of_freedom": 1, "searches": 1, "agreeing": 1, "cautions": []}, "doubts": [], "sources": [],
-        "uncounted": [], "wheel": {"radius": None},
+        "uncounted": [], "wheel": {"radius": None}, "parts": [],
     }  # fmt: skip
     step = {"label": "as given", "parent": None, "effects": [], "values": {}, "rmse": dict.fromkeys(signals, 0.1)}
     model = {"rmse": step["rmse"], "runs": [dict.fromkeys(signals, wave)], "unanswered": [], "failures": [], "motion": [], "curves": {}, "milliseconds": 0}

@@ -34,7 +34,12 @@ pub fn sand() -> Experiment {
 
 /// Starts with the shipped example.
 pub fn started(address: &str) -> Running {
-    let opened = Opened { experiment: sand(), given: Given::default(), example: true };
+    started_with(address, sand())
+}
+
+/// Starts with an experiment.
+pub fn started_with(address: &str, experiment: Experiment) -> Running {
+    let opened = Opened { experiment, given: Given::default(), example: true };
     let address: SocketAddr = address.parse().expect("an address");
     let options = Options { address, experiments: vec![opened], upload_limit: 1 << 20, ..Options::default() };
     let studio = Studio::start(options).expect("a free port");

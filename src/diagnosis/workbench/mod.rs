@@ -1,7 +1,11 @@
 //! An experiment held ready, so that models can be tried on it at once: for interfaces in which people move parameters by hand.
 //!
 //! Reading, placing and cutting an experiment is done once. Each [`trial`](Workbench::trial) then costs one simulation of it.
+//! Of several experiments on one soil a trial is one simulation of all of them; see [`Workbench::parts`].
 //! Runs of a traverse are cut into windows as in a diagnosis, so that trials, calibrations and diagnoses judge alike.
+
+mod parts;
+mod settable;
 
 use super::calibrate::Calibration;
 use super::compare::CompareError;
@@ -16,29 +20,16 @@ use super::noise::{NoiseFloor, noise_floors};
 use super::problem::Problem;
 use super::unanswered::{UnansweredRows, listed};
 use super::uncounted::{UncountedRows, uncounted};
-use crate::measurement::{Experiment, Prior};
+use crate::measurement::Experiment;
 use crate::model::Model;
-use bekker_modeldescription::{Lookup, ParameterError, Role, Variable};
+pub use settable::Adjustable;
+use settable::{Settable, typical};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
-/// Share of the way from neutral to the farther bound at which an effect shows, where the effect itself names no such value.
-const USUAL_STRENGTH: f64 = 0.25;
-
-/// A parameter that a trial may set.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Adjustable {
-    /// Name, unit and meaning; the bounds are those of a calibration.
-    pub variable: Variable,
-    /// Its value in the model as given.
-    pub start: f64,
-    /// What a separate test says of it.
-    pub prior: Option<Prior>,
-    /// The effect that it belongs to; `None` where a calibration of the baseline moves it.
-    pub effect: Option<String>,
-    /// A value at which the effect shows; `start` for others.
-    pub typical: f64,
-}
+/// Values of parameters by name, SI units.
+type Values = BTreeMap<String, f64>;
 
 /// The model with some values of its parameters beside the measurements.
 #[derive(Clone, Debug)]
@@ -66,8 +57,10 @@ pub struct Calibrated {
 #[derive(Clone, Debug)]
 pub struct Workbench {
     problem: Problem<'static>,
+    settable: Arc<Settable>,
     floors: BTreeMap<String, NoiseFloor>,
     baseline: Option<Calibrated>,
+    parts: Arc<[Self]>,
 }
 
 impl Workbench {
@@ -82,15 +75,20 @@ impl Workbench {
         }
         problem.coarsen();
         problem.cut();
-        let mut opened = Self { problem, floors: BTreeMap::new(), baseline: None };
-        let modelled = opened.modelled(&BTreeMap::new())?.1;
-        opened.floors = noise_floors(experiment, &opened.problem.layout, &modelled);
-        Ok(opened)
+        let opened = Self::new(problem, BTreeMap::new(), None);
+        let modelled = opened.modelled(&Values::new())?.1;
+        let floors = noise_floors(experiment, &opened.problem.layout, &modelled);
+        Ok(Self::new(opened.problem, floors, None))
+    }
+
+    fn new(problem: Problem<'static>, floors: BTreeMap<String, NoiseFloor>, baseline: Option<Calibrated>) -> Self {
+        let parts = Self::parts_of(&problem, &floors);
+        Self { settable: Arc::new(Settable::of_parts(&problem, &parts)), problem, floors, baseline, parts }
     }
 
     /// Of a comparison without a calibration.
     pub(super) fn given(problem: &Problem, floors: BTreeMap<String, NoiseFloor>) -> Self {
-        Self { problem: problem.clone().owned(), floors, baseline: None }
+        Self::new(problem.clone().owned(), floors, None)
     }
 
     /// Of a calibrated baseline.
@@ -101,7 +99,7 @@ impl Workbench {
             noise: prepared.noise.clone(),
             unanswered: prepared.unanswered.clone(),
         };
-        Self { problem: problem.clone().owned(), floors: prepared.floors.clone(), baseline: Some(baseline) }
+        Self::new(problem.clone().owned(), prepared.floors.clone(), Some(baseline))
     }
 
     /// The experiment.
@@ -138,51 +136,28 @@ impl Workbench {
 
     /// All that a trial may set: what a calibration moves, then the parameters of the effects that may be added.
     #[must_use]
-    pub fn parameters(&self) -> Vec<Adjustable> {
-        let base = self.problem.base.iter().map(|free| adjustable(free, None, free.start));
-        let effects = self.problem.library.iter().flat_map(|candidate| {
-            let of_effect = |free: &Free| {
-                let typical = self.typical(&candidate.id, free);
-                adjustable(free, Some(candidate.id.clone()), typical)
-            };
-            candidate.free.iter().map(of_effect).collect::<Vec<_>>()
-        });
-        base.chain(effects).collect()
+    pub fn parameters(&self) -> &[Adjustable] {
+        &self.settable.movable
     }
 
     /// What a trial may set besides: parameters that no calibration of this experiment moves, since they are taken as known.
+    /// Of several experiments those of the soil stand there once, all others for each of them.
     #[must_use]
-    pub fn known_parameters(&self) -> Vec<Adjustable> {
-        let movable = self.parameters();
-        let is_known = |variable: &Variable| {
-            matches!(variable.role, Role::Fixed | Role::Rig | Role::Calibrated)
-                && variable.min < variable.max
-                && movable.iter().all(|own| own.variable.name != variable.name)
-        };
-        let all = self.problem.strategy().parameters(&self.problem.known).into_iter();
-        let adjustable = |(variable, start)| Adjustable { variable, start, prior: None, effect: None, typical: start };
-        all.filter(|(variable, _)| is_known(variable)).map(adjustable).collect()
+    pub fn known_parameters(&self) -> &[Adjustable] {
+        &self.settable.known
     }
 
     /// The problem with those of `values` that are taken as known in the place of what was given.
-    fn placed(&self, values: &BTreeMap<String, f64>) -> Cow<'_, Problem<'static>> {
-        let movable = self.parameters();
+    fn placed(&self, values: &Values) -> Cow<'_, Problem<'static>> {
         let mut problem = Cow::Borrowed(&self.problem);
-        for (name, value) in values.iter().filter(|(name, _)| movable.iter().all(|own| own.variable.name != **name)) {
-            problem.to_mut().set_known(name, *value);
+        for (name, value) in values.iter().filter(|(name, _)| !self.settable.is_movable(name)) {
+            let problem = problem.to_mut();
+            match self.settable.places(name) {
+                None => problem.set_known(name, *value),
+                Some((parts, own)) => parts.iter().for_each(|k| problem.set_known_in_part(*k, own, *value)),
+            }
         }
         problem
-    }
-
-    /// A value at which an effect shows.
-    fn typical(&self, id: &str, free: &Free) -> f64 {
-        let facts = self.problem.known.facts_of(id);
-        let own = facts.and_then(|facts| {
-            let named = |(name, _): &&(&str, f64)| free.variable.name == format!("{id}.{name}");
-            facts.typical.iter().find(named).map(|(_, value)| *value)
-        });
-        let usual = own.unwrap_or_else(|| free.start + USUAL_STRENGTH * free.span());
-        usual.clamp(free.variable.min, free.variable.max)
     }
 
     /// Runs the model with these values of [parameters](Self::parameters), by name in SI units; all others are as given. With
@@ -190,15 +165,20 @@ impl Workbench {
     ///
     /// # Errors
     /// [`CompareError`] where a name or a value is not allowed, or the model has no answer anywhere.
-    pub fn trial(&self, values: &BTreeMap<String, f64>, in_motion: bool) -> Result<Trial, CompareError> {
+    pub fn trial(&self, values: &Values, in_motion: bool) -> Result<Trial, CompareError> {
         let (answers, modelled) = self.modelled(values)?;
         let mut fit = Fit::new(&self.problem.experiment, &self.problem.layout, &modelled);
         if in_motion {
-            let (effects, all) = self.all_values(values);
-            fit = fit.in_motion(&self.placed(values), &effects, &all)?;
+            fit = self.moving(fit, values)?;
         }
         let failures = failures(&self.problem.experiment, &fit, &self.floors);
         Ok(Trial { fit, unanswered: answers, failures })
+    }
+
+    /// The same fit with how the model's rover moves at these values, which are allowed.
+    fn moving(&self, fit: Fit, values: &Values) -> Result<Fit, CompareError> {
+        let (effects, all) = self.all_values(values);
+        Ok(fit.in_motion(&self.placed(values), &effects, &all)?)
     }
 
     /// The model over one input at the typical other inputs of each group of rows, in a few milliseconds; `None` for a traverse, and
@@ -206,15 +186,20 @@ impl Workbench {
     ///
     /// # Errors
     /// [`CompareError`] where a name or a value is not allowed.
-    pub fn sketch(&self, axis: Axis, values: &BTreeMap<String, f64>) -> Result<Option<Curves>, CompareError> {
-        self.check(values)?;
+    pub fn sketch(&self, axis: Axis, values: &Values) -> Result<Option<Curves>, CompareError> {
+        self.settable.check(&self.problem, values)?;
+        Ok(self.sketched(axis, values))
+    }
+
+    /// The same at values that are allowed.
+    fn sketched(&self, axis: Axis, values: &Values) -> Option<Curves> {
         let all = values.iter().map(|(name, value)| (name.clone(), *value)).collect();
-        Ok(sketch(&self.placed(values), axis, all))
+        sketch(&self.placed(values), axis, all)
     }
 
     /// Rows without an answer, and the modelled values in the layout's order.
-    fn modelled(&self, values: &BTreeMap<String, f64>) -> Result<(Vec<UnansweredRows>, Vec<f64>), CompareError> {
-        self.check(values)?;
+    fn modelled(&self, values: &Values) -> Result<(Vec<UnansweredRows>, Vec<f64>), CompareError> {
+        self.settable.check(&self.problem, values)?;
         let (effects, all) = self.all_values(values);
         let problem = self.placed(values);
         let answers = problem.predict(&problem.free(&effects), |predict| predict.answers(&all))??;
@@ -226,35 +211,13 @@ impl Workbench {
     }
 
     /// Effects that are not neutral, and the values of all parameters that are free with them.
-    fn all_values(&self, values: &BTreeMap<String, f64>) -> (Vec<String>, Vec<f64>) {
+    fn all_values(&self, values: &Values) -> (Vec<String>, Vec<f64>) {
         let value = |free: &Free| values.get(&free.variable.name).copied().unwrap_or(free.start);
         let on = |free: &Free| value(free).to_bits() != free.start.to_bits();
         let acting = self.problem.library.iter().filter(|candidate| candidate.free.iter().any(on));
         let effects: Vec<String> = acting.map(|candidate| candidate.id.clone()).collect();
         let all = self.problem.free(&effects).iter().map(value).collect();
         (effects, all)
-    }
-
-    /// Refuses names and values that a trial may not have.
-    fn check(&self, values: &BTreeMap<String, f64>) -> Result<(), CompareError> {
-        if values.is_empty() {
-            return Ok(());
-        }
-        let place = || "trial".to_owned();
-        let mut known = self.parameters();
-        known.extend(self.known_parameters());
-        for (name, value) in values {
-            let Some(parameter) = known.iter().find(|parameter| parameter.variable.name == *name) else {
-                let source = self.problem.known.clone().unknown(name);
-                return Err(CompareError::Parameter { place: place(), source });
-            };
-            if !parameter.variable.allows(*value) {
-                let range = parameter.variable.range();
-                let source = ParameterError::OutOfRange { name: name.clone(), value: *value, range };
-                return Err(CompareError::Parameter { place: place(), source });
-            }
-        }
-        Ok(())
     }
 
     /// The same with the baseline calibrated and its noise known, as `compare` finds them with `calibrate`. `stop` is asked at every
@@ -278,10 +241,10 @@ impl Workbench {
     pub fn fitted(
         &self,
         effects: &[String],
-        values: &BTreeMap<String, f64>,
+        values: &Values,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Calibration>, CompareError> {
-        self.check(values)?;
+        self.settable.check(&self.problem, values)?;
         let Some(baseline) = &self.baseline else { return Err(CompareError::NoFit) };
         if let Some(id) = effects.iter().find(|id| self.problem.candidate(id).is_none()) {
             let known = self.problem.library.iter().map(|candidate| candidate.id.as_str()).collect::<Vec<_>>();
@@ -293,7 +256,7 @@ impl Workbench {
             let value = values.get(&free.variable.name).copied().unwrap_or(free.start);
             let id = free.variable.name.split('.').next().unwrap_or_default();
             let neutral = effects.iter().any(|effect| effect == id) && value.to_bits() == free.start.to_bits();
-            if neutral { self.typical(id, free) } else { value }
+            if neutral { typical(&self.problem, id, free) } else { value }
         };
         let from: Vec<f64> = problem.free(effects).iter().map(start).collect();
         let weak = |free: &Free| match self.problem.base.iter().any(|base| base.variable.name == free.variable.name) {
@@ -306,24 +269,15 @@ impl Workbench {
         Ok(fit.filter(|_| !stop()))
     }
 
-    /// The model with these values, which it states: as `compare` and `diagnose` save it.
+    /// The model with these values, which it states: as `compare` and `diagnose` save it. Of several experiments each has its own,
+    /// see [`model_of_part`](Self::model_of_part); this is the first one's.
     ///
     /// # Errors
     /// [`CompareError`] where a name or a value is not allowed.
-    pub fn model(&self, values: &BTreeMap<String, f64>) -> Result<Model, CompareError> {
-        self.check(values)?;
+    pub fn model(&self, values: &Values) -> Result<Model, CompareError> {
+        self.settable.check(&self.problem, values)?;
         let (effects, all) = self.all_values(values);
         let problem = self.placed(values);
         Ok(problem.saved(&problem.free(&effects), &all))
-    }
-}
-
-fn adjustable(free: &Free, effect: Option<String>, typical: f64) -> Adjustable {
-    Adjustable {
-        variable: free.variable.clone(),
-        start: free.start,
-        prior: free.prior.or(free.shared),
-        effect,
-        typical,
     }
 }
