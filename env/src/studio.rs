@@ -24,6 +24,7 @@ pub struct NativeStudio {
 /// Starts a server with these experiments; `together` is said of those that are several. `port` 0 takes a free one; `in_notebook` lets
 /// pages of notebooks on this machine show it.
 #[pyfunction]
+#[allow(clippy::too_many_arguments, reason = "arguments of the Python function")]
 pub fn open_studio(
     py: Python<'_>,
     experiments: Vec<Source<'_>>,

@@ -83,3 +83,14 @@ def test_property_sets_with_drives_have_different_names_and_places_that_show_the
     assert all(place in (*parts, "all") for parts, _, place, _, _ in jobs)
     # A tether pulls a rover only.
     assert {place for _, case, place, _, _ in jobs if case == "tether"} == {"drive"}
+
+
+def test_property_sets_of_one_seed_have_noise_of_their_own(tmp_path):
+    def plates_of(case, place):
+        joint.make(tmp_path / case, ("plates", "shear"), case, place, 3100)
+        return "".join(path.read_text() for path in sorted((tmp_path / case / "plates").rglob("*.csv")))
+
+    first, again, other = plates_of("clean", "all"), plates_of("clean", "all"), plates_of("shear_play", "shear")
+    assert first == again
+    # Nothing is hidden in the plates of either set, and the soil is the same.
+    assert first != other and first.count("\n") == other.count("\n")
