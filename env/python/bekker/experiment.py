@@ -164,7 +164,8 @@ def together_of(
         return scatter, None
     if not several:
         raise InputError("share: expected several experiments; it says what they have in common")
-    if isinstance(share, str) or not all(isinstance(name, str) for name in (names := list(share))):
+    names = list(share)
+    if isinstance(share, str) or not all(isinstance(name, str) for name in names):
         raise InputError(f"share: expected some of 'soil', 'vehicle', 'drive' in a list, found {share!r}")
     return scatter, names
 
