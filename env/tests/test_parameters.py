@@ -19,6 +19,8 @@ BITING = {
     "rtc.switch_angle": 0.02,
     "rim_adhesion.loss": 0.8,
     "flexible_wheel.compliance": 1e-4,
+    # Within what the joint turns on these waves.
+    "link[1].stop": 0.01,
     # Whole numbers of inner steps.
     "velocity_control.period": 0.02,
     "rtc.period": 0.02,
@@ -47,6 +49,7 @@ TOGETHER = {
     "moisture.cohesion_slope": ("moisture.content", 0.1),
     "soft_patch.centre": ("soft_patch.softening", 0.5),
     "soft_patch.half_width": ("soft_patch.softening", 0.5),
+    "link[1].stop_stiffness": ("link[1].stop", 0.01),
 }
 # The rear wheel has to reach where the front wheel started.
 LONGER = {"multi_pass.growth": 9.0}
