@@ -217,8 +217,9 @@ export class Store {
   }
 
   private async take(data: Snapshot): Promise<void> {
-    this.steps = [...data.steps];
     const missing = this.missing(data.steps);
+    // All at once: a page that is left while they are sent remembers every one.
+    this.steps = [...data.steps, ...missing];
     try {
       for (const step of missing) {
         const { at } = await post<{ at: number }>(`api/experiments/${this.experiment?.id}/steps`, { ...step, rmse: {} });
