@@ -1,4 +1,4 @@
-//! Which experiments a command works on: one folder, or several on one soil, and the model.
+//! Which experiments a command works on: one folder, or several that are fitted together, and the model.
 
 use crate::import;
 use crate::model::ModelChanges;

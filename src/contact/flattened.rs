@@ -10,28 +10,32 @@ use crate::scalar::{Mask, Scalar, lanes};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 
-/// The secant method in the logarithm converges in 4 to 7 steps; this only bounds the loop.
+/// Bound of the loop: with 60 steps halving the bracket alone would find a z of a millionth of Z to [`CONVERGED`].
 const MAX_STEPS: usize = 60;
-/// Relative step below which the sinkage is exact to rounding: the method converges faster than linearly.
+/// Relative step below which the search ends: near the solution the method converges faster than linearly.
 const CONVERGED: f64 = 1e-12;
 /// Newton steps of the estimate from which the search starts; it need not converge.
 const ESTIMATE_STEPS: usize = 6;
 /// Relative step below which a secant is mostly rounding, and the one before is kept.
 const SECANT_STEP: f64 = 1e-7;
-/// Relative distance of the symmetric difference that gives the slopes in the sinkage: its own error is its square, and
-/// that of rounding the inverse of it times 1e-16.
+/// Relative distance h of the symmetric difference that gives the slopes in the sinkage. Its error is of the order h^2 = 1e-10, and
+/// that of rounding 1e-16/h = 1e-11.
 const DIFFERENCE: f64 = 1e-5;
 /// Bounds of the power with which the normal force grows with the sinkage while it is searched for.
 const POWERS: [f64; 2] = [0.1, 4.0];
 
-/// A contact at a sinkage Z of the undeformed outline, and the direction of its motion.
+/// A contact whose wheel may flatten.
 pub(super) struct Flattening<'a, S> {
     pub wheel: &'a Wheel<S>,
     pub soil: &'a Soil<S>,
+    /// The rim with its compliance, before it flattens.
     pub surface: &'a Surface<S>,
+    /// Sinkage Z of the undeformed outline, m.
     pub outline: S,
+    /// Velocity of the wheel's centre and rate of turning, as in [`rolling_share`]: only their ratio counts.
     pub velocity: S,
     pub spin: S,
+    /// Share of the slip that is established, 0 to 1.
     pub share: S,
 }
 
@@ -41,13 +45,13 @@ pub(super) struct Flattened<S> {
     pub surface: Surface<S>,
     /// Sinkage z of the soil.
     pub sinkage: S,
-    /// dz by a change dN of the normal force at constant z: -C/(1 + C dN/dz).
-    yields: S,
+    /// Change of z by a change of the normal force at constant z, m/N: -C/(1 + C dN/dz).
+    sinkage_by_normal: S,
     /// Slopes of the forces in z.
     by_sinkage: Forces<S>,
 }
 
-/// Where a wheel with a compliance stands; nothing where it is rigid.
+/// Where a wheel with a compliance stands; none where it is rigid.
 #[lanes]
 pub(super) fn flattened<S: Scalar>(contact: &Flattening<S>) -> Option<Flattened<S>> {
     if contact.surface.compliance.is_exactly(0.0) { None } else { Some(contact.solve()) }
@@ -58,7 +62,7 @@ impl<S: Scalar> Flattened<S> {
     /// Slopes at a constant sinkage of the outline from those at a constant sinkage of the soil.
     pub fn follow(&self, direction: &mut Rolling<S>) {
         for slope in [&mut direction.by_velocity, &mut direction.by_spin] {
-            *slope = slope.plus(self.by_sinkage.scaled(self.yields * slope.normal));
+            *slope = slope.plus(self.by_sinkage.scaled(self.sinkage_by_normal * slope.normal));
         }
     }
 }
@@ -80,10 +84,11 @@ impl<S: Scalar> Flattening<'_, S> {
         };
         let (found, slopes) = plain.search();
         let (fixed, by_sinkage) = (S::from_plain(found), lifted(&slopes));
-        let yields = -self.surface.compliance / (self.surface.compliance * by_sinkage.normal + 1.0);
+        let slope = self.surface.compliance * by_sinkage.normal + 1.0;
         let rest = fixed + self.surface.compliance * self.forces(fixed).normal.larger(S::from(0.0)) - self.outline;
-        let sinkage = fixed - rest / (self.surface.compliance * by_sinkage.normal + 1.0);
-        Flattened { surface: self.arc(sinkage), sinkage, yields, by_sinkage }
+        let sinkage = fixed - rest / slope;
+        let sinkage_by_normal = -self.surface.compliance / slope;
+        Flattened { surface: self.arc(sinkage), sinkage, sinkage_by_normal, by_sinkage }
     }
 
     /// The rim where the soil is pressed in by `sinkage`.

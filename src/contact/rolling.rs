@@ -2,7 +2,7 @@
 //!
 //! Bekker 1969; Wong and Reece 1967; Janosi and Hanamoto 1961; equations (2.1)-(2.9) of Iagnemma 2001.
 
-use super::flattened::Flattening;
+use super::flattened::{Flattening, flattened};
 use super::pieces::sums;
 use super::rim::{Rim, Shear};
 use super::surface::Surface;
@@ -202,12 +202,11 @@ pub fn rolling_sunk<S: Scalar>(
     velocity: S,
     spin: S,
 ) -> (Forces<S>, S) {
-    let (share, mut rim, mut sinkage) = (S::from(1.0), *surface, outline);
-    if !surface.compliance.is_exactly(0.0) && outline.value() > 0.0 {
-        let flat = Flattening { wheel, soil, surface, outline, velocity, spin, share }.solve();
-        (rim, sinkage) = (flat.surface, flat.sinkage);
-    }
-    let mut forces = rolling_share(wheel, soil, &rim, sinkage, velocity, spin, share).0.forces;
+    let share = S::from(1.0);
+    let contact = Flattening { wheel, soil, surface, outline, velocity, spin, share };
+    let flat = if outline.value() > 0.0 { flattened(&contact) } else { None };
+    let (rim, sinkage) = flat.as_ref().map_or((surface, outline), |flat| (&flat.surface, flat.sinkage));
+    let mut forces = rolling_share(wheel, soil, rim, sinkage, velocity, spin, share).0.forces;
     let (resists, leads) = (!surface.resistance.is_exactly(0.0), !surface.lead.is_exactly(0.0));
     if (resists || leads) && sinkage.value() > 0.0 {
         let rim_speed = wheel.radius * spin;

@@ -109,7 +109,7 @@ fn by_name(share: Share, parts: &[Part]) -> Result<Vec<usize>, CompareError> {
     let listed = |of: &[usize]| of.iter().map(|k| parts[*k].name.as_str()).collect::<Vec<_>>().join(", ");
     if share == Share::Soil && !unnamed.is_empty() {
         return Err(CompareError::Vehicle(format!(
-            "[shared] names the soil of {} and not that of {}: name it in each of them, or say by hand what they share",
+            "[shared] names the soil of {} and not that of {}: name it in each of them, or say what they share (--share, share=)",
             listed(&named),
             listed(&unnamed)
         )));

@@ -179,7 +179,7 @@ fn soil_tests() -> Vec<Test> {
     all
 }
 
-pub(crate) fn plural(count: usize) -> &'static str {
+fn plural(count: usize) -> &'static str {
     if count == 1 { "" } else { "s" }
 }
 

@@ -7,7 +7,6 @@ use crate::diagnosis::curves::{Axis, Curves};
 use crate::diagnosis::failure::failures;
 use crate::diagnosis::noise::NoiseFloor;
 use crate::diagnosis::problem::Problem;
-
 use crate::diagnosis::unanswered::UnansweredRows;
 use crate::diagnosis::uncounted::UncountedRows;
 use crate::measurement::Part;
