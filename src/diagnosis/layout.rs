@@ -1,6 +1,7 @@
 //! All measured values of an experiment as one vector.
 
 use super::kinds::strategy;
+use super::noise::Scale;
 use super::windows::free::FreeStart;
 use crate::measurement::Experiment;
 use std::collections::BTreeSet;
@@ -30,8 +31,8 @@ pub(crate) struct Layout {
     pub measured: Vec<f64>,
     /// All values as they were measured.
     pub recorded: Vec<f64>,
-    /// Size of the noise of each value, relative to that of a usual one; empty where all have the same.
-    pub scale: Vec<f64>,
+    /// Size of the noise of each value; empty where all have the same.
+    pub scale: Vec<Scale>,
     /// For each run, how many of its first rows no fit counts.
     pub starts: Vec<usize>,
     /// Rows (run, row) that are left out since the model has no answer there, in rising order.
@@ -99,7 +100,7 @@ impl Layout {
 
     /// Values in units of the noise of each, up to a factor that they have in common.
     pub fn by_scale(&self, mut values: Vec<f64>) -> Vec<f64> {
-        values.iter_mut().zip(&self.scale).for_each(|(value, scale)| *value /= scale);
+        values.iter_mut().zip(&self.scale).for_each(|(value, scale)| *value /= scale.row);
         values
     }
 

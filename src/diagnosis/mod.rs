@@ -72,7 +72,7 @@ pub use kinds::{PlatePlan, ShearPlan, SingleWheelPlan, TraversePlan};
 #[cfg(feature = "report")]
 pub(crate) use local_line::LocalLine;
 pub use motion::Motion;
-pub use noise::{FloorSource, NoiseFloor, NoiseModel, Pooled};
+pub use noise::{FloorSource, NoiseFloor, NoiseModel, Pooled, Scale};
 pub use prediction::{Derivatives, PredictionError};
 pub use problem::plain_effect;
 pub use replay::{Replay, ReplayError};

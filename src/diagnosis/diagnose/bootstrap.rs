@@ -71,9 +71,9 @@ impl Null<'_> {
         let mut noise = vec![f64::NAN; self.layout.len()];
         for block in &self.layout.blocks {
             let Some(model) = self.noise.get(&block.signal) else { continue };
-            model.draw(&mut rng, &mut noise[block.range.clone()]);
+            let scale = self.layout.scale.get(block.range.clone()).unwrap_or_default();
+            model.draw(&mut rng, scale, &mut noise[block.range.clone()]);
         }
-        noise.iter_mut().zip(&self.layout.scale).for_each(|(value, scale)| *value *= scale);
         for (value, measured) in noise.iter_mut().zip(&self.layout.measured) {
             if measured.is_nan() {
                 *value = f64::NAN;

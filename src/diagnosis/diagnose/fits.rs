@@ -8,7 +8,7 @@ use crate::diagnosis::effort::Effort;
 use crate::diagnosis::given::Given;
 use crate::diagnosis::information::Information;
 use crate::diagnosis::least_squares::Pace;
-use crate::diagnosis::noise::{NoiseModel, Whitening};
+use crate::diagnosis::noise::{NoiseModel, Scale, Whitening};
 use crate::diagnosis::prediction::Predict;
 use crate::diagnosis::prior_rows::PriorRows;
 use crate::diagnosis::problem::Problem;
@@ -40,7 +40,7 @@ pub struct Noise {
     pub odd: Vec<(usize, usize)>,
     /// Size of the noise of each value, relative to that of a usual one; none where all have the same.
     #[serde(default)]
-    pub scale: Vec<f64>,
+    pub scale: Vec<Scale>,
 }
 
 impl Noise {

@@ -20,7 +20,7 @@ use super::effort::Effort;
 use super::free::Free;
 use super::halt::Halt;
 use super::layout::Layout;
-use super::noise::Whitening;
+use super::noise::{Scale, Whitening};
 use super::precedence::Choice;
 use super::prediction::{Predict, PredictionError};
 use super::problem::Problem;
@@ -134,8 +134,8 @@ pub(crate) trait Strategy: Debug + Sync {
         true
     }
 
-    /// Size of the noise of each value in the layout's order, relative to that of a usual one; empty where all have the same.
-    fn noise_scale(&self, _problem: &Problem, _modelled: &[f64]) -> Vec<f64> {
+    /// Size of the noise of each value in the layout's order; empty where all have the same.
+    fn noise_scale(&self, _problem: &Problem, _modelled: &[f64]) -> Vec<Scale> {
         Vec::new()
     }
 

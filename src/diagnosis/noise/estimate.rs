@@ -5,7 +5,7 @@
 //! as [`labels`](super::labels) says. Runs whose parameters differ do not repeat each other.
 
 use super::NoiseModel;
-use super::labels::LabelContrasts;
+use super::labels::{LabelContrasts, Labelled};
 use crate::diagnosis::layout::Layout;
 use crate::diagnosis::thresholds::ENOUGH_REPEATS;
 use crate::measurement::{Experiment, Sample};
@@ -18,11 +18,12 @@ const LEAST_ROWS: usize = 4;
 /// Largest share and correlation: a process beyond is a drift, which no repeat determines.
 const LARGEST: f64 = 0.98;
 
-/// One draw of noise along a run: rows and values.
+/// One draw of noise along a run: rows, values, and what the common part of a run counts in each (empty: one).
 #[derive(Clone, Debug)]
 struct Strand {
     rows: Vec<usize>,
     values: Vec<f64>,
+    weights: Vec<f64>,
 }
 
 /// The sets of repeats of an experiment, ready for contrasts.
@@ -59,7 +60,17 @@ impl Repeats {
                 let length = blocks.iter().map(ExactSizeIterator::len).min().unwrap_or(0);
                 let value = |row: usize| helmert(k, &|j| residual[blocks[j].start + row]);
                 let rows: Vec<usize> = (0..length).filter(|row| !value(*row).is_nan()).collect();
-                strands.push(Strand { values: rows.iter().map(|row| value(*row)).collect(), rows });
+                let weight = |row: usize| -> f64 {
+                    let own = |j: usize| helmert(k, &|other| if other == j { 1.0 } else { 0.0 });
+                    let of_run = |j: usize| own(j) * layout.scale[blocks[j].start + row].weight;
+                    (0..=k).map(|j| of_run(j).powi(2)).sum::<f64>().sqrt()
+                };
+                let weighted = rows.iter().filter(|_| !layout.scale.is_empty());
+                strands.push(Strand {
+                    values: rows.iter().map(|row| value(*row)).collect(),
+                    weights: weighted.map(|row| weight(*row)).collect(),
+                    rows,
+                });
             }
         }
         strands.retain(|strand| !strand.rows.is_empty());
@@ -70,9 +81,11 @@ impl Repeats {
     fn labels(&self, layout: &Layout, signal: &str, residual: &[f64]) -> LabelContrasts {
         let value = |sample: &Sample| {
             let block = layout.of_run(sample.run).find(|block| block.signal == signal)?;
-            Some((sample.run, residual[block.range.start + sample.row])).filter(|(_, value)| !value.is_nan())
+            let place = block.range.start + sample.row;
+            let weight = layout.scale.get(place).map_or(1.0, |scale| scale.weight);
+            Some(Labelled { run: sample.run, value: residual[place], weight }).filter(|sample| !sample.value.is_nan())
         };
-        let sets: Vec<Vec<(usize, f64)>> = self.sets.iter().map(|set| set.iter().filter_map(value).collect()).collect();
+        let sets: Vec<Vec<Labelled>> = self.sets.iter().map(|set| set.iter().filter_map(value).collect()).collect();
         LabelContrasts::new(&sets)
     }
 
@@ -111,7 +124,8 @@ pub(crate) fn estimate_alone(layout: &Layout, signal: &str, residual: &[f64], lo
         .map(|block| {
             let rows: Vec<usize> =
                 (0..block.range.len()).filter(|r| !residual[block.range.start + r].is_nan()).collect();
-            Strand { values: rows.iter().map(|row| residual[block.range.start + row]).collect(), rows }
+            let values = rows.iter().map(|row| residual[block.range.start + row]).collect();
+            Strand { values, rows, weights: Vec::new() }
         })
         .collect();
     let count: usize = strands.iter().map(|strand| strand.rows.len()).sum();
@@ -200,7 +214,7 @@ fn away_from_zero(run_share: f64) -> f64 {
 fn deviance(trial: &NoiseModel, strands: &[Strand], labels: &LabelContrasts, count: usize) -> (f64, f64) {
     let (mut squares, mut determinant) = labels.length_and_determinant(trial);
     for strand in strands {
-        let (length, own) = trial.length_and_determinant(&strand.rows, &strand.values);
+        let (length, own) = trial.length_and_determinant(&strand.rows, &strand.weights, &strand.values);
         squares += length;
         determinant += own;
     }

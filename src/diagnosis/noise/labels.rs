@@ -2,7 +2,7 @@
 //!
 //! Samples of a label in one run tell the scatter within a run, samples of the same labels in several runs (days, batches
 //! of soil) what a run adds to all of them. With the means of the labels taken out, y = a_run + e has contrasts of covariance
-//! s^2 (I + g M Z Z' M), where Z says which sample belongs to which run, M takes the means out and g is the ratio of the
+//! s^2 (I + g M Z Z' M), where Z says which sample belongs to which run and what the scatter of the run counts in it, M takes the means out and g is the ratio of the
 //! variances between and within runs: restricted likelihood (Patterson and Thompson 1971). Along the eigenvectors of Z' M Z,
 //! with eigenvalues l, the variance is s^2 (1 + g l); in all other directions it is s^2.
 
@@ -11,6 +11,15 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// An eigenvalue counts from this share of the largest; below it is rounding.
 const RANK: f64 = 1e-9;
+
+/// A sample with a label.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Labelled {
+    pub run: usize,
+    pub value: f64,
+    /// What the scatter of the run counts in it.
+    pub weight: f64,
+}
 
 /// Contrasts between samples of equal labels.
 #[derive(Clone, Debug, Default)]
@@ -24,10 +33,10 @@ pub(super) struct LabelContrasts {
 }
 
 impl LabelContrasts {
-    /// From the samples of each label: the run that each comes from, and its value.
-    pub fn new(labels: &[Vec<(usize, f64)>]) -> Self {
-        let labels: Vec<&Vec<(usize, f64)>> = labels.iter().filter(|samples| samples.len() > 1).collect();
-        let mut runs: Vec<usize> = labels.iter().flat_map(|samples| samples.iter().map(|(run, _)| *run)).collect();
+    /// From the samples of each label.
+    pub fn new(labels: &[Vec<Labelled>]) -> Self {
+        let labels: Vec<&Vec<Labelled>> = labels.iter().filter(|samples| samples.len() > 1).collect();
+        let mut runs: Vec<usize> = labels.iter().flat_map(|samples| samples.iter().map(|sample| sample.run)).collect();
         runs.sort_unstable();
         runs.dedup();
         let place = |run: usize| runs.binary_search(&run).unwrap_or(0);
@@ -35,14 +44,14 @@ impl LabelContrasts {
         let mut contrasts = Self::default();
         for samples in &labels {
             let size = samples.len() as f64;
-            let mean = samples.iter().map(|(_, value)| value).sum::<f64>() / size;
-            for (run, value) in *samples {
-                let own = place(*run);
-                contrasts.squares += (value - mean).powi(2);
-                along[own] += value - mean;
-                within[(own, own)] += 1.0;
-                for (other, _) in *samples {
-                    within[(own, place(*other))] -= size.recip();
+            let mean = samples.iter().map(|sample| sample.value).sum::<f64>() / size;
+            for sample in *samples {
+                let own = place(sample.run);
+                contrasts.squares += (sample.value - mean).powi(2);
+                along[own] += sample.weight * (sample.value - mean);
+                within[(own, own)] += sample.weight * sample.weight;
+                for other in *samples {
+                    within[(own, place(other.run))] -= sample.weight * other.weight / size;
                 }
             }
             contrasts.count += samples.len() - 1;

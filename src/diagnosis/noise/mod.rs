@@ -6,6 +6,7 @@ mod estimate;
 mod floor;
 mod labels;
 mod model;
+mod scale;
 mod whitening;
 
 pub(crate) use decide::{Decided, FittedResidual, decide};
@@ -14,4 +15,5 @@ pub(crate) use floor::noise_floors;
 pub use floor::{FloorSource, NoiseFloor, Pooled};
 pub(crate) use model::LocalWhite;
 pub use model::NoiseModel;
+pub use scale::Scale;
 pub(crate) use whitening::Whitening;

@@ -13,8 +13,9 @@ struct Strand {
     /// Rows of the block that are measured and kept.
     rows: Vec<usize>,
     noise: NoiseModel,
-    /// Of the layout, at these rows.
+    /// Sizes of the noise of these rows, and what the common part of the run counts in each; empty where all have the same.
     scale: Vec<f64>,
+    weights: Vec<f64>,
 }
 
 /// Takes values in the order of a [`Layout`] to whitened values of those that are measured and kept.
@@ -39,8 +40,9 @@ impl Whitening {
             let counts = |row: &usize| !measured[*row].is_nan() && !layout.is_unsettled(block.run, *row);
             let rows: Vec<usize> = (0..measured.len()).filter(|row| counts(row) && keep(block.run, *row)).collect();
             let start = block.range.start;
-            let scale = rows.iter().filter_map(|row| layout.scale.get(start + row).copied()).collect();
-            Some(Strand { start, rows, noise: *noise.get(&block.signal)?, scale })
+            let of_rows = || rows.iter().filter_map(|row| layout.scale.get(start + row));
+            let (scale, weights) = of_rows().map(|scale| (scale.row, scale.weight)).unzip();
+            Some(Strand { start, rows, noise: *noise.get(&block.signal)?, scale, weights })
         };
         let strands = layout.blocks.iter().map(strand).collect::<Option<Vec<_>>>()?;
         let len = strands.iter().map(|strand| strand.rows.len()).sum();
@@ -83,7 +85,7 @@ impl Whitening {
             let from = out.len();
             out.extend(strand.rows.iter().map(|row| values[strand.start + row]));
             out[from..].iter_mut().zip(&strand.scale).for_each(|(value, scale)| *value /= scale);
-            strand.noise.whiten(&strand.rows, &mut out[from..]);
+            strand.noise.whiten(&strand.rows, &strand.weights, &mut out[from..]);
         }
         out
     }

@@ -12,6 +12,7 @@ use crate::diagnosis::diagnose::{Phase, Shape};
 use crate::diagnosis::free::Free;
 use crate::diagnosis::halt::Halt;
 use crate::diagnosis::layout::Layout;
+use crate::diagnosis::noise::Scale;
 use crate::diagnosis::precedence::Choice;
 use crate::diagnosis::prediction::{Predict, PredictionError};
 use crate::diagnosis::problem::Problem;
@@ -98,14 +99,14 @@ impl Strategy for Joint {
         widths
     }
 
-    fn noise_scale(&self, problem: &Problem, modelled: &[f64]) -> Vec<f64> {
+    fn noise_scale(&self, problem: &Problem, modelled: &[f64]) -> Vec<Scale> {
         let mut all = Vec::new();
         let mut differ = false;
         for (k, (part, runs)) in parts(&problem.experiment).enumerate() {
             let values = of_part_values(&problem.layout, &runs, modelled);
             let scale = strategy(&part.experiment).noise_scale(&problem.part_of(k), &values);
             differ |= !scale.is_empty();
-            all.extend(if scale.is_empty() { vec![1.0; values.len()] } else { scale });
+            all.extend(if scale.is_empty() { vec![Scale::USUAL; values.len()] } else { scale });
         }
         if differ { all } else { Vec::new() }
     }

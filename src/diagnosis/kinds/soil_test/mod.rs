@@ -16,7 +16,7 @@ use crate::diagnosis::free::Free;
 use crate::diagnosis::halt::Halt;
 use crate::diagnosis::layout::Layout;
 use crate::diagnosis::least_squares::Pace;
-use crate::diagnosis::noise::Whitening;
+use crate::diagnosis::noise::{Scale, Whitening};
 use crate::diagnosis::precedence::{Choice, Rank};
 use crate::diagnosis::prediction::{Predict, PredictionError};
 use crate::diagnosis::problem::Problem;
@@ -121,10 +121,11 @@ impl Strategy for SoilTest {
     }
 
     /// Soils differ from one preparation to the next by a share of what they resist, and so does what is measured of one along a
-    /// test: noise grows with the stress, in a run under a small plate as in one under a large plate.
-    fn noise_scale(&self, problem: &Problem, modelled: &[f64]) -> Vec<f64> {
+    /// test: noise grows with the stress, in a run under a small plate as in one under a large plate. What a preparation adds is a share of
+    /// what the soil resists and no more; a row has the noise of its instrument besides.
+    fn noise_scale(&self, problem: &Problem, modelled: &[f64]) -> Vec<Scale> {
         let layout = &problem.layout;
-        let mut scale = vec![1.0; layout.len()];
+        let mut scale = vec![Scale::USUAL; layout.len()];
         for signal in self.signals {
             let blocks = || layout.blocks.iter().filter(|block| block.signal == *signal);
             let usual = root_mean_square(blocks().flat_map(|block| &modelled[block.range.clone()]));
@@ -132,7 +133,8 @@ impl Strategy for SoilTest {
                 let own = &modelled[block.range.clone()];
                 let smallest = SMALLEST_SCALE * root_mean_square(own) / usual;
                 for (place, value) in scale[block.range.clone()].iter_mut().zip(own).filter(|(_, v)| v.is_finite()) {
-                    *place = (value / usual).hypot(smallest).max(f64::MIN_POSITIVE.sqrt());
+                    let row = (value / usual).hypot(smallest).max(f64::MIN_POSITIVE.sqrt());
+                    *place = Scale { row, weight: value.abs() / usual / row };
                 }
             }
         }
