@@ -6,7 +6,7 @@ use bekker::diagnosis::{
     CompareOptions, Determined, Given, Identified, PlatePlan, SeparateOptions, Separation, ShearPlan, compare,
     modelled, separate,
 };
-use bekker::measurement::{Experiment, Table};
+use bekker::measurement::{Experiment, Share, Table};
 use bekker::model::Model;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -106,4 +106,16 @@ fn property_a_set_is_asked_for_what_all_of_it_leaves_open() {
     assert_eq!(determined(&separation.identified, "soil.k_c"), Some(Determined::Alone), "{:?}", separation.identified);
     let texts: Vec<&str> = separation.additions.iter().map(|addition| addition.text.as_str()).collect();
     assert_eq!(texts, ["2 shear tests (2, 10 kPa)"], "{:?}", separation.additions);
+}
+
+#[test]
+fn property_a_set_with_a_soil_each_is_asked_for_tests_on_the_soil_that_is_open() {
+    let parts = vec![("pit".to_owned(), shear(&[5e3])), ("box".to_owned(), shear(&[2e3, 5e3, 10e3]))];
+    let joint = Experiment::joint_named(parts).unwrap();
+    // One vehicle, so a soil each: no folder names either soil.
+    let given = Given::default().with_share(&[Share::Vehicle]);
+    let separation = separate(given, &joint, &SeparateOptions::default()).unwrap();
+    let texts: Vec<&str> = separation.additions.iter().map(|addition| addition.text.as_str()).collect();
+    assert_eq!(texts, ["2 shear tests (2, 10 kPa) in pit"], "{:?} {:?}", separation.additions, separation.identified);
+    assert_eq!(separation.additions[0].determines, ["soil in pit.cohesion", "soil in pit.friction_angle"]);
 }

@@ -150,6 +150,11 @@ pub(crate) const REACH: f64 = 6.0;
 /// inner step is as long as the noise allows. Development seed 1001 led to likeness at the fits themselves: a bulldozing of 7.7 standard
 /// deviations was called drag, which fits better by 8; about the baseline, whose soil is bent, their cosine is below [`ALIKE`].
 pub(crate) const REACH_ALIKE: f64 = 12.0;
+/// In tests of a soil a look-alike also ties within this share of the gain. The laws of walls, bottom, plate size and softening are empirical,
+/// and three plates tell two numbers of what their size changes: resistance that grows linearly with the plate (Terzaghi) was called
+/// `box_walls` in 6 of 40 development sets (seeds 8000 to 8039), where `plate_size`, a power of it, gains 79 to 87 % of what walls do; where walls
+/// are hidden a look-alike gains 70 % at most. Development set.
+pub(crate) const EMPIRICAL: f64 = 0.25;
 /// A rival ties within this share of the gain too: form errors of the effects' laws reach it. It was 5 % before
 /// the looks at seeds from 7000.
 pub(crate) const REACH_SHARE: f64 = 0.02;

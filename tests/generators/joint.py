@@ -20,6 +20,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
 import cases  # noqa: E402
 import hidden  # noqa: E402
+import soil_detect  # noqa: E402
 import soil_tests  # noqa: E402
 import soils  # noqa: E402
 import vehicles  # noqa: E402
@@ -129,7 +130,11 @@ def make(folder, parts, case, place, seed, level=NOISE, multiple=None, form=None
             soil = beds[part]
             ground = {"k_c": soil["k_c"], "k_phi": soil["k_phi"], "n": soil["exponent"], "c": soil["cohesion"],
                       "phi": float(np.degrees(soil["friction_angle"])), "K": soil["shear_modulus"]}  # fmt: skip
-            soil_tests.write(folder / part, TESTS[part], case if part in there else "clean", own, ground=ground, noise=level)
+            hides = part in there and case != "clean"
+            seen = soil_detect.Detector(TESTS[part], ground, level, soil_tests.SCATTER).truth(case) if hides else None
+            inside, size = (case, seen["strength"]) if hides else ("clean", None)
+            soil_tests.write(folder / part, TESTS[part], inside, own, strength=size, ground=ground, noise=level)
+            truth["effects"] += [seen | {"part": part}] if hides else []
             continue
         kind, bench = kind_of(part), benches[part]
         replicates = hidden.REPLICATES if kind == cases.WHEEL else bench.replicates

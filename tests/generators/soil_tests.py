@@ -38,6 +38,7 @@ BOX = {"width": 0.5, "depth": 0.25}  # m
 SPEEDS = {"slow": 0.002, "fast": 0.05}  # m/s; the model's moduli hold at 0.01
 STRESSES = (2e3, 5e3, 10e3, 20e3)  # Pa
 SHEAR_SPEEDS = {"slow": 1e-4, "fast": 1e-2}  # m/s; the model's strength holds at 0.001
+SCATTER = 0.04  # of what a soil resists, from test to test
 ROWS = 25
 CORRELATION = 0.6
 
@@ -165,7 +166,7 @@ HEADS = {
 }
 
 
-def write(folder, kind, case, seed, strength=None, noise=0.02, soil=0.04, repeats=3, diameters=DIAMETERS, name=None, ground=LETE):
+def write(folder, kind, case, seed, strength=None, noise=0.02, soil=SCATTER, repeats=3, diameters=DIAMETERS, name=None, ground=LETE):
     """Writes an experiment folder; `ground` is the soil, with the keys of LETE."""
     rng = np.random.default_rng(seed)
     strength = STRENGTHS[case] if strength is None else strength
@@ -203,7 +204,7 @@ def main():
     parser.add_argument("--case", choices=sorted(STRENGTHS), default="clean")
     parser.add_argument("--strength", type=float)
     parser.add_argument("--noise", type=float, default=0.02)
-    parser.add_argument("--soil", type=float, default=0.04, help="scatter from test to test")
+    parser.add_argument("--soil", type=float, default=SCATTER, help="scatter from test to test")
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--diameters", type=float, nargs="*", default=list(DIAMETERS))
     parser.add_argument("--seed", type=int, default=1)

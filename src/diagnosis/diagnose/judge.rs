@@ -129,9 +129,9 @@ fn rivals(
     let told_apart = |(own, other): &(String, String)| {
         evidence.against(chosen, &verdict::swapped(chosen, own, other)).is_some_and(|ours| ours > BETTER)
     };
-    let alikes_tie = search.problem.strategy().budget().alike_reach.is_some();
     let mut rivals = Vec::new();
     for pair in as_good {
+        let alikes_tie = search.problem.strategy().alikes(search.problem, &pair.0).is_some();
         if !told_apart(&pair) || (alikes_tie && verdict::are_alike(search, stage, chosen, &pair.0, &pair.1)?) {
             rivals.push(pair);
         }

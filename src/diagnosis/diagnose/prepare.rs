@@ -10,12 +10,13 @@ use super::inner_step::is_coarse;
 use super::signature::prune;
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::compare::CompareError;
+use crate::diagnosis::layout::Layout;
 use crate::diagnosis::linear_algebra::Basis;
 use crate::diagnosis::noise::{
     Decided, FittedResidual, FloorSource, NoiseFloor, NoiseModel, Repeats, decide, estimate, noise_floors,
 };
 use crate::diagnosis::problem::Problem;
-use crate::diagnosis::thresholds::{BAD_SAMPLE, ENOUGH_SCATTER};
+use crate::diagnosis::thresholds::{BAD_SAMPLE, ENOUGH_SCATTER, LEAST_SHARE_LEFT};
 use crate::diagnosis::unanswered::{Answers, UnansweredRows, listed};
 use std::collections::BTreeMap;
 
@@ -137,9 +138,14 @@ struct Found {
 fn noise_about(problem: &mut Problem, repeats: &Repeats, first: &Calibration) -> Result<Found, CompareError> {
     let predicted = modelled(problem, &first.values())?.values;
     problem.layout.scale = problem.strategy().noise_scale(problem, &predicted);
-    let problem = &*problem;
     let residual = minus(&problem.layout.measured, &predicted);
     let flexible = discrepancy::columns(problem, &predicted);
+    if !problem.layout.scale.is_empty() {
+        // Noise grows with what is there, which the baseline may lack: a box that rubs before the soil shears.
+        let expected = with_discrepancy(&problem.layout, &predicted, &residual, &flexible);
+        problem.layout.scale = problem.strategy().noise_scale(problem, &expected);
+    }
+    let problem = &*problem;
     let modulations = problem.strategy().modulations(&problem.experiment, &problem.layout, &predicted);
     let decided = decide(&FittedResidual {
         experiment: &problem.experiment,
@@ -155,6 +161,27 @@ fn noise_about(problem: &mut Problem, repeats: &Repeats, first: &Calibration) ->
     noise.scale.clone_from(&problem.layout.scale);
     noise.robust = Some(threshold(problem, &noise, &residual));
     Ok(Found { noise, decided, flexible, modulations })
+}
+
+/// What the model gives and the discrepancy that brings it nearest to the measurements: of the columns, which stand with the least smooth
+/// first, so many of the smoothest that half of the values are left.
+fn with_discrepancy(layout: &Layout, modelled: &[f64], residual: &[f64], flexible: &[Vec<f64>]) -> Vec<f64> {
+    let counted = |values: &[f64]| {
+        let kept = values.iter().zip(residual).map(|(value, missed)| if missed.is_nan() { 0.0 } else { *value });
+        layout.by_scale(kept.collect())
+    };
+    let most = (LEAST_SHARE_LEFT * layout.present() as f64) as usize;
+    let mut basis = Basis::default();
+    for column in flexible.iter().rev() {
+        if basis.rank() == most {
+            break;
+        }
+        basis.add(&counted(column));
+    }
+    let missed = counted(residual);
+    let outside = basis.outside(&missed);
+    let added = missed.iter().zip(outside).map(|(all, outside)| all - outside);
+    modelled.iter().zip(added.zip(&layout.scale)).map(|(value, (added, scale))| value + added * scale.row).collect()
 }
 
 /// The weakest source among the signals.

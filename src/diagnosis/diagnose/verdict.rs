@@ -113,12 +113,12 @@ pub(crate) fn rivals(
     effects: &[String],
     all: &[String],
 ) -> Result<Vec<(String, String)>, PredictionError> {
-    let of_alikes = search.problem.strategy().budget().alike_reach;
     let gain = search.net_gain(effects);
     let mut found = Vec::new();
     for own in effects {
         let part = gain - search.net_gain(&without(effects, own));
         let reach = REACH.max(REACH_SHARE * part);
+        let of_alikes = search.problem.strategy().alikes(search.problem, own).map(|alikes| alikes.reach(part));
         for id in all.iter().filter(|id| !effects.contains(id)) {
             let in_place = swapped(effects, own, id);
             if search.fits.get(&in_place).is_none() {

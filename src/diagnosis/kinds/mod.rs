@@ -71,11 +71,24 @@ pub(crate) struct Budget {
     pub refits_from_larger: bool,
     /// Whether what noise alone gives is told from products of columns rather than from orthonormal ones: rows are many.
     pub by_products: bool,
-    /// Fall of chi-square within which a look-alike of an effect ties with it, whatever left-out data say; `None` where look-alikes
-    /// are judged as all rivals are.
-    pub alike_reach: Option<f64>,
     /// Whether left-out rows are predicted by simulating the whole experiment, or only the runs in which they stand.
     pub predicts_whole: bool,
+}
+
+/// How far behind an effect a look-alike may be and tie with it, whatever left-out data say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Alikes {
+    /// Fall of chi-square.
+    pub chi_square: f64,
+    /// Share of what the effect gains.
+    pub share: f64,
+}
+
+impl Alikes {
+    /// Fall of chi-square within which a look-alike ties with an effect that gains so much.
+    pub fn reach(&self, gain: f64) -> f64 {
+        self.chi_square.max(self.share * gain)
+    }
 }
 
 /// How the fit to everything becomes the fit without a fold.
@@ -134,8 +147,13 @@ pub(crate) trait Strategy: Debug + Sync {
         true
     }
 
-    /// Size of the noise of each value in the layout's order; empty where all have the same.
-    fn noise_scale(&self, _problem: &Problem, _modelled: &[f64]) -> Vec<Scale> {
+    /// When a look-alike ties with an effect; `None` where look-alikes are judged as all rivals are.
+    fn alikes(&self, _problem: &Problem, _effect: &str) -> Option<Alikes> {
+        None
+    }
+
+    /// Size of the noise of each value in the layout's order, by the values that are expected; empty where all have the same.
+    fn noise_scale(&self, _problem: &Problem, _expected: &[f64]) -> Vec<Scale> {
         Vec::new()
     }
 

@@ -35,6 +35,7 @@ pub(super) use parameters::class_priors;
 use parameters::{base_parameters, library};
 pub(super) use placed::Placed;
 pub(super) use scatter::{LARGEST as LARGEST_SCATTER, USUAL as USUAL_SCATTER};
+pub(crate) use sharing::written_down;
 
 /// An effect that is not in the baseline, with its free parameters at their neutral values.
 #[derive(Clone, Debug)]

@@ -99,6 +99,25 @@ impl Sharing {
     }
 }
 
+/// The same experiments with what the options say of sharing written down in each of them, and options that leave it to them: a further
+/// experiment can then share a thing with some of them.
+///
+/// # Errors
+/// As of [`Sharing::of`].
+pub(crate) fn written_down(given: &Given, parts: &[Part]) -> Result<(Given, Vec<Part>), CompareError> {
+    let mut named = parts.to_vec();
+    if given.share.is_some() {
+        let sharing = Sharing::of(given, parts)?;
+        for (k, part) in named.iter_mut().enumerate() {
+            for share in Share::ALL {
+                let alike: Vec<usize> = sharing.parts().filter(|other| sharing.same(share, k, *other)).collect();
+                part.experiment.shared.insert(share, sharing.listed(&alike));
+            }
+        }
+    }
+    Ok((Given { share: None, ..given.clone() }, named))
+}
+
 /// By the names that folders give a thing.
 fn by_name(share: Share, parts: &[Part]) -> Result<Vec<usize>, CompareError> {
     let name = |k: usize| parts[k].experiment.shared.get(&share);

@@ -12,8 +12,8 @@ use crate::diagnosis::identified::{Determined, Identified, identified_at};
 use crate::diagnosis::information::Information;
 use crate::diagnosis::kinds::{PlatePlan, ShearPlan, strategy};
 use crate::diagnosis::noise::{NoiseModel, Whitening};
-use crate::diagnosis::problem::Problem;
-use crate::measurement::{Experiment, Share};
+use crate::diagnosis::problem::{Problem, written_down};
+use crate::measurement::{Experiment, Part, Share};
 use crate::model::Model;
 use crate::parallel::map_in_order;
 use serde::Serialize;
@@ -62,14 +62,17 @@ fn is_of_soil(name: &str) -> bool {
 /// Tests that determine parameters of the soil which `found` leaves open, the cheapest first; each determines more than any cheaper one.
 /// What one width of contact cannot tell, k_c, is open too unless it is known.
 pub(super) fn additions(at: &AtHand, found: &[Identified]) -> Vec<Addition> {
+    // A set that could be posed can be written down.
+    let Ok((given, parts)) = written_down(at.given, &at.problem.experiment.parts) else { return Vec::new() };
     let alone = |name: &String| found.iter().any(|one| one.name == *name && one.determined == Determined::Alone);
     let answer = |test: &Test| -> Option<Addition> {
-        let (determined, open): (Vec<_>, Vec<_>) = at.with(test).ok()?.into_iter().partition(|(_, alone)| *alone);
+        let (determined, open): (Vec<_>, Vec<_>) =
+            at.with(test, &given, &parts).ok()?.into_iter().partition(|(_, alone)| *alone);
         let names = |all: Vec<(String, bool)>| all.into_iter().map(|(name, _)| name).collect::<Vec<_>>();
         let determines = names(determined).into_iter().filter(|name| !alone(name)).collect();
         Some(Addition { text: test.text.clone(), runs: test.runs, determines, open: names(open) })
     };
-    let tests = at.tests();
+    let tests = at.tests(&parts);
     let mut all: Vec<Addition> = map_in_order(&tests, answer).into_iter().flatten().collect();
     all.sort_by_key(|addition| (addition.runs, addition.open.len()));
     let mut most = 0;
@@ -82,19 +85,19 @@ pub(super) fn additions(at: &AtHand, found: &[Identified]) -> Vec<Addition> {
 }
 
 impl AtHand<'_> {
-    /// The experiments at hand, with their models.
-    fn parts(&self) -> Vec<(&Experiment, Model)> {
+    /// The experiments at hand, which are `parts` unless there is but one, with their models.
+    fn with_models<'e>(&'e self, parts: &'e [Part]) -> Vec<(&'e Experiment, Model)> {
         let whole = &*self.problem.experiment;
         let free = &self.problem.base;
-        if whole.parts.is_empty() {
+        if parts.is_empty() {
             return vec![(whole, self.problem.improved(free, self.values))];
         }
         let models = self.problem.saved_parts(free, self.values).into_iter().map(|(_, model)| model);
-        whole.parts.iter().map(|part| &part.experiment).zip(models).collect()
+        parts.iter().map(|part| &part.experiment).zip(models).collect()
     }
 
-    fn tests(&self) -> Vec<Test> {
-        let parts = self.parts();
+    fn tests(&self, parts: &[Part]) -> Vec<Test> {
+        let parts = self.with_models(parts);
         let mut all: Vec<Test> = parts.iter().flat_map(|(part, model)| strategy(part).more(model, part)).collect();
         // On each soil that is named, else on the one that all share.
         let mut soils: Vec<Option<&String>> = parts.iter().map(|(part, _)| part.shared.get(&Share::Soil)).collect();
@@ -112,17 +115,17 @@ impl AtHand<'_> {
     }
 
     /// The soil's parameters, by the names that they have in the problem at hand, and whether each is determined once this test is made, too.
-    fn with(&self, test: &Test) -> Result<Vec<(String, bool)>, CompareError> {
+    fn with(&self, test: &Test, given: &Given, parts: &[Part]) -> Result<Vec<(String, bool)>, CompareError> {
         let whole = &*self.problem.experiment;
-        let mut named: Vec<(String, Experiment)> = if whole.parts.is_empty() {
+        let mut named: Vec<(String, Experiment)> = if parts.is_empty() {
             vec![("present".to_owned(), whole.clone())]
         } else {
-            whole.parts.iter().map(|part| (part.name.clone(), part.experiment.clone())).collect()
+            parts.iter().map(|part| (part.name.clone(), part.experiment.clone())).collect()
         };
         let count = named.len();
         named.push((NEW.to_owned(), test.experiment.clone()));
         let joint = Experiment::joint_named(named).map_err(|error| CompareError::Vehicle(error.to_string()))?;
-        let mut problem = Problem::new(self.given.clone(), &joint, self.added)?;
+        let mut problem = Problem::new(given.clone(), &joint, self.added)?;
         problem.library.clear();
         expect_all(&mut problem);
         let old = |free: &Free| (0..count).find_map(|k| self.own(free.in_part(k)?.variable.name.as_str(), k));
@@ -132,7 +135,7 @@ impl AtHand<'_> {
         problem.layout.scale = problem.strategy().noise_scale(&problem, &modelled);
         let mut noise = models(&planned_noise(&problem, &modelled));
         for (signal, known) in self.noise {
-            let signal = if whole.parts.is_empty() { format!("present.{signal}") } else { signal.clone() };
+            let signal = if parts.is_empty() { format!("present.{signal}") } else { signal.clone() };
             noise.insert(signal, *known);
         }
         let information = information_at(&problem, &values, &noise)?;

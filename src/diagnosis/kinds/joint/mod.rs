@@ -4,7 +4,7 @@ mod prediction;
 
 use super::single_wheel::SingleWheel;
 use super::traverse::Traverse;
-use super::{Budget, LeftOut, Strategy, strategy};
+use super::{Alikes, Budget, LeftOut, Strategy, strategy};
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::curves::Axis;
@@ -19,7 +19,7 @@ use crate::diagnosis::problem::Problem;
 use crate::diagnosis::separate::variation::Variation;
 use crate::diagnosis::windows::Windows;
 use crate::diagnosis::windows::free::FreeStart;
-use crate::measurement::{Experiment, Part};
+use crate::measurement::{Experiment, Kind, Part};
 use crate::model::{Model, ModelKind};
 use bekker_modeldescription::Variable;
 use prediction::JointPrediction;
@@ -99,16 +99,28 @@ impl Strategy for Joint {
         widths
     }
 
-    fn noise_scale(&self, problem: &Problem, modelled: &[f64]) -> Vec<Scale> {
+    fn noise_scale(&self, problem: &Problem, expected: &[f64]) -> Vec<Scale> {
         let mut all = Vec::new();
         let mut differ = false;
         for (k, (part, runs)) in parts(&problem.experiment).enumerate() {
-            let values = of_part_values(&problem.layout, &runs, modelled);
+            let values = of_part_values(&problem.layout, &runs, expected);
             let scale = strategy(&part.experiment).noise_scale(&problem.part_of(k), &values);
             differ |= !scale.is_empty();
             all.extend(if scale.is_empty() { vec![Scale::USUAL; values.len()] } else { scale });
         }
         if differ { all } else { Vec::new() }
+    }
+
+    /// Of an effect that acts in tests of the soil alone, as there; else as in the dearest kind.
+    fn alikes(&self, problem: &Problem, effect: &str) -> Option<Alikes> {
+        let places = problem.parts_with(effect);
+        let parts = problem.experiment.parts.iter().filter(|part| places.contains(&part.name));
+        let is_test = |part: &&Part| matches!(part.experiment.kind, Kind::PlateSinkage | Kind::Shear);
+        let (tests, others): (Vec<&Part>, Vec<&Part>) = parts.partition(is_test);
+        match tests.first().filter(|_| others.is_empty()) {
+            Some(test) => strategy(&test.experiment).alikes(problem, effect),
+            None => self.dearest().alikes(problem, effect),
+        }
     }
 
     fn assumed_scatter(&self, experiment: &Experiment) -> BTreeMap<String, f64> {

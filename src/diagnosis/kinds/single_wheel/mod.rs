@@ -94,7 +94,6 @@ impl Strategy for SingleWheel {
             // Searches start from so many places that a refit from a larger set finds nothing.
             refits_from_larger: false,
             by_products: false,
-            alike_reach: None,
             predicts_whole: true,
         }
     }

@@ -6,7 +6,7 @@ mod prediction;
 mod shapes;
 mod variations;
 
-use super::{Budget, Strategy};
+use super::{Alikes, Budget, Strategy};
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::curves::Axis;
@@ -21,7 +21,7 @@ use crate::diagnosis::precedence::{Choice, Rank};
 use crate::diagnosis::prediction::{Predict, PredictionError};
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::separate::variation::Variation;
-use crate::diagnosis::thresholds::{SMALLEST_SCALE, SOIL_SCATTER};
+use crate::diagnosis::thresholds::{EMPIRICAL, REACH_ALIKE, SMALLEST_SCALE, SOIL_SCATTER};
 use crate::effects::Facts;
 use crate::measurement::Experiment;
 use crate::model::{Model, ModelKind};
@@ -123,14 +123,14 @@ impl Strategy for SoilTest {
     /// Soils differ from one preparation to the next by a share of what they resist, and so does what is measured of one along a
     /// test: noise grows with the stress, in a run under a small plate as in one under a large plate. What a preparation adds is a share of
     /// what the soil resists and no more; a row has the noise of its instrument besides.
-    fn noise_scale(&self, problem: &Problem, modelled: &[f64]) -> Vec<Scale> {
+    fn noise_scale(&self, problem: &Problem, expected: &[f64]) -> Vec<Scale> {
         let layout = &problem.layout;
         let mut scale = vec![Scale::USUAL; layout.len()];
         for signal in self.signals {
             let blocks = || layout.blocks.iter().filter(|block| block.signal == *signal);
-            let usual = root_mean_square(blocks().flat_map(|block| &modelled[block.range.clone()]));
+            let usual = root_mean_square(blocks().flat_map(|block| &expected[block.range.clone()]));
             for block in blocks().filter(|_| usual > 0.0) {
-                let own = &modelled[block.range.clone()];
+                let own = &expected[block.range.clone()];
                 let smallest = SMALLEST_SCALE * root_mean_square(own) / usual;
                 for (place, value) in scale[block.range.clone()].iter_mut().zip(own).filter(|(_, v)| v.is_finite()) {
                     let row = (value / usual).hypot(smallest).max(f64::MIN_POSITIVE.sqrt());
@@ -139,6 +139,10 @@ impl Strategy for SoilTest {
             }
         }
         scale
+    }
+
+    fn alikes(&self, _: &Problem, _: &str) -> Option<Alikes> {
+        Some(Alikes { chi_square: REACH_ALIKE, share: EMPIRICAL })
     }
 
     fn assumed_scatter(&self, experiment: &Experiment) -> BTreeMap<String, f64> {
@@ -183,7 +187,6 @@ impl Strategy for SoilTest {
             profiles_of_calibrated: true,
             refits_from_larger: false,
             by_products: false,
-            alike_reach: None,
             predicts_whole: true,
         }
     }

@@ -10,7 +10,7 @@ mod starts;
 pub(crate) mod synthetic;
 mod variations;
 
-use super::{Budget, LeftOut, Strategy};
+use super::{Alikes, Budget, LeftOut, Strategy};
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::curves::Axis;
@@ -97,6 +97,10 @@ impl Strategy for Traverse {
         names
     }
 
+    fn alikes(&self, _: &Problem, _: &str) -> Option<Alikes> {
+        Some(Alikes { chi_square: REACH_ALIKE, share: 0.0 })
+    }
+
     fn parameters(&self, model: &Model) -> Vec<(Variable, f64)> {
         model.clone().list()
     }
@@ -126,7 +130,6 @@ impl Strategy for Traverse {
             profiles_of_calibrated: false,
             refits_from_larger: true,
             by_products: true,
-            alike_reach: Some(REACH_ALIKE),
             predicts_whole: false,
         }
     }

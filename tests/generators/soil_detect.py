@@ -1,0 +1,138 @@
+"""How clearly a test of a soil shows a hidden effect, and what it can be confused with: as detect.py for wheels and rovers.
+
+Values scatter by shares of what they are, so signatures are those of logarithms: what the effect changes in ln p or ln tau, whitened by the
+scatter of whole tests, the noise along the rows and that of the cell, without what the soil's parameters can take up. Rivals are the
+effects that examples/soil_tests.md lists, in the forms given there.
+"""
+
+import numpy as np
+
+import soil_tests as tests
+from detect import DETECTABLE, TIE, orthonormal
+
+STEP = 1e-3  # of a soil parameter, relative
+SOIL = {"plate_sinkage": ("k_c", "k_phi", "n"), "shear": ("c", "phi", "K")}
+LIBRARY = {"softening": "shear_softening"}  # other names of effects
+CELL = 0.05  # noise of the load cell, over that of the rows
+SEARCHES = 6
+REFITS = 12
+SETTLED = 1e-4  # step of a fit, of the true soil
+LEAST = 0.01  # of a soil parameter other than k_c, of the true one
+
+
+def conditions(kind):
+    """Settings and inputs of each group, without jitter."""
+    share = (np.arange(tests.ROWS) + 1.0) / tests.ROWS
+    if kind == "plate_sinkage":
+        return [((diameter, speed), 0.03 * share**1.5) for diameter in tests.DIAMETERS for speed in tests.SPEEDS.values()]
+    return [((sigma, speed), 0.08 * share**2) for sigma in tests.STRESSES for speed in tests.SHEAR_SPEEDS.values()]
+
+
+def clean(kind, setting, x, ground):
+    if kind == "plate_sinkage":
+        return (ground["k_c"] / (0.5 * setting) + ground["k_phi"]) * x ** ground["n"]
+    return (ground["c"] + setting * np.tan(np.radians(ground["phi"]))) * (1.0 - np.exp(-x / ground["K"]))
+
+
+def hidden(kind, case, strength, setting, speed, x, ground):
+    """What the generator measures, without noise."""
+    if kind == "plate_sinkage":
+        # A seating differs from test to test; its mean counts.
+        if case == "seating":
+            return clean(kind, setting, x + strength, ground)
+        return tests.pressure(case, strength, x, setting, speed, None, ground)
+    return tests.shear_stress(case, strength, x, setting, speed, ground)
+
+
+def rival(name, setting, speed, x, value, ground):
+    """A small effect of the library, on the clean values `value`."""
+    K, width, depth = ground["K"], tests.BOX["width"], tests.BOX["depth"]
+    return {
+        "plate_size": lambda: value * (0.5 * setting / 0.05) ** 0.05,
+        "box_walls": lambda: value * (1.0 + 0.5 * (setting / width) ** 2),
+        "box_bottom": lambda: value * (1.0 + 0.2 * np.exp(-(depth - x) / setting)),
+        "rate": lambda: value * (speed / 0.01) ** 0.02,
+        "seating": lambda: clean("plate_sinkage", setting, x + 1e-4, ground),
+        "shear_rate": lambda: value * (speed / 1e-3) ** 0.02,
+        "box_friction": lambda: value + 20.0,
+        "shear_play": lambda: clean("shear", setting, x - np.minimum(1e-5, x), ground),
+        "shear_softening": lambda: value * (1.0 - 0.05 * (1.0 - np.exp(-((x / (3.0 * K)) ** 2)))),
+    }[name]()
+
+
+RIVALS = {
+    "plate_sinkage": ("plate_size", "box_walls", "box_bottom", "rate", "seating"),
+    "shear": ("shear_rate", "box_friction", "shear_play", "shear_softening"),
+}
+
+
+class Detector:
+    """Signatures of effects in a test on one ground, with so much noise, soil scatter from test to test, and repeats."""
+
+    def __init__(self, kind, ground, noise, soil, repeats=3):
+        self.kind, self.ground, self.conditions = kind, ground, conditions(kind)
+        lag = np.abs(np.subtract.outer(np.arange(tests.ROWS), np.arange(tests.ROWS)))
+        along = soil**2 + noise**2 * tests.CORRELATION**lag
+        self.weights = []
+        for (setting, _), x in self.conditions:
+            value = clean(kind, setting, x, ground)
+            cell = CELL * noise * np.sqrt(np.mean(value**2)) / value
+            self.weights.append(np.sqrt(repeats) * np.linalg.inv(np.linalg.cholesky(along + np.diag(cell**2))))
+
+    def slopes(self, ground, names):
+        """Whitened slopes of the logarithms in these parameters of a soil, in units of their true values."""
+        step = lambda name: {name: ground[name] + STEP * self.ground[name]}
+        columns = [self.changed(lambda s, v, x, y, n=name: clean(self.kind, s, x, ground | step(n)), ground) for name in names]
+        return np.column_stack(columns) / STEP
+
+    def changed(self, other, ground):
+        """Whitened change of the logarithms, all groups in one vector; `other` of setting, speed, inputs and what they give on the ground."""
+        parts = []
+        for weight, ((setting, speed), x) in zip(self.weights, self.conditions):
+            value = clean(self.kind, setting, x, ground)
+            # Nearly nothing is left of what a play takes away: ten standard deviations say the same as more.
+            ratio = np.maximum(other(setting, speed, x, value) / value, 1e-3)
+            parts.append(weight @ np.log(ratio))
+        return np.concatenate(parts)
+
+    def signature(self, case, strength):
+        """What is left of an effect after the soil is fitted to it, within the bounds, and the directions in which that soil could still go.
+        No soil has a k_c below zero: where the fit would need one, the effect shows that much more."""
+        ground, names = dict(self.ground), list(SOIL[self.kind])
+        for _ in range(REFITS):
+            left = self.changed(lambda s, v, x, y: hidden(self.kind, case, strength, s, v, x, self.ground), ground)
+            slopes = self.slopes(ground, names)
+            step = np.linalg.lstsq(slopes, left, rcond=None)[0]
+            for name, share in zip(tuple(names), step):
+                # At most a half at once, for the next step to be as good as its slopes.
+                least = 0.0 if name == "k_c" else LEAST * self.ground[name]
+                ground[name] = max(ground[name] + float(np.clip(share, -0.5, 0.5)) * self.ground[name], least)
+                if ground[name] == 0.0:
+                    names.remove(name)
+            if np.max(np.abs(step)) < SETTLED:
+                break
+        basis = orthonormal(slopes)
+        return left - basis @ (basis.T @ left), basis, ground
+
+    def truth(self, case, strength=None):
+        """The entry of an effect in truth.json. Without a strength the usual one, or so much more that the test shows it clearly."""
+        given = strength is not None
+        at = tests.STRENGTHS[case] if strength is None else strength
+        for _ in range(SEARCHES):
+            signature, basis, ground = self.signature(case, at)
+            reached = float(np.linalg.norm(signature))
+            if given or reached >= 1.5 * DETECTABLE:
+                break
+            at *= 1.05 * 1.5 * DETECTABLE / reached
+        cosines = {}
+        for name in RIVALS[self.kind]:
+            other = self.changed(lambda s, v, x, y, n=name: rival(n, s, v, x, y, ground), ground)
+            other -= basis @ (basis.T @ other)
+            size = np.linalg.norm(other) * reached
+            cosines[name] = float(other @ signature / size) if size > 0.0 else 0.0
+        true = LIBRARY.get(case, case)
+        return {
+            "case": true, "form": None, "strength": at, "deviations": reached, "visible": bool(reached >= 1.5 * DETECTABLE * 0.999),
+            "allowed_ties": sorted(name for name, cosine in cosines.items() if name != true and cosine > TIE),
+            "cosines": {name: round(cosine, 4) for name, cosine in sorted(cosines.items(), key=lambda kv: -abs(kv[1]))},
+        }  # fmt: skip
