@@ -61,28 +61,28 @@ pub(super) fn sums<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
             [FEW_NODES, FEW_NODES_BOTH_SIGNS, MORE_NODES].map(|limit| change.at_most(limit.into()));
         let (little, some) = (grips & !signs & up_to_few, grips & !signs & up_to_more);
         let (cut, cut_more) = (grips & signs & up_to_few_cut, grips & signs & up_to_more);
-        let mut sums = Sums::zero();
-        if little.any() {
-            sums.take(little, &whole(rim, &NODES_8));
-        }
-        let more = some & !little;
-        if more.any() {
-            sums.take(more, &whole(rim, &NODES_12));
-        }
-        if (cut | cut_more).any() {
-            let angles = displacement.sign_changes(cut | cut_more);
-            if cut.any() {
-                sums.take(cut, &between(rim, angles, &NODES_8));
-            }
-            let more = cut_more & !cut;
-            if more.any() {
-                sums.take(more, &between(rim, angles, &NODES_12));
-            }
-        }
         let rest = !(some | cut_more);
         let quick = rest & grips;
+        let mut sums = Sums::zero();
+        // Loops over the cases, so that the stresses along a rim are compiled once for all of them.
+        for (contacts, nodes) in [(little, &NODES_8[..]), (some & !little, &NODES_12)] {
+            if contacts.any() {
+                sums.take(contacts, &whole(rim, nodes));
+            }
+        }
+        let (mut of_signs, mut quick_changes) = ([displacement.theta_2; 6], [displacement.theta_2; 12]);
+        if (cut | cut_more).any() {
+            of_signs = displacement.sign_changes(cut | cut_more);
+        }
         if quick.any() {
-            sums.take(quick, &between(rim, displacement.quick_changes(quick), &NODES_16));
+            quick_changes = displacement.quick_changes(quick);
+        }
+        let cases: [(S::Mask, &[S::Plain], &[(f64, f64)]); 3] =
+            [(cut, &of_signs, &NODES_8), (cut_more & !cut, &of_signs, &NODES_12), (quick, &quick_changes, &NODES_16)];
+        for (contacts, angles, nodes) in cases {
+            if contacts.any() {
+                sums.take(contacts, &between(rim, angles, nodes));
+            }
         }
         let limited = rest & !grips;
         if limited.any() {
@@ -175,7 +175,7 @@ fn smooth_pieces<S: Scalar>(rim: &Rim<S>, displacement: &Displacement<f64>, cuts
 
 /// Between each of `angles` and the next, which may be the same.
 #[lanes]
-fn between<S: Scalar, const N: usize>(rim: &Rim<S>, angles: [S::Plain; N], nodes: &[(f64, f64)]) -> Sums<S> {
+fn between<S: Scalar>(rim: &Rim<S>, angles: &[S::Plain], nodes: &[(f64, f64)]) -> Sums<S> {
     let mut sums = Sums::zero();
     for piece in angles.windows(2) {
         // Side by side, a piece of no length adds nothing.
