@@ -77,8 +77,11 @@ pub(super) fn sums<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
         if quick.any() {
             quick_changes = displacement.quick_changes(quick);
         }
-        let cases: [(S::Mask, &[S::Plain], &[(f64, f64)]); 3] =
-            [(cut, &of_signs, &NODES_8), (cut_more & !cut, &of_signs, &NODES_12), (quick, &quick_changes, &NODES_16)];
+        let cases = [
+            (cut, &of_signs[..], &NODES_8[..]),
+            (cut_more & !cut, &of_signs[..], &NODES_12[..]),
+            (quick, &quick_changes[..], &NODES_16[..]),
+        ];
         for (contacts, angles, nodes) in cases {
             if contacts.any() {
                 sums.take(contacts, &between(rim, angles, nodes));

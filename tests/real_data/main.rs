@@ -36,7 +36,7 @@ fn main() -> ExitCode {
         trial!(smooth_wheel::agreement_experiment_folder_gives_the_same_as_the_trials, [CMU, CMU_FOLDER]),
         trial!(diagnosis::agreement_the_smooth_wheel_lacks_slip_sinkage_as_an_expert_says, [CMU_FOLDER]),
         trial!(diagnosis::agreement_rows_of_ding_have_no_floor_and_no_confident_name, [DING]),
-        trial!(plates::agreement_k_of_the_cmu_sand_grows_with_the_plate_as_its_notes_say, [PLATES]),
+        trial!(plates::agreement_the_cmu_plates_hardly_tell_k_c_from_k_phi_as_their_notes_say, [PLATES]),
         trial!(
             plates::agreement_with_the_plates_as_a_prior_the_smooth_wheel_lacks_slip_sinkage_on_their_soil,
             [PLATES, CMU_FOLDER]

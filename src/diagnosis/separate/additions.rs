@@ -164,26 +164,36 @@ impl AtHand<'_> {
     }
 }
 
-/// Plates and shear tests, one and more of each.
+/// How often a test of a soil may have to be made, each time on a bed prepared anew: means of six scatter by 4 % where beds do by 10 %.
+const TIMES: [usize; 3] = [1, 3, 6];
+
+/// Plates and shear tests, one and more of each, once and several times.
 fn soil_tests() -> Vec<Test> {
     let mut all = Vec::new();
-    for diameters in [vec![0.1], vec![0.05, 0.2], vec![0.05, 0.1, 0.2]] {
-        let sizes: Vec<String> = diameters.iter().map(|d| format!("{:.0}", 1e3 * d)).collect();
-        let text = format!("{} plate test{} ({} mm)", sizes.len(), plural(sizes.len()), sizes.join(", "));
-        let plan = PlatePlan { diameters, repeats: 1, ..PlatePlan::default() };
-        all.extend(plan.experiment().ok().map(|experiment| Test { text, runs: sizes.len(), experiment }));
-    }
-    for normal_stresses in [vec![5e3], vec![2e3, 10e3], vec![2e3, 5e3, 10e3]] {
-        let stresses: Vec<String> = normal_stresses.iter().map(|stress| format!("{:.0}", 1e-3 * stress)).collect();
-        let text = format!("{} shear test{} ({} kPa)", stresses.len(), plural(stresses.len()), stresses.join(", "));
-        let plan = ShearPlan { normal_stresses, repeats: 1, ..ShearPlan::default() };
-        all.extend(plan.experiment().ok().map(|experiment| Test { text, runs: stresses.len(), experiment }));
+    for repeats in TIMES {
+        for diameters in [vec![0.1], vec![0.05, 0.2], vec![0.05, 0.1, 0.2]] {
+            let sizes: Vec<String> = diameters.iter().map(|d| format!("{:.0}", 1e3 * d)).collect();
+            let plan = PlatePlan { diameters, repeats, ..PlatePlan::default() };
+            all.extend(plan.experiment().ok().map(|experiment| test("plate", &sizes, "mm", repeats, experiment)));
+        }
+        for normal_stresses in [vec![5e3], vec![2e3, 10e3], vec![1e3, 20e3], vec![2e3, 5e3, 10e3]] {
+            let stresses: Vec<String> = normal_stresses.iter().map(|stress| format!("{:.0}", 1e-3 * stress)).collect();
+            let plan = ShearPlan { normal_stresses, repeats, ..ShearPlan::default() };
+            all.extend(plan.experiment().ok().map(|experiment| test("shear", &stresses, "kPa", repeats, experiment)));
+        }
     }
     all
 }
 
-fn plural(count: usize) -> &'static str {
-    if count == 1 { "" } else { "s" }
+/// Tests of one kind at these settings, so many times each.
+fn test(kind: &str, settings: &[String], unit: &str, repeats: usize, experiment: Experiment) -> Test {
+    let count = settings.len();
+    let plural = if count == 1 { "" } else { "s" };
+    let mut text = format!("{count} {kind} test{plural} ({} {unit})", settings.join(", "));
+    if repeats > 1 {
+        text.push_str(&format!(", {repeats} times{}", if count == 1 { "" } else { " each" }));
+    }
+    Test { text, runs: count * repeats, experiment }
 }
 
 /// What the rows of an experiment, made or planned, tell of its free parameters at these values.
