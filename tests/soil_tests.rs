@@ -105,7 +105,7 @@ fn property_it_is_said_where_k_grows_with_the_plate_so_that_no_pair_fits() {
 
 fn diagnosed(folder: &str) -> Diagnosis {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(folder);
-    // As a user runs it, with 399 draws: from 299 on "something else" keeps 1.5 %, with 199 it keeps 21 % and nothing is named.
+    // As a user runs it.
     let options = DiagnoseOptions::default();
     diagnose(Given::default(), &Experiment::read(folder).unwrap(), &options, &Control::default()).unwrap()
 }

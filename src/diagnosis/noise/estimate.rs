@@ -221,3 +221,62 @@ fn deviance(trial: &NoiseModel, strands: &[Strand], labels: &LabelContrasts, cou
     let variance = squares / count as f64;
     (count as f64 * variance.ln() + determinant, variance.sqrt())
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+
+    use super::{NoiseModel, Repeats, estimate};
+    use crate::diagnosis::layout::Layout;
+    use crate::diagnosis::noise::Scale;
+    use crate::measurement::Experiment;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use std::fmt::Write;
+
+    const RUNS: usize = 150;
+    const ROWS: usize = 20;
+    /// Three standard errors of a variance that so many runs tell, as a share of the whole.
+    const FOUND: f64 = 0.06;
+
+    /// Plate tests in one group; what is measured does not matter here.
+    fn repeated() -> Experiment {
+        let rows: String = (1..=ROWS).map(|row| format!("{},1\n", 0.001 * row as f64)).collect();
+        let mut toml =
+            "name = \"plates\"\nkind = \"plate_sinkage\"\n[parameters]\n\"plate.diameter\" = 0.1\n".to_owned();
+        let mut files = vec![];
+        for run in 0..RUNS {
+            write!(toml, "[[run]]\nfile = \"{run}.csv\"\ngroup = \"a\"\n").unwrap();
+            files.push((format!("{run}.csv"), format!("sinkage,force\n{rows}")));
+        }
+        files.push(("experiment.toml".to_owned(), toml));
+        Experiment::from_texts(&files.into_iter().collect()).unwrap()
+    }
+
+    #[test]
+    fn property_the_scatter_of_runs_is_found_where_it_counts_little_in_the_first_rows() {
+        let experiment = repeated();
+        let mut layout = Layout::new(&experiment);
+        let drawn = NoiseModel { deviation: 2.0, run_share: 0.8, correlation: 0.5 };
+        // A force that grows from next to nothing, under a cell with noise of its own.
+        let scale = |row: usize| {
+            let expected = (row as f64 / ROWS as f64).powi(2);
+            let own = expected.hypot(0.05);
+            Scale { row: own, weight: expected / own }
+        };
+        layout.scale = (0..layout.len()).map(|at| scale(at % ROWS)).collect();
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        for block in layout.blocks.clone() {
+            let scale = layout.scale[block.range.clone()].to_vec();
+            drawn.draw(&mut rng, &scale, &mut layout.measured[block.range]);
+        }
+        let found = estimate(&Repeats::new(&experiment), &layout, "force", &layout.measured).unwrap();
+        assert!((found.run_share - drawn.run_share).abs() < FOUND, "{found:?}");
+        assert!((found.correlation - drawn.correlation).abs() < FOUND, "{found:?}");
+        assert!((found.deviation / drawn.deviation - 1.0).abs() < 2.0 * FOUND, "{found:?}");
+        // Where the scatter of a run counts fully in every row it is not found.
+        layout.scale.iter_mut().for_each(|scale| scale.weight = 1.0);
+        let all_alike = estimate(&Repeats::new(&experiment), &layout, "force", &layout.measured).unwrap();
+        assert!(all_alike.run_share < drawn.run_share - FOUND, "{all_alike:?}");
+    }
+}
