@@ -54,7 +54,11 @@ impl Placed {
 
     /// Values of the part's parameters for those of the whole, which `free` describes.
     pub fn values(&self, whole: &[f64], free: &[Free]) -> Vec<f64> {
-        (0..self.free.len()).map(|own| self.unscaled(own, whole, free) * self.factor(own, whole)).collect()
+        let value = |own: usize| {
+            let (low, high) = self.bounds(own, whole, free);
+            (self.unscaled(own, whole, free) * self.factor(own, whole)).clamp(low, high)
+        };
+        (0..self.free.len()).map(value).collect()
     }
 
     fn unscaled(&self, own: usize, whole: &[f64], free: &[Free]) -> f64 {
@@ -67,6 +71,12 @@ impl Placed {
                 sum.clamp(variable.min, variable.max)
             }
         }
+    }
+
+    /// Bounds of a part's parameter, which its scatter does not leave; a value that is known beyond them stays where it is.
+    fn bounds(&self, own: usize, whole: &[f64], free: &[Free]) -> (f64, f64) {
+        let (variable, value) = (&self.free[own].variable, self.unscaled(own, whole, free));
+        (variable.min.min(value), variable.max.max(value))
     }
 
     /// Whether a sum of strengths is beyond a bound, where it does not follow them.
@@ -86,9 +96,14 @@ impl Placed {
     pub fn each_slope(&self, whole: &[f64], free: &[Free], mut f: impl FnMut(usize, usize, f64)) {
         for (own, moves) in self.moves.iter().enumerate() {
             let factor = self.factor(own, whole);
+            let value = self.unscaled(own, whole, free) * factor;
+            let (low, high) = self.bounds(own, whole, free);
+            if value < low || value > high {
+                // It stays on the bound.
+                continue;
+            }
             let rate = if self.is_clamped(own, whole, free) { 0.0 } else { factor };
             moves.by_value.iter().for_each(|k| f(*k, own, rate));
-            let value = self.unscaled(own, whole, free) * factor;
             moves.by_factor.iter().for_each(|k| f(*k, own, value / whole[*k]));
         }
     }
