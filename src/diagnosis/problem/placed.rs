@@ -19,6 +19,8 @@ struct Moves {
     by_value: Vec<usize>,
     /// By which it is multiplied: the scatter of the soil.
     by_factor: Vec<usize>,
+    /// What the model allows of it, where it is multiplied.
+    allowed: Option<(f64, f64)>,
 }
 
 impl Placed {
@@ -37,6 +39,11 @@ impl Placed {
                 let start = if known { held.start } else { part.value_of(name) };
                 let own = placed.place(Free { start, ..held.clone() });
                 placed.moves[own].by_factor.push(at);
+                if placed.moves[own].allowed.is_none() {
+                    let listed = part.known.clone().list();
+                    let variable = listed.into_iter().map(|(variable, _)| variable).find(|own| own.name == *name);
+                    placed.moves[own].allowed = variable.map(|variable| (variable.min, variable.max));
+                }
             }
         }
         placed
@@ -55,7 +62,7 @@ impl Placed {
     /// Values of the part's parameters for those of the whole, which `free` describes.
     pub fn values(&self, whole: &[f64], free: &[Free]) -> Vec<f64> {
         let value = |own: usize| {
-            let (low, high) = self.bounds(own, whole, free);
+            let (low, high) = self.bounds(own);
             (self.unscaled(own, whole, free) * self.factor(own, whole)).clamp(low, high)
         };
         (0..self.free.len()).map(value).collect()
@@ -73,10 +80,9 @@ impl Placed {
         }
     }
 
-    /// Bounds of a part's parameter, which its scatter does not leave; a value that is known beyond them stays where it is.
-    fn bounds(&self, own: usize, whole: &[f64], free: &[Free]) -> (f64, f64) {
-        let (variable, value) = (&self.free[own].variable, self.unscaled(own, whole, free));
-        (variable.min.min(value), variable.max.max(value))
+    /// What the model allows of a part's parameter, which its scatter does not leave.
+    fn bounds(&self, own: usize) -> (f64, f64) {
+        self.moves[own].allowed.unwrap_or((f64::NEG_INFINITY, f64::INFINITY))
     }
 
     /// Whether a sum of strengths is beyond a bound, where it does not follow them.
@@ -97,7 +103,7 @@ impl Placed {
         for (own, moves) in self.moves.iter().enumerate() {
             let factor = self.factor(own, whole);
             let value = self.unscaled(own, whole, free) * factor;
-            let (low, high) = self.bounds(own, whole, free);
+            let (low, high) = self.bounds(own);
             if value < low || value > high {
                 // It stays on the bound.
                 continue;
