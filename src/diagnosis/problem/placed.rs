@@ -2,6 +2,7 @@
 
 use super::Problem;
 use crate::diagnosis::free::Free;
+use bekker_modeldescription::Lookup;
 
 /// Free parameters of a part, and what of the whole moves each.
 #[derive(Clone, Debug)]
