@@ -136,7 +136,7 @@ fn assert_parts(bench: &Workbench, values: &Values, all: &Fit) {
     let trial = bench.trial(values, false).unwrap();
     assert_same(&trial.fit, all);
     let set = bench.experiment();
-    let mut seen = 0;
+    let (mut seen, mut by_itself) = (0, 0);
     for (k, (part, runs)) in set.parts.iter().zip(set.runs_of_parts()).enumerate() {
         let own = bench.trial_of_part(k, &trial, values, false).unwrap().fit;
         seen += own.rmse.len();
@@ -150,9 +150,17 @@ fn assert_parts(bench: &Workbench, values: &Values, all: &Fit) {
         }
         // The part by itself, with what the values of the set are there, gives the same.
         let values = bench.values_of_part(k, values).unwrap();
-        assert_same(&bench.parts()[k].trial(&values, false).unwrap().fit, &own);
+        match bench.parts()[k].trial(&values, false) {
+            Ok(alone) => {
+                assert_same(&alone.fit, &own);
+                by_itself += 1;
+            }
+            // The scatter of the soil may carry a part beyond bounds that hold for it alone: these folders have soils of their own.
+            Err(error) => assert!(error.to_string().contains("outside its allowed range"), "{error}"),
+        }
     }
     assert_eq!(seen, all.rmse.len());
+    assert!(by_itself > 0);
 }
 
 #[test]

@@ -2,7 +2,6 @@
 
 use super::Problem;
 use crate::diagnosis::free::Free;
-use bekker_modeldescription::Lookup;
 
 /// Free parameters of a part, and what of the whole moves each.
 #[derive(Clone, Debug)]
@@ -20,8 +19,6 @@ struct Moves {
     by_value: Vec<usize>,
     /// By which it is multiplied: the scatter of the soil.
     by_factor: Vec<usize>,
-    /// What the model allows of it, where it is multiplied.
-    allowed: Option<(f64, f64)>,
 }
 
 impl Placed {
@@ -40,11 +37,6 @@ impl Placed {
                 let start = if known { held.start } else { part.value_of(name) };
                 let own = placed.place(Free { start, ..held.clone() });
                 placed.moves[own].by_factor.push(at);
-                if placed.moves[own].allowed.is_none() {
-                    let listed = part.known.clone().list();
-                    let variable = listed.into_iter().map(|(variable, _)| variable).find(|own| own.name == *name);
-                    placed.moves[own].allowed = variable.map(|variable| (variable.min, variable.max));
-                }
             }
         }
         placed
@@ -62,11 +54,7 @@ impl Placed {
 
     /// Values of the part's parameters for those of the whole, which `free` describes.
     pub fn values(&self, whole: &[f64], free: &[Free]) -> Vec<f64> {
-        let value = |own: usize| {
-            let (low, high) = self.bounds(own);
-            (self.unscaled(own, whole, free) * self.factor(own, whole)).clamp(low, high)
-        };
-        (0..self.free.len()).map(value).collect()
+        (0..self.free.len()).map(|own| self.unscaled(own, whole, free) * self.factor(own, whole)).collect()
     }
 
     fn unscaled(&self, own: usize, whole: &[f64], free: &[Free]) -> f64 {
@@ -79,11 +67,6 @@ impl Placed {
                 sum.clamp(variable.min, variable.max)
             }
         }
-    }
-
-    /// What the model allows of a part's parameter, which its scatter does not leave.
-    fn bounds(&self, own: usize) -> (f64, f64) {
-        self.moves[own].allowed.unwrap_or((f64::NEG_INFINITY, f64::INFINITY))
     }
 
     /// Whether a sum of strengths is beyond a bound, where it does not follow them.
@@ -103,14 +86,9 @@ impl Placed {
     pub fn each_slope(&self, whole: &[f64], free: &[Free], mut f: impl FnMut(usize, usize, f64)) {
         for (own, moves) in self.moves.iter().enumerate() {
             let factor = self.factor(own, whole);
-            let value = self.unscaled(own, whole, free) * factor;
-            let (low, high) = self.bounds(own);
-            if value < low || value > high {
-                // It stays on the bound.
-                continue;
-            }
             let rate = if self.is_clamped(own, whole, free) { 0.0 } else { factor };
             moves.by_value.iter().for_each(|k| f(*k, own, rate));
+            let value = self.unscaled(own, whole, free) * factor;
             moves.by_factor.iter().for_each(|k| f(*k, own, value / whole[*k]));
         }
     }
