@@ -137,7 +137,7 @@ fn property_separate_tells_what_an_experiment_can_show() {
 #[test]
 fn property_separate_plans_the_cheapest_test_for_a_set() {
     let out = file("set_separation.json");
-    let text = done(&["separate", SAND, PLATES, "--candidates", "slip_sinkage", "--json", shown(&out)]);
+    let text = done(&["separate", SAND, SHEAR, "--candidates", "slip_sinkage", "--json", shown(&out)]);
     assert!(text.contains("determined by these measurements: ") && text.contains("cheapest additions"), "{text}");
     let found = json(&out);
     assert!(found["determined"].as_array().expect("parameters").iter().any(|one| one["name"] == "soil.exponent"));
