@@ -151,7 +151,7 @@ pub(crate) const REACH: f64 = 6.0;
 /// deviations was called drag, which fits better by 8; about the baseline, whose soil is bent, their cosine is below [`ALIKE`].
 pub(crate) const REACH_ALIKE: f64 = 12.0;
 /// In tests of a soil a look-alike also ties within this share of the gain. The laws of walls, bottom, plate size and softening are empirical,
-/// and three plates tell two numbers of what their size changes: resistance that grows linearly with the plate (Terzaghi) was called
+/// and plates of three sizes tell three numbers, of which k_c and k_phi take two: resistance that grows linearly with the plate (Terzaghi) was called
 /// `box_walls` in 6 of 40 development sets (seeds 8000 to 8039), where `plate_size`, a power of it, gains 79 to 87 % of what walls do; where walls
 /// are hidden a look-alike gains 70 % at most. Development set.
 pub(crate) const EMPIRICAL: f64 = 0.25;

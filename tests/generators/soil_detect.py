@@ -8,12 +8,11 @@ effects that examples/soil_tests.md lists, in the forms given there.
 import numpy as np
 
 import soil_tests as tests
-from detect import DETECTABLE, TIE, orthonormal
+from detect import DETECTABLE, orthonormal, ties
 
 STEP = 1e-3  # of a soil parameter, relative
 SOIL = {"plate_sinkage": ("k_c", "k_phi", "n"), "shear": ("c", "phi", "K")}
 LIBRARY = {"softening": "shear_softening"}  # other names of effects
-CELL = 0.05  # noise of the load cell, over that of the rows
 SEARCHES = 6
 REFITS = 12
 SETTLED = 1e-4  # step of a fit, of the true soil
@@ -29,9 +28,10 @@ def conditions(kind):
 
 
 def clean(kind, setting, x, ground):
+    """What the generator measures with nothing hidden, without noise; nothing depends on the speed then."""
     if kind == "plate_sinkage":
-        return (ground["k_c"] / (0.5 * setting) + ground["k_phi"]) * x ** ground["n"]
-    return (ground["c"] + setting * np.tan(np.radians(ground["phi"]))) * (1.0 - np.exp(-x / ground["K"]))
+        return tests.pressure("clean", 0.0, x, setting, None, None, ground)
+    return tests.shear_stress("clean", 0.0, x, setting, None, ground)
 
 
 def hidden(kind, case, strength, setting, speed, x, ground):
@@ -76,7 +76,7 @@ class Detector:
         self.weights = []
         for (setting, _), x in self.conditions:
             value = clean(kind, setting, x, ground)
-            cell = CELL * noise * np.sqrt(np.mean(value**2)) / value
+            cell = tests.CELL * noise * np.sqrt(np.mean(value**2)) / value
             self.weights.append(np.sqrt(repeats) * np.linalg.inv(np.linalg.cholesky(along + np.diag(cell**2))))
 
     def slopes(self, ground, names):
@@ -114,14 +114,13 @@ class Detector:
         basis = orthonormal(slopes)
         return left - basis @ (basis.T @ left), basis, ground
 
-    def truth(self, case, strength=None):
-        """The entry of an effect in truth.json. Without a strength the usual one, or so much more that the test shows it clearly."""
-        given = strength is not None
-        at = tests.STRENGTHS[case] if strength is None else strength
+    def truth(self, case):
+        """The entry of an effect in truth.json: at its usual strength, or stronger where the test would not show it clearly."""
+        at = tests.STRENGTHS[case]
         for _ in range(SEARCHES):
             signature, basis, ground = self.signature(case, at)
             reached = float(np.linalg.norm(signature))
-            if given or reached >= 1.5 * DETECTABLE:
+            if reached >= 1.5 * DETECTABLE:
                 break
             at *= 1.05 * 1.5 * DETECTABLE / reached
         cosines = {}
@@ -133,6 +132,6 @@ class Detector:
         true = LIBRARY.get(case, case)
         return {
             "case": true, "form": None, "strength": at, "deviations": reached, "visible": bool(reached >= 1.5 * DETECTABLE * 0.999),
-            "allowed_ties": sorted(name for name, cosine in cosines.items() if name != true and cosine > TIE),
+            "allowed_ties": ties(cosines, true, ()),
             "cosines": {name: round(cosine, 4) for name, cosine in sorted(cosines.items(), key=lambda kv: -abs(kv[1]))},
         }  # fmt: skip

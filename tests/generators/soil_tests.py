@@ -41,6 +41,7 @@ SHEAR_SPEEDS = {"slow": 1e-4, "fast": 1e-2}  # m/s; the model's strength holds a
 SCATTER = 0.04  # of what a soil resists, from test to test
 ROWS = 25
 CORRELATION = 0.6
+CELL = 0.05  # noise of the load cell, over that of the rows, of a usual value
 
 
 def plate_factor(case, strength, z, diameter, speed):
@@ -117,7 +118,7 @@ def noisy(rng, clean, noise, soil):
     along[0] = rng.standard_normal()
     for k in range(1, len(clean)):
         along[k] = CORRELATION * along[k - 1] + np.sqrt(1.0 - CORRELATION**2) * rng.standard_normal()
-    cell = 0.05 * noise * np.sqrt(np.mean(clean**2)) * rng.standard_normal(len(clean))
+    cell = CELL * noise * np.sqrt(np.mean(clean**2)) * rng.standard_normal(len(clean))
     return clean * (1.0 + soil * rng.standard_normal() + noise * along) + cell
 
 

@@ -163,8 +163,8 @@ fn noise_about(problem: &mut Problem, repeats: &Repeats, first: &Calibration) ->
     Ok(Found { noise, decided, flexible, modulations })
 }
 
-/// What the model gives and the discrepancy that brings it nearest to the measurements: of the columns, which stand with the least smooth
-/// first, so many of the smoothest that half of the values are left.
+/// The model's values plus a smooth curve through what they miss. The curve is a sum of the `flexible` columns, the least smooth of which
+/// come first; of the smoothest as many are taken as leave half of all values free, so that the curve does not pass through each.
 fn with_discrepancy(layout: &Layout, modelled: &[f64], residual: &[f64], flexible: &[Vec<f64>]) -> Vec<f64> {
     let counted = |values: &[f64]| {
         let kept = values.iter().zip(residual).map(|(value, missed)| if missed.is_nan() { 0.0 } else { *value });

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 pub struct Scale {
     /// Of the noise of the row.
     pub row: f64,
-    /// What the scatter of the whole run counts there, in units of `row`. A soil that resists a tenth more does so by a tenth of next to
-    /// nothing at the start of a test, where a load cell has noise all the same.
+    /// Size of the scatter that the whole run has in common there, over `row`. A soil that resists 10 % more does so by 10 % of nearly zero at
+    /// the start of a test, where a load cell has noise all the same.
     pub weight: f64,
 }
 

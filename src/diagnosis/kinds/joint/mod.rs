@@ -3,6 +3,7 @@
 mod prediction;
 
 use super::single_wheel::SingleWheel;
+use super::soil_test::SHEAR;
 use super::traverse::Traverse;
 use super::{Alikes, Budget, LeftOut, Strategy, strategy};
 use crate::diagnosis::calibrate::Calibration;
@@ -114,13 +115,9 @@ impl Strategy for Joint {
     /// Of an effect that acts in tests of the soil alone, as there; else as in the dearest kind.
     fn alikes(&self, problem: &Problem, effect: &str) -> Option<Alikes> {
         let places = problem.parts_with(effect);
-        let parts = problem.experiment.parts.iter().filter(|part| places.contains(&part.name));
-        let is_test = |part: &&Part| matches!(part.experiment.kind, Kind::PlateSinkage | Kind::Shear);
-        let (tests, others): (Vec<&Part>, Vec<&Part>) = parts.partition(is_test);
-        match tests.first().filter(|_| others.is_empty()) {
-            Some(test) => strategy(&test.experiment).alikes(problem, effect),
-            None => self.dearest().alikes(problem, effect),
-        }
+        let mut acting = problem.experiment.parts.iter().filter(|part| places.contains(&part.name));
+        let is_test = |part: &Part| matches!(part.experiment.kind, Kind::PlateSinkage | Kind::Shear);
+        if acting.all(is_test) { SHEAR.alikes(problem, effect) } else { self.dearest().alikes(problem, effect) }
     }
 
     fn assumed_scatter(&self, experiment: &Experiment) -> BTreeMap<String, f64> {
