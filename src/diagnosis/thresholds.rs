@@ -142,6 +142,8 @@ pub(crate) const NAMED: f64 = 0.01;
 pub(crate) const MAY_STAY: f64 = 0.1;
 /// Share of the explainable chi-square from which on nothing is named, not even in part: the larger half is something else.
 pub(crate) const TOO_MUCH: f64 = 0.5;
+/// Most effects of a tie that still tells something; of more, the part that can be named is preferred. Argument.
+pub(crate) const MOST_TIED: usize = 3;
 /// A rival ties within this fall of chi-square: a likelihood ratio of 20.
 pub(crate) const REACH: f64 = 6.0;
 /// A rival that looks alike ties within this fall of chi-square on a traverse, whatever left-out data say: a likelihood ratio of 400.

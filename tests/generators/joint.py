@@ -131,7 +131,7 @@ def make(folder, parts, case, place, seed, level=NOISE, multiple=None, form=None
             ground = {"k_c": soil["k_c"], "k_phi": soil["k_phi"], "n": soil["exponent"], "c": soil["cohesion"],
                       "phi": float(np.degrees(soil["friction_angle"])), "K": soil["shear_modulus"]}  # fmt: skip
             hides = part in there and case != "clean"
-            seen = soil_detect.Detector(TESTS[part], ground, level, soil_tests.SCATTER).truth(case) if hides else None
+            seen = soil_detect.Detector(TESTS[part], ground, level, soil_tests.SCATTER).truth(case, np.random.default_rng([own, 4])) if hides else None
             inside, size = (case, seen["strength"]) if hides else ("clean", None)
             soil_tests.write(folder / part, TESTS[part], inside, own, strength=size, ground=ground, noise=level)
             truth["effects"] += [seen | {"part": part}] if hides else []

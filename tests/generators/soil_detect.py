@@ -13,7 +13,8 @@ from detect import DETECTABLE, orthonormal, ties
 STEP = 1e-3  # of a soil parameter, relative
 SOIL = {"plate_sinkage": ("k_c", "k_phi", "n"), "shear": ("c", "phi", "K")}
 LIBRARY = {"softening": "shear_softening"}  # other names of effects
-SEARCHES = 6
+SEARCHES = 12
+CLEAR = 1.5 * DETECTABLE
 REFITS = 12
 SETTLED = 1e-4  # step of a fit, of the true soil
 LEAST = 0.01  # of a soil parameter other than k_c, of the true one
@@ -114,15 +115,30 @@ class Detector:
         basis = orthonormal(slopes)
         return left - basis @ (basis.T @ left), basis, ground
 
-    def truth(self, case):
-        """The entry of an effect in truth.json: at its usual strength, or stronger where the test would not show it clearly."""
-        at = tests.STRENGTHS[case]
+    def least(self, case):
+        """The smallest strength that shows clearly (1.5 times the detectable); at most 16 times the usual one where none does. The usual
+        one where the law differs from the clean one even at no strength, as Wong's curve with a peak does."""
+        at, known = tests.STRENGTHS[case], {}
+        if np.linalg.norm(self.signature(case, 1e-6 * at)[0]) > CLEAR:
+            return at
         for _ in range(SEARCHES):
-            signature, basis, ground = self.signature(case, at)
-            reached = float(np.linalg.norm(signature))
-            if reached >= 1.5 * DETECTABLE:
+            known[at] = float(np.linalg.norm(self.signature(case, at)[0]))
+            if 1.0 <= known[at] / CLEAR < 1.05:
                 break
-            at *= 1.05 * 1.5 * DETECTABLE / reached
+            # Lengths are nearly a power of the strength, of which the two nearest tell the exponent.
+            near = sorted(known, key=lambda s: abs(np.log(known[s] / CLEAR)))[:2]
+            power = np.log(known[near[0]] / known[near[1]]) / np.log(near[0] / near[1]) if len(near) == 2 else 1.0
+            step = np.log(1.02 * CLEAR / known[near[0]]) / np.clip(power, 0.3, 3.0)
+            at = min(near[0] * float(np.exp(np.clip(step, -3.0, 3.0))), 16.0 * tests.STRENGTHS[case])
+        return min((s for s in known if known[s] >= CLEAR), default=max(known))
+
+    def truth(self, case, rng):
+        """The entry of an effect in truth.json: a strength between the smallest that shows clearly and the usual one, drawn in logarithms as
+        for wheels and rovers; the smallest where the usual one does not show."""
+        least, usual = self.least(case), tests.STRENGTHS[case]
+        at = least if least >= usual else float(least * (usual / least) ** rng.uniform())
+        signature, basis, ground = self.signature(case, at)
+        reached = float(np.linalg.norm(signature))
         cosines = {}
         for name in RIVALS[self.kind]:
             other = self.changed(lambda s, v, x, y, n=name: rival(n, s, v, x, y, ground), ground)
@@ -131,7 +147,7 @@ class Detector:
             cosines[name] = float(other @ signature / size) if size > 0.0 else 0.0
         true = LIBRARY.get(case, case)
         return {
-            "case": true, "form": None, "strength": at, "deviations": reached, "visible": bool(reached >= 1.5 * DETECTABLE * 0.999),
+            "case": true, "form": None, "strength": at, "deviations": reached, "visible": bool(reached >= CLEAR * 0.999),
             "allowed_ties": ties(cosines, true, ()),
             "cosines": {name: round(cosine, 4) for name, cosine in sorted(cosines.items(), key=lambda kv: -abs(kv[1]))},
         }  # fmt: skip

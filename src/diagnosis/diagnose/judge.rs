@@ -8,8 +8,9 @@ use super::prepare::Prepared;
 use super::search::Search;
 use super::stage::Stage;
 use super::verdict::{self, Case, Judgement};
+use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::prediction::PredictionError;
-use crate::diagnosis::thresholds::{BETTER, NAMED, UNLIKELY, WORTH_A_SWAP};
+use crate::diagnosis::thresholds::{BETTER, MAY_STAY, MOST_TIED, NAMED, UNLIKELY, WORTH_A_SWAP};
 
 /// A verdict and the set that it is about, in the order in which its effects were chosen.
 pub(crate) struct Judged {
@@ -42,13 +43,46 @@ pub(crate) fn judge(
                 chosen.retain(|other| *other != id);
             }
             None => {
-                let mut judgement = judged(search, stage, prepared, evidence, &chosen, &doubts)?;
-                dropped.append(&mut judgement.cautions);
-                judgement.cautions = dropped;
-                return Ok(Judged { judgement, chosen });
+                let judgement = judged(search, stage, prepared, evidence, &chosen, &doubts)?;
+                let clearer = clearer(search, stage, prepared, evidence, &judgement, &chosen)?;
+                let mut found = clearer.unwrap_or(Judged { judgement, chosen });
+                found.judgement.cautions.splice(0..0, dropped);
+                return Ok(found);
             }
         }
     }
+}
+
+/// The verdict on a set without its last effect, where that names effects and leaves little, and the whole leaves so many possible that it
+/// tells nothing.
+fn clearer(
+    search: &mut Search,
+    stage: &Stage,
+    prepared: &Prepared,
+    evidence: &mut Evidence,
+    whole: &Judgement,
+    chosen: &[String],
+) -> Result<Option<Judged>, PredictionError> {
+    if chosen.len() < 2 || whole.tied.len() <= MOST_TIED || search.watch.stopped() {
+        return Ok(None);
+    }
+    let first = &chosen[..chosen.len() - 1];
+    let Some(values) = search.fits.get(first).map(Calibration::values) else { return Ok(None) };
+    let residual = search.whitened_residual(first, &values)?;
+    if verdict::left(search, stage, first, &residual).0 > MAY_STAY {
+        return Ok(None);
+    }
+    let mut part = judge(search, stage, prepared, evidence, first.to_vec())?;
+    if !part.judgement.names() {
+        return Ok(None);
+    }
+    let others: Vec<String> = whole.tied.iter().filter(|id| !part.judgement.effects.contains(id)).cloned().collect();
+    part.judgement.cautions.push(format!(
+        "what {} leaves is small: {} could take it, or another form of what is named",
+        part.judgement.effects.join(" with "),
+        others.join(", ")
+    ));
+    Ok(Some(part))
 }
 
 /// The verdict on a set of which no effect is to be dropped.
