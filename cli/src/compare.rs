@@ -12,7 +12,7 @@ use bekker::diagnosis::{
     Calibration, CompareOptions, Comparison, STANDARD_ERROR, UnansweredRows, Uncounted, UncountedRows, compare,
     determined_in_words,
 };
-use bekker::report::comparison_page;
+use bekker::report::{comparison_page, part_page};
 use std::path::{Path, PathBuf};
 
 /// Run a model on the inputs of an experiment and see where it fails.
@@ -53,7 +53,9 @@ impl Compare {
             Some(path) if !experiment.parts.is_empty() => {
                 let what = if calibrate { "calibrated together" } else { "compared as given" };
                 let found = std::iter::once(what.to_owned()).chain(determined_in_words(&comparison.identified));
-                write_pages(&experiment, &comparison.part_models, &found.collect::<Vec<_>>().join(". "), path)?;
+                let found = found.collect::<Vec<_>>().join(". ");
+                let page = |part| part_page(&experiment, part, &comparison.part_models[part].1, &found);
+                write_pages(&experiment, path, page)?;
             }
             Some(path) => {
                 write_page(&comparison, path)?;

@@ -9,7 +9,7 @@ use crate::soil_from::SoilFrom;
 use crate::{import, interrupt};
 use anyhow::{Context, Result, bail};
 use bekker::diagnosis::{CompareError, Control, DiagnoseOptions, diagnose};
-use bekker::report::{diagnosis_page, verdict_in_words};
+use bekker::report::{diagnosed_part_page, diagnosis_page};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -91,7 +91,7 @@ impl Diagnose {
             if experiment.parts.is_empty() {
                 write(path, &diagnosis_page(&diagnosis))?;
             } else {
-                write_pages(&experiment, &diagnosis.improved_parts, &verdict_in_words(&diagnosis), path)?;
+                write_pages(&experiment, path, |part| diagnosed_part_page(&diagnosis, part))?;
             }
         }
         saving.write_all(&diagnosis.improved, &diagnosis.improved_parts, &diagnosis.improved_is())

@@ -4,10 +4,8 @@ use crate::import;
 use crate::model::ModelChanges;
 use crate::output::write;
 use anyhow::{Context, Result, bail};
-use bekker::diagnosis::Given;
+use bekker::diagnosis::{CompareError, Given};
 use bekker::measurement::{Experiment, Share};
-use bekker::model::Model;
-use bekker::report::part_page;
 use std::path::{Path, PathBuf};
 
 /// Folders and the model behind them.
@@ -95,11 +93,14 @@ pub fn read_together(folders: &[PathBuf], read_one: impl Fn(&Path) -> Result<Exp
     Ok(if read.len() == 1 { read.remove(0) } else { Experiment::joint(read)? })
 }
 
-/// Writes a page of each of several experiments with its model, whose first line says what was found of all; the name of the experiment
-/// stands behind that of the file.
-pub fn write_pages(experiment: &Experiment, models: &[(String, Model)], found: &str, page: &Path) -> Result<()> {
-    for (part, (name, model)) in models.iter().enumerate() {
-        write(&beside(page, name), &part_page(experiment, part, model, found)?)?;
+/// Writes the page of each of several experiments; the name of the experiment stands behind that of the file.
+pub fn write_pages(
+    experiment: &Experiment,
+    path: &Path,
+    page: impl Fn(usize) -> Result<String, CompareError>,
+) -> Result<()> {
+    for (part, file) in files(experiment, path).iter().enumerate() {
+        write(file, &page(part)?)?;
     }
     Ok(())
 }

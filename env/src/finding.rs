@@ -1,7 +1,7 @@
 //! A diagnosis on its way to Python: the JSON of the core, and beside it what only the Python objects hold.
 
-use crate::compare::{PartModels, part_models};
-use crate::error::{self, InputError, ModelError};
+use crate::compare::{PartModels, failed, part_models};
+use crate::error::{self, ModelError};
 use crate::model::PyModel;
 use bekker::diagnosis::{CandidateResult, Diagnosis, Failure, FinalParameter, Fit, NoiseFloor, ParameterResult, Step};
 use bekker::measurement::{Kind, Run};
@@ -33,14 +33,14 @@ impl NativeDiagnosis {
         text(&Details::of(&self.core))
     }
 
-    /// The report, one self-contained HTML page.
-    fn html(&self, py: Python<'_>) -> PyResult<String> {
-        if !self.core.experiment.parts.is_empty() {
-            return Err(InputError::new_err(
-                "there is no page of several experiments together: `bekker diagnose A B --html FILE` writes one of each, and compare(experiment, improved_parts[name]) gives what it shows",
-            ));
-        }
-        Ok(py.detach(|| error::fenced(|| bekker::report::diagnosis_page(&self.core)))?)
+    /// The report, one self-contained HTML page; of several experiments that of number `part`.
+    #[pyo3(signature = (part = None))]
+    fn html(&self, py: Python<'_>, part: Option<usize>) -> PyResult<String> {
+        let page = || match part {
+            Some(part) => bekker::report::diagnosed_part_page(&self.core, part),
+            None => Ok(bekker::report::diagnosis_page(&self.core)),
+        };
+        py.detach(|| error::fenced(page))?.map_err(|refused| failed(&refused))
     }
 
     /// The improved model.

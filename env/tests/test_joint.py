@@ -1,6 +1,7 @@
 """Several experiments on one soil from Python."""
 
 import json
+import re
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -80,9 +81,17 @@ def test_property_what_is_no_set_is_refused(experiments, scatter, words):
         bekker.diagnose(experiments, soil_scatter=scatter, **QUICK)
 
 
-def test_property_a_page_of_several_is_refused_with_what_there_is(pair):
-    with pytest.raises(bekker.InputError, match="no page of several"):
-        bekker.diagnose(pair, **QUICK).save_html("unused.html")
+def test_property_each_of_several_has_its_page_with_the_effects_that_were_tried(pair, tmp_path):
+    bekker.diagnose(pair, **QUICK).save_html(tmp_path / "report.html")
+    assert sorted(page.name for page in tmp_path.iterdir()) == ["report-narrow.html", "report-wide.html"]
+    for page in tmp_path.iterdir():
+        text = page.read_text(encoding="utf-8")
+        saved = json.loads(re.search(r'<script[^>]*id="saved"[^>]*>(.*?)</script>', text, re.DOTALL)[1])
+        # The wheels have one effect under its plain name, wherever it was tried; both can be moved.
+        assert [found["effects"] for found in saved["snapshot"]["found"]] == [[], ["slip_sinkage"], ["torque_scale"]]
+        assert {response["parameter"] for response in saved["responses"]} == {"slip_sinkage.n1", "torque_scale.deviation"}
+        assert {candidate["effect"] for candidate in saved["snapshot"]["diagnosis"]["candidates"]} == {"slip_sinkage", "torque_scale"}
+        assert "fitted together" in text
 
 
 def test_property_what_is_shared_is_said_by_name():

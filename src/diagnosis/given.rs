@@ -122,6 +122,30 @@ impl Given {
         self
     }
 
+    /// What is given for several experiments together that were given something each by itself.
+    ///
+    /// # Errors
+    /// [`CompareError::Vehicle`] where they are given different models, values, effects or soils: together they have one of each.
+    pub fn of_several(all: &[Self]) -> Result<Self, CompareError> {
+        let model = |given: &&Self| given.named.as_ref().map(|named| named.model.to_toml().unwrap_or_default());
+        let named: Vec<&Self> = all.iter().filter(|given| given.named.is_some()).collect();
+        let differ = |what: &str| {
+            Err(CompareError::Vehicle(format!(
+                "the experiments are given different {what}; together they have one of each: open them as a set from the command line"
+            )))
+        };
+        if named.windows(2).any(|pair| model(&pair[0]) != model(&pair[1])) {
+            return differ("models");
+        }
+        if all.windows(2).any(|pair| pair[0].set != pair[1].set) {
+            return differ("values");
+        }
+        if all.windows(2).any(|pair| pair[0].effects != pair[1].effects || pair[0].soil != pair[1].soil) {
+            return differ("effects or soils");
+        }
+        Ok(named.first().copied().or(all.first()).cloned().unwrap_or_default())
+    }
+
     /// The known soil.
     #[must_use]
     pub fn soil(&self) -> Option<&KnownSoil> {

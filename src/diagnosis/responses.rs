@@ -77,11 +77,12 @@ struct Line {
 
 impl Workbench {
     /// The model along the strength `parameter` of an effect, all other parameters at `values`. `None` where the model has no answer at
-    /// one of the strengths, or the parameter cannot move.
+    /// one of the strengths, or the parameter cannot move. The values are fitted ones and not checked: the scatter of the soil may carry
+    /// those of one of several experiments beyond the bounds of a calibration.
     ///
     /// # Errors
-    /// [`CompareError`] where a name or a value is not allowed.
-    pub fn response(
+    /// [`CompareError`] where there is no such parameter.
+    pub(crate) fn response(
         &self,
         effects: &[String],
         values: &Values,
@@ -144,12 +145,12 @@ impl Workbench {
         for &strength in strengths {
             let mut own = values.clone();
             own.insert(parameter.to_owned(), strength);
-            let trial = match self.trial(&own, false) {
+            let trial = match self.tried(&own) {
                 Err(CompareError::Prediction(_)) => return Ok(None),
                 trial => trial?,
             };
-            let sketches: Result<Vec<_>, _> = Axis::ALL.iter().map(|axis| self.sketch(*axis, &own)).collect();
-            points.push(Point { strength, trial, curves: sketches?.into_iter().flatten().collect() });
+            let curves = Axis::ALL.iter().filter_map(|axis| self.sketched(*axis, &own)).collect();
+            points.push(Point { strength, trial, curves });
         }
         Ok(Some(points))
     }

@@ -10,6 +10,7 @@ use super::units::{digits, of_column, of_unit, short, spoken};
 use super::words::{first_capital, sentence, source, summary, what_was_measured};
 use crate::diagnosis::{Calibration, Comparison, Failure, UnansweredRows, determined_in_words};
 use crate::report::kinds::of;
+use serde_json::Value;
 
 /// Sentences on where the model fails.
 const MOST_SENTENCES: usize = 5;
@@ -17,14 +18,14 @@ const MOST_SENTENCES: usize = 5;
 /// A self-contained HTML page of a comparison: no network, light and dark, readable on a phone.
 #[must_use]
 pub fn comparison_page(comparison: &Comparison) -> String {
-    page_with(comparison, None)
+    page_with(comparison, &saved_comparison(comparison), None)
 }
 
-/// The same with a `note` before anything else is said.
-pub(super) fn page_with(comparison: &Comparison, note: Option<&str>) -> String {
+/// The same with the models that `saved` holds, and a `note` before anything else is said.
+pub(super) fn page_with(comparison: &Comparison, saved: &Value, note: Option<&str>) -> String {
     let name = &comparison.experiment.name;
     let mut page = Page::new(&format!("{name}: model and measurement"));
-    page.data(saved_comparison(comparison).to_string());
+    page.data(saved.to_string());
     page.html("<div id=\"first\">");
     page.html(&format!("<h1>{}: model and measurement</h1>", escape(name)));
     page.html(&format!("<p class=\"lead\">{}</p>", escape(&what_was_measured(&comparison.experiment))));

@@ -17,5 +17,5 @@ pub use comparison::comparison_page;
 pub use diagnosis::{diagnosis_page, verdict_in_words};
 pub use page::{Page, escape, table};
 pub use plots::{LinePlot, Series};
-pub use set::part_page;
+pub use set::{diagnosed_part_page, part_page};
 pub use units::{ForPeople, column_for_people, parameter_for_people, short};

@@ -6,7 +6,7 @@ use crate::guard::guarded;
 use crate::options::Opened;
 use crate::state::Shared;
 use crate::work::{self, Event, Kind, Order};
-use crate::{export, page, trial, upload};
+use crate::{export, page, set, trial, upload};
 use axum::body::Bytes;
 use axum::extract::{DefaultBodyLimit, Path, Query, State};
 use axum::http::StatusCode;
@@ -46,6 +46,7 @@ pub fn router(shared: Shared) -> Router {
         .route("/api/experiments/{id}/events", get(events))
         .route("/api/experiments/{id}/steps", get(steps).post(accept))
         .route("/api/experiments/{id}/export", post(export))
+        .route("/api/sets", post(open_set))
         .route("/api/uploads", post(new_upload))
         .route("/api/uploads/{number}/files", files)
         .route("/api/uploads/{number}/proposal", post(propose))
@@ -155,6 +156,13 @@ async fn export(State(shared): State<Shared>, Path(id): Path<String>, body: Byte
     let file = quickly(&shared, move || export::export(&bench, &asked, fmu)).await?;
     let disposition = format!("attachment; filename=\"{}\"", file.name);
     Ok(([(CONTENT_TYPE, file.kind.to_owned()), (CONTENT_DISPOSITION, disposition)], file.bytes).into_response())
+}
+
+async fn open_set(State(shared): State<Shared>, body: Bytes) -> Answer {
+    let asked: set::Asked = read(&body)?;
+    let opener = Arc::clone(&shared);
+    let bench = quickly(&shared, move || set::open(&opener, &asked)).await?;
+    Ok(Json(bench.listed()))
 }
 
 async fn new_upload(State(shared): State<Shared>) -> Json<Value> {

@@ -125,7 +125,10 @@ impl Bench {
     pub fn listed(&self) -> Value {
         let workbench = self.workbench();
         let experiment = workbench.experiment();
-        json!({ "id": self.id, "name": experiment.name, "kind": experiment.kind.name(), "example": self.example })
+        json!({
+            "id": self.id, "name": experiment.name, "kind": experiment.kind.name(), "example": self.example,
+            "parts": experiment.parts.len(),
+        })
     }
 
     /// All that the page has to know of it but for what the models give.

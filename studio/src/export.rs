@@ -7,7 +7,7 @@ use crate::trial::part_number;
 use bekker::diagnosis::{CompareOptions, Workbench, compare};
 use bekker::model::Model;
 use bekker::report::shown::Values;
-use bekker::report::{comparison_page, diagnosis_page, part_page, verdict_in_words};
+use bekker::report::{comparison_page, diagnosed_part_page, diagnosis_page, part_page};
 use serde::Deserialize;
 
 /// Where a saved model comes from.
@@ -91,8 +91,8 @@ fn report(bench: &Bench, workbench: &Workbench, part: Option<usize>, model: &Mod
 /// The page that `bekker diagnose` writes for the last search.
 fn diagnosed(bench: &Bench, part: Option<usize>) -> Result<String, Refusal> {
     let found = bench.diagnosis().ok_or_else(|| Refusal::missing("diagnosis yet: rank the effects first"))?;
-    match part.and_then(|k| Some((k, found.improved_parts.get(k)?))) {
-        Some((k, (_, model))) => Ok(part_page(&found.experiment, k, model, &verdict_in_words(&found))?),
+    match part {
+        Some(k) => Ok(diagnosed_part_page(&found, k)?),
         None => Ok(diagnosis_page(&found)),
     }
 }

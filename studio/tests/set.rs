@@ -5,16 +5,18 @@
 mod support;
 
 use bekker::diagnosis::{CompareOptions, Comparison, Given, compare};
-use bekker::measurement::Experiment;
+use bekker::measurement::{Experiment, Share};
+use bekker::model::Model;
 use serde_json::{Value, json};
-use support::{Running, started_with};
+use support::{Running, started_with, started_with_all};
 
 const SET: &str = "/api/experiments/sand-plates-sand-shear";
 
+fn read(name: &str) -> Experiment {
+    Experiment::read(format!(concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/{}"), name)).expect("shipped")
+}
+
 fn set() -> Experiment {
-    let read = |name: &str| {
-        Experiment::read(format!(concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/{}"), name)).expect("shipped")
-    };
     Experiment::joint(vec![read("sand_plates"), read("sand_shear")]).expect("two experiments")
 }
 
@@ -86,4 +88,62 @@ fn agreement_each_part_saves_its_own_model_and_page() {
             "{name}"
         );
     }
+}
+
+#[test]
+fn agreement_a_set_that_is_put_together_on_the_page_is_that_of_the_folders() {
+    let (plates, wheel) = (read("sand_plates"), read("sand_wheel"));
+    let apart = vec![(plates.clone(), Given::default()), (wheel.clone(), Given::default())];
+    let running = started_with_all("127.0.0.1:0", apart);
+    let listed = running.get("/api/experiments").json();
+    let ids: Vec<&Value> = listed["experiments"].as_array().unwrap().iter().map(|one| &one["id"]).collect();
+    let made = running.post("/api/sets", &json!({ "experiments": ids, "soil_scatter": 0.1, "share": ["soil"] })).json();
+    assert_eq!((&made["parts"], &made["example"]), (&json!(2), &json!(false)));
+    let path = format!("/api/experiments/{}", made["id"].as_str().unwrap());
+    let given = Given::default().with_share(&[Share::Soil]).with_soil_scatter(0.1).unwrap();
+    let together = Experiment::joint(vec![plates, wheel]).unwrap();
+    let comparison = compare(given, &together, &CompareOptions::default()).unwrap();
+    assert_eq!(running.post(&format!("{path}/trial"), &json!({})).json()["rmse"], json!(comparison.fit().rmse));
+    let shown = running.get(&path).json();
+    let parameters = shown["parameters"].as_array().unwrap();
+    let scatter = parameters.iter().find(|own| own["name"] == "soil_scatter in sand_plates.stiffness");
+    assert_eq!(scatter.unwrap()["prior"]["sd"], json!(0.1));
+    // The experiments by themselves stay open.
+    assert_eq!(running.get("/api/experiments").json()["experiments"].as_array().unwrap().len(), 3);
+}
+
+#[test]
+fn property_what_is_no_set_is_refused_by_name() {
+    let with_model = Given::default().with_model(Model::preset("two_wheeled").unwrap(), "two_wheeled");
+    let other = Given::default().with_model(Model::preset("rocker_bogie").unwrap(), "rocker_bogie");
+    let open = vec![
+        (read("sand_plates"), Given::default()),
+        (read("sand_shear"), with_model),
+        (read("sand_wheel"), other),
+        (set(), Given::default()),
+    ];
+    let running = started_with_all("127.0.0.1:0", open);
+    let [plates, shear, wheel, pair] =
+        ["plates-on-dense-sand", "shear-tests-of-dense-sand", "a-wheel-on-dry-sand", "sand-plates-sand-shear"];
+    let refused = |body: Value, status: u16, words: &str| {
+        let answer = running.post("/api/sets", &body);
+        assert!(
+            answer.status == status && answer.error().contains(words),
+            "{body}: {} {}",
+            answer.status,
+            answer.error()
+        );
+    };
+    refused(json!({ "experiments": [plates] }), 422, "at least two");
+    refused(json!({ "experiments": [plates, plates] }), 422, "named twice");
+    refused(json!({ "experiments": [plates, "nothing"] }), 404, "no open experiment `nothing`");
+    refused(json!({ "experiments": [plates, pair] }), 422, "several experiments already");
+    refused(json!({ "experiments": [shear, wheel] }), 422, "different models");
+    refused(json!({ "experiments": [plates, shear], "soil_scatter": 0.9 }), 422, "from 0 to 0.5");
+    refused(json!({ "experiments": [plates, shear], "share": ["weather"] }), 422, "weather");
+    assert_eq!(
+        running.post("/api/sets", &json!({ "experiments": [plates, shear] })).status,
+        200,
+        "one model is enough"
+    );
 }

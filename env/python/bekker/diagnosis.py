@@ -163,15 +163,20 @@ class Diagnosis:
         return self._json if indent is None else json.dumps(json.loads(self._json), indent=indent)
 
     def save_html(self, path: str | os.PathLike[str]) -> None:
-        """Writes the report: one self-contained HTML page with plots to zoom into.
+        """Writes the report: one self-contained HTML page with plots to zoom into. Of several experiments a page of each, whose name
+        stands behind that of the file: ``report-wheel.html``.
 
         Raises:
             BekkerError: this diagnosis was pickled, which leaves out what only the report needs.
-            OSError: the file cannot be written.
+            OSError: a file cannot be written.
         """
         if self._native is None:
             raise BekkerError("a diagnosis that was pickled has no report; call save_html where diagnose was called")
-        Path(path).write_text(self._native.html(), encoding="utf-8")
+        path = Path(path)
+        if not self.improved_parts:
+            path.write_text(self._native.html(), encoding="utf-8")
+        for part, name in enumerate(self.improved_parts):
+            path.with_name(f"{path.stem}-{name}{path.suffix}").write_text(self._native.html(part), encoding="utf-8")
 
     def save_model(self, path: str | os.PathLike[str]) -> None:
         """Writes the improved model as TOML, which ``simulate``, the FMU builder and the environment take.

@@ -166,11 +166,23 @@ impl Workbench {
     /// # Errors
     /// [`CompareError`] where a name or a value is not allowed, or the model has no answer anywhere.
     pub fn trial(&self, values: &Values, in_motion: bool) -> Result<Trial, CompareError> {
-        let (answers, modelled) = self.modelled(values)?;
-        let mut fit = Fit::new(&self.problem.experiment, &self.problem.layout, &modelled);
+        self.check(values)?;
+        let mut trial = self.tried(values)?;
         if in_motion {
-            fit = self.moving(fit, values)?;
+            trial.fit = self.moving(trial.fit, values)?;
         }
+        Ok(trial)
+    }
+
+    /// Refuses names and values that are not allowed.
+    pub(super) fn check(&self, values: &Values) -> Result<(), CompareError> {
+        self.settable.check(&self.problem, values)
+    }
+
+    /// A trial at values that are allowed.
+    pub(super) fn tried(&self, values: &Values) -> Result<Trial, CompareError> {
+        let (answers, modelled) = self.modelled(values)?;
+        let fit = Fit::new(&self.problem.experiment, &self.problem.layout, &modelled);
         let failures = failures(&self.problem.experiment, &fit, &self.floors);
         Ok(Trial { fit, unanswered: answers, failures })
     }
@@ -187,19 +199,18 @@ impl Workbench {
     /// # Errors
     /// [`CompareError`] where a name or a value is not allowed.
     pub fn sketch(&self, axis: Axis, values: &Values) -> Result<Option<Curves>, CompareError> {
-        self.settable.check(&self.problem, values)?;
+        self.check(values)?;
         Ok(self.sketched(axis, values))
     }
 
     /// The same at values that are allowed.
-    fn sketched(&self, axis: Axis, values: &Values) -> Option<Curves> {
+    pub(super) fn sketched(&self, axis: Axis, values: &Values) -> Option<Curves> {
         let all = values.iter().map(|(name, value)| (name.clone(), *value)).collect();
         sketch(&self.placed(values), axis, all)
     }
 
-    /// Rows without an answer, and the modelled values in the layout's order.
+    /// Rows without an answer, and the modelled values in the layout's order, at values that are allowed.
     fn modelled(&self, values: &Values) -> Result<(Vec<UnansweredRows>, Vec<f64>), CompareError> {
-        self.settable.check(&self.problem, values)?;
         let (effects, all) = self.all_values(values);
         let problem = self.placed(values);
         let answers = problem.predict(&problem.free(&effects), |predict| predict.answers(&all))??;
@@ -244,7 +255,7 @@ impl Workbench {
         values: &Values,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Calibration>, CompareError> {
-        self.settable.check(&self.problem, values)?;
+        self.check(values)?;
         let Some(baseline) = &self.baseline else { return Err(CompareError::NoFit) };
         if let Some(id) = effects.iter().find(|id| self.problem.candidate(id).is_none()) {
             let known = self.problem.library.iter().map(|candidate| candidate.id.as_str()).collect::<Vec<_>>();
@@ -275,7 +286,7 @@ impl Workbench {
     /// # Errors
     /// [`CompareError`] where a name or a value is not allowed.
     pub fn model(&self, values: &Values) -> Result<Model, CompareError> {
-        self.settable.check(&self.problem, values)?;
+        self.check(values)?;
         let (effects, all) = self.all_values(values);
         let problem = self.placed(values);
         Ok(problem.saved(&problem.free(&effects), &all))

@@ -47,7 +47,7 @@ impl Workbench {
     /// # Errors
     /// [`CompareError`] where a name or a value is not allowed.
     pub fn values_of_part(&self, part: usize, values: &Values) -> Result<Values, CompareError> {
-        self.settable.check(&self.problem, values)?;
+        self.check(values)?;
         let (effects, all) = self.all_values(values);
         let mut own = self.problem.values_in_part(part, &self.problem.free(&effects), &all);
         own.retain(|name, _| self.parts[part].settable.has(name));
@@ -65,7 +65,7 @@ impl Workbench {
     /// # Errors
     /// [`CompareError`] where a name or a value is not allowed.
     pub fn model_of_part(&self, part: usize, values: &Values) -> Result<Model, CompareError> {
-        self.settable.check(&self.problem, values)?;
+        self.check(values)?;
         let (effects, all) = self.all_values(values);
         Ok(self.placed(values).saved_parts(&self.problem.free(&effects), &all).swap_remove(part).1)
     }

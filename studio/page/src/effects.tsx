@@ -4,7 +4,8 @@ import { useEffect, useState } from "preact/hooks";
 import { column, listed, quantity, short, spoken } from "./format";
 import { useStore } from "./hooks";
 import { families, placeOf, plainName } from "./set";
-import { keyOf, store } from "./store";
+import { keyOf } from "./memory";
+import { store } from "./store";
 import type { Candidate, EffectInfo, Parameter } from "./types";
 
 /** Parameters that a search shows. */

@@ -14,6 +14,7 @@ import { PlanMap } from "./plan";
 import { Scene } from "./scene";
 import { Signals } from "./signals";
 import { store } from "./store";
+import { Together } from "./together";
 import { Opening } from "./upload";
 import { Windows } from "./windows";
 
@@ -31,7 +32,7 @@ function Header() {
           </select>
         </label>
       ) : <span class="title">{experiment?.name}</span>}
-      {store.saved ? <a href="#report">The whole argument</a> : <Opening />}
+      {store.saved ? <a href="#report">The whole argument</a> : <><Together /><Opening /></>}
       {!connected && <span class="flag" role="status">connection lost, trying again…</span>}
     </header>
   );

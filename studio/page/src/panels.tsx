@@ -5,7 +5,9 @@ import { give, save } from "./api";
 import { canUndo } from "./address";
 import { column, listed, quantity, short, spoken, times } from "./format";
 import { useStore } from "./hooks";
-import { AT_NOISE, keyOf, store } from "./store";
+import { keyOf } from "./memory";
+import { AT_NOISE } from "./errors";
+import { store } from "./store";
 import type { JobKind, Values } from "./types";
 
 /** Ratios are drawn on a scale that gives small ones room: 1 is the noise. */

@@ -2,15 +2,15 @@
 
 import { get, post, remove } from "./api";
 import { readView, sameView, writeView, type View } from "./address";
-import type { Plan } from "./plan";
+import { over, together } from "./errors";
 import { spoken } from "./format";
+import { keyOf, missing, remember } from "./memory";
+import type { Plan } from "./plan";
 import { embedded } from "./saved";
 import { partOf, shownOf } from "./set";
-import type { Diagnosis, Experiment, Found, Job, JobKind, Listed, Measured, Parameter, Part, Separation, Snapshot, Step, Trial, Values } from "./types";
-import { experimentOf, motionOf, trialOf, type WireModel } from "./wire";
-
-/** Share of a noise floor above which an error is more than noise. */
-export const AT_NOISE = 1.25;
+import { Trials } from "./trials";
+import type { Diagnosis, Experiment, Found, Job, JobKind, Listed, Parameter, Part, Separation, Snapshot, Step, Trial, Values } from "./types";
+import { experimentOf } from "./wire";
 
 export class Store {
   /** The report that the page is, where no server answers. */
@@ -42,10 +42,8 @@ export class Store {
 
   private listeners = new Set<() => void>();
   private events: EventSource | null = null;
-  private asking = false;
-  private askAgain = false;
   private touched: { what: string; at: number } | null = null;
-  private motionTimer = 0;
+  private trials = new Trials(this);
 
   subscribe(listener: () => void): () => void {
     this.listeners.add(listener);
@@ -137,7 +135,7 @@ export class Store {
   }
 
   /** Shows the measurements of an experiment, of several those of one. */
-  private show(whole: Experiment | null, part: string): void {
+  show(whole: Experiment | null, part: string): void {
     if (whole === this.whole && this.experiment && partOf(whole, part) === this.part) return;
     this.whole = whole;
     this.part = partOf(whole, part);
@@ -191,42 +189,21 @@ export class Store {
     this.changed();
   }
 
-  private remembered(id: string): Step[] {
-    try {
-      return JSON.parse(sessionStorage.getItem(`steps of ${id}`) ?? "[]") as Step[];
-    } catch {
-      return [];
-    }
-  }
-
-  /** Steps are kept by the server; a tab remembers them too, for a server that was started again. */
   private remember(): void {
-    if (!this.experiment || this.saved) return;
-    try {
-      sessionStorage.setItem(`steps of ${this.experiment.id}`, JSON.stringify(this.steps));
-    } catch {
-      // Without storage the server alone keeps them.
-    }
-  }
-
-  /** Steps that this tab remembers beyond those of a server that was started again; none where they are of something else. */
-  private missing(known: Step[]): Step[] {
-    const steps = this.experiment ? this.remembered(this.experiment.id) : [];
-    const key = (step: Step | undefined) => step && JSON.stringify([keyOf(step.effects), Object.entries(step.values).sort(), Object.entries(step.rmse).sort()]);
-    return known.every((step, at) => key(step) === key(steps[at])) ? steps.slice(known.length) : [];
+    if (this.experiment && !this.saved) remember(this.experiment.id, this.steps);
   }
 
   private async take(data: Snapshot): Promise<void> {
-    const missing = this.missing(data.steps);
+    const lost = missing(this.experiment?.id, data.steps);
     // All at once: a page that is left while they are sent remembers every one.
-    this.steps = [...data.steps, ...missing];
+    this.steps = [...data.steps, ...lost];
     try {
-      for (const step of missing) {
+      for (const step of lost) {
         const { at } = await post<{ at: number }>(`api/experiments/${this.experiment?.id}/steps`, { ...step, rmse: {} });
         this.steps[at] = step;
       }
       // What was known of the experiment may be of the server before.
-      if (missing.length > 0) await this.refresh();
+      if (lost.length > 0) await this.refresh();
     } catch (error) {
       this.fail(error);
     }
@@ -418,60 +395,8 @@ export class Store {
   }
 
   /** Runs the model; while one answer is awaited, only the last wish counts. */
-  async ask(_why: string): Promise<void> {
-    if (!this.experiment) return;
-    if (this.asking) {
-      this.askAgain = true;
-      return;
-    }
-    this.asking = true;
-    const id = this.experiment.id;
-    try {
-      do {
-        this.askAgain = false;
-        const part = this.view.part;
-        const trial = await this.answer(this.values(), part);
-        if (this.experiment?.id !== id) break;
-        const another = partOf(this.whole, part) !== this.part;
-        if (!this.saved && !another) trial.motion = this.trial?.motion ?? [];
-        await this.askOther(id, part);
-        this.show(this.whole, part);
-        this.trial = trial;
-        this.error = null;
-        this.changed();
-      } while (this.askAgain);
-    } catch (error) {
-      this.fail(error);
-    }
-    this.asking = false;
-    if (this.askAgain) void this.ask("again");
-    this.askMotion();
-  }
-
-  private otherIs = "";
-
-  /** The model that is drawn beside, where there is one and it is not there already. */
-  private async askOther(id: string, part: string): Promise<void> {
-    const step = this.view.versus === null ? undefined : this.steps[this.view.versus];
-    const wanted = step ? JSON.stringify([id, part, this.view.versus, this.view.axis]) : "";
-    if (wanted === this.otherIs && (this.other !== null) === Boolean(step)) return;
-    this.otherIs = wanted;
-    this.other = step ? await this.answer(step.values, part) : null;
-  }
-
-  /** The model with these values beside the measurements of `part`. */
-  private async answer(values: Values, part: string): Promise<Trial> {
-    const { whole, view, saved } = this;
-    if (!whole) throw new Error("no experiment is open");
-    const own = partOf(whole, part);
-    const experiment = shownOf(whole, own);
-    if (!saved) {
-      const wire = await post<WireModel>(`api/experiments/${whole.id}/trial`, { values, axis: view.axis, part: own?.part });
-      return trialOf(experiment, wire, view.axis);
-    }
-    const trial = saved.trial(values, view.axis, view.at);
-    if (!trial) throw new Error("this report does not hold that model: it holds its steps, and each effect that was tried along its strength");
-    return trial;
+  async ask(why: string): Promise<void> {
+    return this.trials.ask(why);
   }
 
   /** Takes the soil of the last model of another experiment, as values set by hand. */
@@ -496,25 +421,6 @@ export class Store {
   compareWith(versus: number | null): void {
     this.go({ versus }, true);
     void this.ask("versus");
-  }
-
-  /** How the rover moves is asked for once a slider rests: it takes a second simulation. */
-  private askMotion(): void {
-    clearTimeout(this.motionTimer);
-    const { experiment, part } = this;
-    if (experiment?.kind !== "traverse" || this.saved) return;
-    this.motionTimer = window.setTimeout(async () => {
-      const values = this.values();
-      try {
-        const wire = await post<WireModel>(`api/experiments/${experiment.id}/trial`, { values, motion: true, part: part?.part });
-        if (this.trial && this.experiment?.id === experiment.id && this.part?.part === part?.part) {
-          this.trial = { ...this.trial, motion: wire.motion.map(motionOf) };
-          this.changed();
-        }
-      } catch (error) {
-        this.fail(error);
-      }
-    }, 250);
   }
 
   /** The error of a signal of what is shown, among those of all. */
@@ -549,21 +455,6 @@ export class Store {
     const withIt = this.found.get(keyOf([...accepted, effect]));
     return without && withIt ? without.chi_square - withIt.chi_square : null;
   }
-}
-
-/** An error over its noise; null where one of them is not known. */
-function over(error: number | undefined, noise: number | null | undefined): number | null {
-  return noise == null || error === undefined || noise <= 0 ? null : error / noise;
-}
-
-/** Root mean square of error over noise; `before` stands before the names of the signals in `rmse`. */
-function together(of: Measured, rmse: Values | undefined, before: string): number | null {
-  const ratios = of.signals.map((signal) => over(rmse?.[before + signal], of.noise[signal]?.value)).filter((ratio) => ratio !== null);
-  return ratios.length ? Math.sqrt(ratios.reduce((sum, ratio) => sum + ratio * ratio, 0) / ratios.length) : null;
-}
-
-export function keyOf(effects: string[]): string {
-  return [...effects].sort().join("+");
 }
 
 export const store = new Store();

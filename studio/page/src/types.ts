@@ -203,7 +203,8 @@ export interface Snapshot {
 }
 
 export interface Listed {
-  experiments: { id: string; name: string; kind: string; example: boolean }[];
+  /** `parts` counts the experiments of a set; 0 where it is one experiment. */
+  experiments: { id: string; name: string; kind: Kind; example: boolean; parts: number }[];
   version: string;
   fmu: boolean;
 }

@@ -477,6 +477,59 @@ def test_a_search_in_several_experiments_names_the_effect_and_its_place(browser:
         assert page.strange == []
 
 
+@pytest.mark.parametrize("width", [390, 1440])
+def test_a_set_is_put_together_on_the_page(browser: Any, width: int, tmp_path: Path) -> None:
+    folders = [ROOT / "examples" / name for name in ("sand_plates", "sand_shear", "sand_wheel")]
+    command = [PROGRAM, "calibrate", *folders[::2], "--soil-scatter", "0.1", "--json", tmp_path / "calibrated.json"]
+    subprocess.run([str(part) for part in command], check=True, capture_output=True)
+    with serving("--port", 0, "--apart", *folders) as address:
+        page = opened(browser, address, viewport={"width": width, "height": 900})
+        page.get_by_role("button", name="Fit together…").click()
+        page.get_by_role("checkbox", name="shear tests of dense sand").uncheck()
+        page.get_by_label("The soil differs from one to the next by").fill("10")
+        assert violations(page) == []
+        page.get_by_role("button", name="Fit 2 together").click()
+        until(page, "window.bekker.experiment?.calibration && window.bekker.trial && window.bekker.view.at === 1 && window.bekker.part")
+        # The numbers are those of the command line.
+        assert page.evaluate("window.bekker.trial.rmse") == json.loads((tmp_path / "calibrated.json").read_text())["rmse"]
+        assert page.evaluate("window.bekker.listed.experiments.length") == 4
+        # A set is no part of another one.
+        page.get_by_role("button", name="Fit together…").click()
+        assert page.get_by_role("group", name="Experiments").get_by_role("checkbox").count() == 3
+        page.get_by_role("checkbox", name="the soil").uncheck()
+        page.get_by_role("button", name="Fit 3 together").click()
+        until(page, "window.bekker.experiment?.parts.length === 3")
+        assert "a soil of its own in each experiment" in page.evaluate("window.bekker.experiment.sources.join()")
+        assert page.strange == []
+
+
+def test_the_saved_page_of_one_of_a_set_moves_the_effects_that_were_tried(browser: Any, tmp_path: Path) -> None:
+    folders = [ROOT / "examples" / name for name in ("sand_wheel", "sand_wheel")]
+    command = [PROGRAM, "diagnose", *folders, "--candidates", "slip_sinkage,exit_angle", "--html", tmp_path / "report.html"]
+    subprocess.run([str(part) for part in command], check=True, capture_output=True)
+    report = tmp_path / "report-sand_wheel_2.html"
+    assert report.stat().st_size < 8_000_000
+    page = watched(browser, report.as_uri())
+    page.goto(report.as_uri())
+    until(page, "window.bekker?.trial")
+    page.get_by_text("One of sand_wheel + sand_wheel_2, fitted together").wait_for()
+    fitted = overall(page)
+    assert fitted < 1.25
+    page.get_by_role("switch", name="exit angle").click()
+    until(page, "window.bekker.view.on.join() === 'exit_angle'")
+    assert overall(page) > 1.5 * fitted
+    page.get_by_role("switch", name="slip sinkage").click()
+    until(page, "window.bekker.view.on.join() === 'slip_sinkage'")
+    page.get_by_role("slider", name="n1").focus()
+    for _ in range(60):
+        page.keyboard.press("ArrowRight")
+    until(page, "Object.keys(window.bekker.view.set).length > 0")
+    assert overall(page) > 1.05 * fitted
+    assert page.evaluate("window.bekker.saved.worst().ratio") <= 0.5
+    assert violations(page) == []
+    assert page.strange == []
+
+
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [390, 1440])
 def test_a_set_breaks_no_rule_of_accessibility(browser: Any, together: str, scheme: str, width: int) -> None:

@@ -39,9 +39,15 @@ pub fn started(address: &str) -> Running {
 
 /// Starts with an experiment.
 pub fn started_with(address: &str, experiment: Experiment) -> Running {
-    let opened = Opened { experiment, given: Given::default(), example: true };
+    started_with_all(address, vec![(experiment, Given::default())])
+}
+
+/// Starts with several, each by itself.
+pub fn started_with_all(address: &str, experiments: Vec<(Experiment, Given)>) -> Running {
+    let opened = |(experiment, given)| Opened { experiment, given, example: true };
+    let experiments = experiments.into_iter().map(opened).collect();
     let address: SocketAddr = address.parse().expect("an address");
-    let options = Options { address, experiments: vec![opened], upload_limit: 1 << 20, ..Options::default() };
+    let options = Options { address, experiments, upload_limit: 1 << 20, ..Options::default() };
     let studio = Studio::start(options).expect("a free port");
     let url = studio.url();
     let port = url.split(':').nth(2).and_then(|rest| rest.split('/').next()).and_then(|port| port.parse().ok());

@@ -1,12 +1,19 @@
 //! What a saved report holds in the place of a server: the models of its steps, and the model along the strength of each effect that was
-//! tried.
+//! tried. A comparison and a diagnosis of one experiment (`whole`), or what a diagnosis of several says of one of them (`part`).
+
+mod part;
+mod whole;
 
 use super::packed::differences;
 use super::shown::{self, Form, Values};
-use crate::diagnosis::{Comparison, Curves, Diagnosis, Failure, Fit, Response, UnansweredRows, Workbench, failures};
+use crate::diagnosis::{Curves, Failure, Fit, Response, UnansweredRows, Workbench};
 use crate::measurement::Experiment;
+use crate::model::Model;
+pub(super) use part::saved_part;
 use serde_json::{Map, Value, json};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
+pub(super) use whole::{saved_comparison, saved_diagnosis};
 
 /// Rows of all runs that a file keeps at most.
 const MOST_ROWS: usize = 6000;
@@ -27,11 +34,12 @@ struct Step<'a> {
     label: String,
     effects: Vec<String>,
     values: Values,
-    fit: &'a Fit,
+    fit: Cow<'a, Fit>,
     failures: Vec<Failure>,
-    unanswered: &'a [UnansweredRows],
-    /// Which of the models of the curves it is.
-    curves: Option<usize>,
+    unanswered: Cow<'a, [UnansweredRows]>,
+    /// Curves by axis, and which of the models in them it is.
+    curves: Vec<(Cow<'a, Curves>, Option<usize>)>,
+    toml: Option<String>,
 }
 
 /// A fit of effects that were tried.
@@ -47,95 +55,8 @@ struct Saved<'a> {
     workbench: &'a Workbench,
     steps: Vec<Step<'a>>,
     tried: Vec<Tried>,
-    curves: &'a [Curves],
-    diagnosis: Option<&'a Diagnosis>,
-}
-
-/// The data of a comparison's page.
-pub(super) fn saved_comparison(comparison: &Comparison) -> Value {
-    let floors = &comparison.noise_floor;
-    let given = comparison.given.iter().map(|fit| Step {
-        label: "as given".to_owned(),
-        effects: Vec::new(),
-        values: Values::new(),
-        fit,
-        failures: failures(&comparison.experiment, fit, floors),
-        unanswered: &comparison.given_unanswered,
-        curves: None,
-    });
-    let values = |calibration: &crate::diagnosis::Calibration| {
-        calibration.parameters.iter().map(|p| (p.variable.name.clone(), p.value)).collect::<Values>()
-    };
-    let calibrated = comparison.calibrated.iter().map(|(calibration, fit)| Step {
-        label: "calibrated".to_owned(),
-        effects: Vec::new(),
-        values: values(calibration),
-        fit,
-        failures: comparison.failures.clone(),
-        unanswered: &comparison.unanswered,
-        curves: Some(0),
-    });
-    let found = comparison.calibrated.iter().map(|(calibration, _)| Tried {
-        effects: Vec::new(),
-        values: values(calibration),
-        found: shown::found(&[], calibration),
-    });
-    let saved = Saved {
-        experiment: &comparison.experiment,
-        workbench: &comparison.workbench,
-        steps: given.chain(calibrated).collect(),
-        tried: found.collect(),
-        curves: &comparison.curves,
-        diagnosis: None,
-    };
-    saved.json()
-}
-
-/// The data of a diagnosis's page.
-pub(super) fn saved_diagnosis(diagnosis: &Diagnosis) -> Value {
-    let floors = &diagnosis.noise_floor;
-    let mut effects = Vec::new();
-    let given = diagnosis.given.iter().map(|fit| Step {
-        label: "as given".to_owned(),
-        effects: Vec::new(),
-        values: Values::new(),
-        fit,
-        failures: failures(&diagnosis.experiment, fit, floors),
-        unanswered: &[],
-        curves: None,
-    });
-    let steps = diagnosis.steps.iter().enumerate().map(|(number, step)| {
-        effects.extend(step.added.clone());
-        Step {
-            label: step.added.as_ref().map_or("soil calibrated".to_owned(), |id| format!("+ {}", id.replace('_', " "))),
-            effects: effects.clone(),
-            values: step.parameters.iter().map(|p| (p.fitted.variable.name.clone(), p.fitted.value)).collect(),
-            fit: &step.fit,
-            failures: if number == 0 {
-                diagnosis.failures.clone()
-            } else {
-                failures(&diagnosis.experiment, &step.fit, floors)
-            },
-            unanswered: &diagnosis.unanswered,
-            curves: Some(number),
-        }
-    });
-    let baseline = diagnosis.workbench.baseline().map(|found| (Vec::new(), &found.calibration));
-    let fits = baseline.into_iter().chain(diagnosis.tried.iter().map(|fit| (fit.effects.clone(), &fit.calibration)));
-    let tried = fits.map(|(effects, calibration)| Tried {
-        values: calibration.parameters.iter().map(|p| (p.variable.name.clone(), p.value)).collect(),
-        found: shown::found(&effects, calibration),
-        effects,
-    });
-    let saved = Saved {
-        experiment: &diagnosis.experiment,
-        workbench: &diagnosis.workbench,
-        steps: given.chain(steps).collect(),
-        tried: tried.collect(),
-        curves: &diagnosis.curves,
-        diagnosis: Some(diagnosis),
-    };
-    saved.json()
+    /// What a diagnosis found.
+    diagnosis: Option<Value>,
 }
 
 impl Saved<'_> {
@@ -150,10 +71,6 @@ impl Saved<'_> {
                 responses.push(self.line(&response, &form));
             }
         }
-        let mut diagnosis = self.diagnosis.map(shown::diagnosis);
-        if let Some(Value::Object(all)) = &mut diagnosis {
-            all.remove("noise_models");
-        }
         let total: usize = self.rows().iter().sum();
         let kept: usize = (0..self.experiment.runs.len()).map(|run| form.rows(run, 0..usize::MAX).len()).sum();
         json!({
@@ -161,7 +78,7 @@ impl Saved<'_> {
             "snapshot": {
                 "steps": self.steps.iter().enumerate().map(|(at, step)| self.step(at, step)).collect::<Vec<_>>(),
                 "found": self.tried.iter().map(|tried| tried.found.clone()).collect::<Vec<_>>(),
-                "diagnosis": diagnosis,
+                "diagnosis": self.diagnosis,
                 "separation": null,
                 "jobs": [],
             },
@@ -195,7 +112,7 @@ impl Saved<'_> {
     fn step(&self, at: usize, step: &Step) -> Value {
         json!({
             "label": step.label, "parent": at.checked_sub(1), "effects": step.effects, "values": step.values, "rmse": step.fit.rmse,
-            "toml": self.workbench.model(&step.values).ok().and_then(|model| model.to_toml().ok()),
+            "toml": step.toml,
         })
     }
 
@@ -246,12 +163,18 @@ impl Saved<'_> {
     }
 
     fn model(&self, step: &Step, form: &Form) -> Value {
-        let mut model = shown::model(self.experiment, step.fit, &step.failures, step.unanswered, form);
-        let curves =
-            self.curves.iter().map(|curves| (curves.axis.name().to_owned(), shown::curves(curves, step.curves, form)));
-        model["curves"] = Value::Object(curves.collect());
+        let mut model = shown::model(self.experiment, &step.fit, &step.failures, &step.unanswered, form);
+        let of_axis = |(curves, number): &(Cow<Curves>, Option<usize>)| {
+            (curves.axis.name().to_owned(), shown::curves(curves, *number, form))
+        };
+        model["curves"] = Value::Object(step.curves.iter().map(of_axis).collect());
         model
     }
+}
+
+/// A model as the page hands it out.
+fn written(model: &Model) -> Option<String> {
+    model.to_toml().ok()
 }
 
 /// By signal the mean product of the residuals at each two strengths, over the rows that have one at all. The mean square error of what
