@@ -496,6 +496,7 @@ def test_a_set_is_put_together_on_the_page(browser: Any, width: int, tmp_path: P
         # A set is no part of another one.
         page.get_by_role("button", name="Fit together…").click()
         assert page.get_by_role("group", name="Experiments").get_by_role("checkbox").count() == 3
+        page.get_by_role("checkbox", name="shear tests of dense sand").check()
         page.get_by_role("checkbox", name="the soil").uncheck()
         page.get_by_role("button", name="Fit 3 together").click()
         until(page, "window.bekker.experiment?.parts.length === 3")
