@@ -45,7 +45,7 @@ impl<'a> Rig<'a> {
         let soil_test = Kind::ALL.into_iter().any(|kind| kind.is_soil_test() && kinds.has(kind));
         Self {
             kinds,
-            joints: !problem.known.rover.links.is_empty(),
+            joints: problem.models.iter().any(|model| !model.rover.links.is_empty()),
             untested_soil: free && problem.joint.is_none() && !known && !soil_test,
             model: &problem.known,
         }
