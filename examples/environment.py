@@ -53,6 +53,12 @@ wheel speed and velocity. Joints have stops (`link[k].stop`, 45 degrees in the p
 
 {terms}
 
+**Costs of safety.** `costs=True`, a list of names or `costs={{"slip": 0.4, "tilt": 0.2}}` with limits adds what a drive should avoid to `info`, apart from the
+reward: `cost_<name>` is one for a step beyond the limit, else zero, as in Safety-Gymnasium, and `cost` is the sum of them.
+`bekker.costs.CostInStep(env)` returns it from `step`, behind the reward. You can also define `bekker.costs.Cost` objects.
+
+{costs}
+
 **Starting state.** The rover is at rest, settled on the soil. `info["drawn"]` has the values that the reset has drawn. Where the
 rover finds no rest with them (the soil does not carry it), the reset draws again, up to ten draws in all.
 
@@ -62,7 +68,8 @@ whether or not this is a success. Only the time limit *truncates* it: gymnasium'
 set to the time limit of the task.
 
 **Info.** The keys are always the same: `time` (s), `x` and `distance` since the start (m), `status`, `success`,
-`electrical_energy` (J), `slip` and `sinkage` (m), each with one entry per wheel, `target_velocity` (m/s), `reward_<term>`, `drawn`.
+`electrical_energy` (J), `slip` and `sinkage` (m), each with one entry per wheel, `target_velocity` (m/s), `reward_<term>`, `drawn`, and the
+costs that are asked for.
 
 **Randomisation.** `randomise={{"soil.k_phi": {{"log_uniform": [4e5, 2e6]}}, "rover.mass": (8, 12), "sensor.pitch_bias":
 {{"normal": [0, 0.01, -0.03, 0.03]}}, "slip_sinkage.n1": {{"choice": [0, 0.4]}}}}` draws new values at every reset. Any parameter of the
@@ -267,9 +274,11 @@ def arguments() -> str:
 
 def page() -> str:
     catalogue = [(f"`{t.name}`", number(t.weight), t.doc) for t in bekker.rewards.TERMS.values()]
+    limits = [(f"`{c.name}`", number(c.limit), c.unit, c.doc) for c in bekker.costs.COSTS.values()]
     head = HEAD.format(
         extras=", ".join(f"`{name}`" for name in EXTRAS),
         terms=table(("Term", "Weight in `Rover-v0`", "What it is"), catalogue),
+        costs=table(("Cost", "Usual limit", "Unit", "One for a step in which"), limits),
         arguments=arguments(),
     )
     text = head + "".join(chapter(task) for task in bekker.TASKS.values())

@@ -61,7 +61,7 @@ folder for CSV files in columns and units of their own.
 :class:`~bekker.errors.BekkerError` that names the thing and what was expected.
 """
 
-from . import baselines, goals, oracles, randomise, rewards
+from . import baselines, costs, goals, oracles, randomise, rewards
 from ._bekker import Batch, CheckReport, Model, Run, Script, __version__
 from .arguments import Arguments
 from .checks import check
@@ -125,6 +125,7 @@ __all__ = [
     "diagnose",
     "effects",
     "export_fmu",
+    "costs",
     "goals",
     "import_experiment",
     "oracles",

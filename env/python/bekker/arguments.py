@@ -11,6 +11,7 @@ from numpy.random import Generator
 
 from ._bekker import Model
 from .checked import finite, real
+from .costs import Cost, Costs, costs
 from .errors import InputError
 from .goals import Goal
 from .models import ModelLike, as_model
@@ -67,6 +68,8 @@ class Arguments(TypedDict, total=False):
     """Terms of the reward, by name (`bekker.rewards.TERMS`) or as objects."""
     reward_weights: Mapping[str, float]
     """Weights of the terms, by name; terms that are left out keep their default weight."""
+    costs: Costs
+    """Costs of safety in ``info``, by name (`bekker.costs.COSTS`), with their limits, or as objects; True for all, default none."""
 
 
 @dataclass(frozen=True)
@@ -101,6 +104,7 @@ class Setup:
             raise InputError(f"goal = {self.goal!r}: expected a goal of bekker.goals, such as Reach(3.0)")
         self.measured = bool(given.get("measured", False))
         self.terms: tuple[Term, ...] = terms(given.get("rewards", self.task.rewards), given.get("reward_weights", {}))
+        self.costs: tuple[Cost, ...] = costs(given.get("costs", ()), self.slip_limit)
         own_scale = self._own_scale(model, given)
         self.action_scale = finite("action_scale", given.get("action_scale", own_scale), above=0.0)
         observed = given.get("observe", self.task.observe)

@@ -53,10 +53,13 @@ class Numbers:
     tally: Floats
     start_x: Floats
     weight: Floats
+    radius: Floats
     target_velocity: Floats
     success: Bools
     rewards: Floats
     """A row a term, weights included."""
+    costs: Floats
+    """A row a cost."""
     started: Bools
     drawn: dict[str, tuple[Floats, Bools]]
     """Values drawn, and for which rovers."""
@@ -91,6 +94,7 @@ class Mechanics:
         self._zeros = np.zeros(count)
         self._all = np.ones(count, np.bool_)
         self._keys = [f"reward_{term.name}" for term in setup.terms]
+        self._cost_keys = [f"cost_{cost.name}" for cost in setup.costs]
         self._models = [model] * count
         self._batch: Batch | None = None
         self.inputs = np.zeros((count, len(model.inputs())))
@@ -114,9 +118,11 @@ class Mechanics:
             tally=zeros(),
             start_x=zeros(),
             weight=np.ones(count),
+            radius=np.ones(count),
             target_velocity=zeros(),
             success=np.zeros(count, np.bool_),
             rewards=np.zeros((len(self.setup.terms), count)),
+            costs=np.zeros((len(self.setup.costs), count)),
             started=np.zeros(count, np.bool_),
             drawn={},
         )
@@ -150,9 +156,11 @@ class Mechanics:
         numbers.tally[index] = 0.0
         numbers.start_x[index] = numbers.signals[index, self._x]
         numbers.weight[index] = draw.model.total_mass * draw.model.get("gravity")
+        numbers.radius[index] = draw.model.get("wheel.radius")
         numbers.target_velocity[index] = draw.target_velocity
         numbers.success[index] = False
         numbers.rewards[:, index] = 0.0
+        numbers.costs[:, index] = 0.0
         numbers.started[index] = True
         for _, mask in numbers.drawn.values():
             mask[index] = False
@@ -207,7 +215,9 @@ class Mechanics:
             seconds=setup.period,
             weight=numbers.weight,
             target_velocity=numbers.target_velocity,
+            radius=numbers.radius,
             slip_limit=setup.slip_limit,
+            codes=numbers.codes,
             ended=ended,
             reached=ended,
             success=ended,
@@ -220,8 +230,11 @@ class Mechanics:
         numbers.states[step.reached] = GOAL
         for row, term in zip(numbers.rewards, setup.terms, strict=True):
             np.multiply(term.value(step), term.weight, out=row)
+        for row, cost in zip(numbers.costs, setup.costs, strict=True):
+            np.copyto(row, cost.exceeded(step, cost.limit))
         if moved is not self._all:
             numbers.rewards[:, ~moved] = 0.0
+            numbers.costs[:, ~moved] = 0.0
 
     def _checked(self, actions: ArrayLike, active: Bools | None) -> NDArray[np.floating[Any]]:
         """The actions as an array of floating-point numbers: the caller's own where it is one."""
@@ -318,7 +331,15 @@ class Mechanics:
             "sinkage": numbers.signals[:, self._sinkage],
             "target_velocity": numbers.target_velocity.copy(),
             **{key: row.copy() for key, row in zip(self._keys, numbers.rewards, strict=True)},
+            **self._costs(numbers.costs),
         }
+
+    def _costs(self, costs: Floats) -> dict[str, Floats]:
+        """What a step costs, and the sum; nothing where no costs are asked for."""
+        if not self._cost_keys:
+            return {}
+        # Zeros and ones: their sum does not depend on the order.
+        return {"cost": costs.sum(axis=0), **{key: row.copy() for key, row in zip(self._cost_keys, costs, strict=True)}}
 
     def info(self, index: int) -> dict[str, Any]:
         """``info`` of one rover: the same as numbers."""
@@ -338,6 +359,7 @@ class Mechanics:
         }
         for key, value in zip(self._keys, numbers.rewards[:, index].tolist(), strict=True):
             info[key] = value
+        info |= {key: float(row) for key, row in self._costs(numbers.costs[:, index]).items()}
         info["drawn"] = {name: float(values[index]) for name, (values, mask) in numbers.drawn.items() if mask[index]}
         return info
 

@@ -41,8 +41,12 @@ class Step:
     """m g, N."""
     target_velocity: Floats
     """Speed that the task asks for, m/s; 0 where it asks for none."""
+    radius: Floats
+    """Radius of the wheels, m."""
     slip_limit: float
     """Slip that the task allows."""
+    codes: NDArray[np.uint8]
+    """What has ended the drive, as an index into `bekker.Batch.statuses`; 0 while it goes on."""
     ended: NDArray[np.bool_]
     """Whether an event ended the drive in this step."""
     reached: NDArray[np.bool_]
