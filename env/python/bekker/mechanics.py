@@ -2,7 +2,6 @@
 
 import copy
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -14,6 +13,7 @@ from .arguments import Options, Setup
 from .errors import InputError, SimulationError
 from .goals import Way
 from .rewards import Step
+from .state import GOAL, STATUSES, MechanicsState, Numbers
 
 __all__ = ["Mechanics", "MechanicsState", "as_array"]
 
@@ -22,11 +22,6 @@ Bools: TypeAlias = NDArray[np.bool_]
 
 TRIES = 10
 """Draws of a model that finds no rest (a soil that does not carry the rover) before a reset gives up."""
-
-GOAL = len(Batch.statuses)
-STATUSES = np.array([*Batch.statuses, "goal"], dtype=object)
-"""Words for the codes of an episode's state."""
-
 
 def as_array(actions: ArrayLike) -> NDArray[Any]:
     """Actions as an array, of whatever type they are.
@@ -39,39 +34,6 @@ def as_array(actions: ArrayLike) -> NDArray[Any]:
     except ValueError:
         raise InputError("the actions have rows of different lengths: expected one length") from None
     return values
-
-
-@dataclass
-class Numbers:
-    """What moves besides the runs themselves, one entry or row a rover."""
-
-    signals: Floats
-    codes: NDArray[np.uint8]
-    states: NDArray[np.uint8]
-    """As ``codes``, and GOAL where the goal was reached."""
-    steps: NDArray[np.int64]
-    tally: Floats
-    start_x: Floats
-    weight: Floats
-    radius: Floats
-    target_velocity: Floats
-    success: Bools
-    rewards: Floats
-    """A row a term, weights included."""
-    costs: Floats
-    """A row a cost."""
-    started: Bools
-    drawn: dict[str, tuple[Floats, Bools]]
-    """Values drawn, and for which rovers."""
-
-
-@dataclass(frozen=True)
-class MechanicsState:
-    """A snapshot: everything that moves."""
-
-    runs: list[Run]
-    models: list[Model]
-    numbers: Numbers
 
 
 class Mechanics:
@@ -99,33 +61,12 @@ class Mechanics:
         self._batch: Batch | None = None
         self.inputs = np.zeros((count, len(model.inputs())))
         self._before = np.zeros((count, len(names)))
-        self._numbers = self._fresh(count, len(names))
+        self._numbers = Numbers.fresh(count, len(names), len(setup.terms), len(setup.costs))
         read = self._begun(model).measured_names if setup.measured else []
         if setup.measured:
             for name in set(setup.observer.names) & set(names) - set(read):
                 raise InputError(f"observe `{name}`: no sensor reads it; expected {', '.join(sorted(read))}")
         self._observed = setup.observer.signals([self.places[name] for name in read])
-
-    def _fresh(self, count: int, width: int) -> Numbers:
-        def zeros() -> Floats:
-            return np.zeros(count)
-
-        return Numbers(
-            signals=np.zeros((count, width)),
-            codes=np.zeros(count, np.uint8),
-            states=np.zeros(count, np.uint8),
-            steps=np.zeros(count, np.int64),
-            tally=zeros(),
-            start_x=zeros(),
-            weight=np.ones(count),
-            radius=np.ones(count),
-            target_velocity=zeros(),
-            success=np.zeros(count, np.bool_),
-            rewards=np.zeros((len(self.setup.terms), count)),
-            costs=np.zeros((len(self.setup.costs), count)),
-            started=np.zeros(count, np.bool_),
-            drawn={},
-        )
 
     # Episodes
 
