@@ -1,6 +1,10 @@
 """PPO in one file, after the style of CleanRL: everything that the algorithm does stands here (Schulman et al. 2017).
 
     pip install torch && python examples/train_ppo.py --task SlopeClimb --steps 100000
+    python examples/train_ppo.py --task SlipLimited --cost slip --budget 5
+
+With `--cost` an episode may have `--budget` steps beyond a limit of safety (`bekker.costs`) on average: a price of the cost is taken from the
+reward and moves with what the last episodes exceed (reward-constrained policy optimisation, Tessler et al. 2018).
 """
 
 import argparse
@@ -29,6 +33,14 @@ def network(inputs: int, outputs: int, last: float) -> nn.Sequential:
     return nn.Sequential(*layers[:-1])
 
 
+def costs_of(infos: dict, over: np.ndarray) -> np.ndarray:
+    """Costs of the last step; of an episode that has ended they stand with its end, since the next one has begun."""
+    cost = infos["cost"].copy()
+    if over.any():
+        cost[over] = infos["final_info"]["cost"][over]
+    return cost
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--task", default="SlopeClimb", choices=sorted(bekker.TASKS))
@@ -36,13 +48,19 @@ def main() -> None:
     parser.add_argument("--envs", type=int, default=32)
     parser.add_argument("--length", type=int, default=64, help="steps of each environment between two updates")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--cost", choices=sorted(bekker.costs.COSTS), help="a cost of safety that is kept within --budget")
+    parser.add_argument("--budget", type=float, default=5.0, help="steps of an episode that may be beyond the limit, on average")
     given = parser.parse_args()
     gamma, trace, clip, epochs, parts, rate = 0.98, 0.95, 0.2, 10, 4, 1e-3
+    # Reward for a step beyond the limit, its change for an episode that is twice the budget, and the most: a limit that a policy of
+    # much noise cannot keep would else outgrow all rewards before that noise is less.
+    price, price_rate, most = 0.0, 0.01, 0.5
     torch.manual_seed(given.seed)
     torch.set_num_threads(1)
     limit = round(bekker.TASKS[given.task].seconds / PERIOD)
     envs = gymnasium.make_vec(f"bekker/{given.task}-v0", given.envs, vectorization_mode="vector_entry_point",
-                              autoreset_mode=AutoresetMode.SAME_STEP, period=PERIOD, max_episode_steps=limit)
+                              autoreset_mode=AutoresetMode.SAME_STEP, period=PERIOD, max_episode_steps=limit,
+                              costs=[given.cost] if given.cost else [])
     width, height = envs.single_observation_space.shape[0], envs.single_action_space.shape[0]
     actor, critic = network(width, height, 0.01), network(width, 1, 1.0)
     spread = nn.Parameter(torch.full((height,), -0.8))
@@ -57,6 +75,7 @@ def main() -> None:
     logs, rewards, values, ended = (torch.zeros(shape) for _ in range(4))
     now = torch.as_tensor(envs.reset(seed=given.seed)[0])
     totals, finished, began = np.zeros(given.envs), [], time.perf_counter()
+    beyond, spent = np.zeros(given.envs), []
     for update in range(max(given.steps // (given.length * given.envs), 1)):
         for k in range(given.length):
             with torch.no_grad():
@@ -66,10 +85,13 @@ def main() -> None:
                 logs[k] = chosen.log_prob(action).sum(-1)
             after, reward, terminated, truncated, infos = envs.step(action.clamp(-1.0, 1.0).numpy())
             over = terminated | truncated
+            cost = costs_of(infos, over) if given.cost else np.zeros(given.envs)
             totals += reward
+            beyond += cost
             finished += totals[over].tolist()
-            totals[over] = 0.0
-            rewards[k] = torch.as_tensor(reward, dtype=torch.float32)
+            spent += beyond[over].tolist()
+            totals[over] = beyond[over] = 0.0
+            rewards[k] = torch.as_tensor(reward - price * cost, dtype=torch.float32)
             # Time that is over is no end: what would have come is worth what the critic says of the last state.
             for index in np.flatnonzero(truncated & ~terminated):
                 with torch.no_grad():
@@ -99,7 +121,12 @@ def main() -> None:
         steps = (update + 1) * given.length * given.envs
         if finished:
             rate_now = steps / (time.perf_counter() - began)
-            print(f"{steps} steps, mean return of the last episodes {np.mean(finished[-50:]):.2f}, {rate_now:.0f} steps/s", flush=True)
+            limits = ""
+            if given.cost:
+                now_spent = float(np.mean(spent[-50:]))
+                price = min(max(price + price_rate * (now_spent / max(given.budget, 1.0) - 1.0), 0.0), most)
+                limits = f", {now_spent:.1f} steps beyond the limit, at {price:.3f} each"
+            print(f"{steps} steps, mean return of the last episodes {np.mean(finished[-50:]):.2f}{limits}, {rate_now:.0f} steps/s", flush=True)
 
 
 if __name__ == "__main__":

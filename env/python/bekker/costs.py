@@ -29,6 +29,9 @@ __all__ = ["COSTS", "Cost", "CostInStep", "Costs", "costs"]
 
 Bools: TypeAlias = NDArray[np.bool_]
 
+MOVING = 0.02
+"""Speed of a rim from which its slip counts, m/s: a wheel that hardly turns has any slip and digs nothing."""
+
 BELLY = Batch.statuses.index("belly_contact")
 
 
@@ -49,7 +52,8 @@ class Cost:
 def slip(step: Step, limit: float) -> Bools:
     beyond = np.zeros(len(step.after), np.bool_)
     for k in range(1, step.wheels + 1):
-        beyond |= np.abs(step.wheel(k, "slip")) > limit
+        moving = np.abs(step.wheel(k, "speed")) * step.radius > MOVING
+        beyond |= moving & (np.abs(step.wheel(k, "slip")) > limit)
     return beyond
 
 
@@ -72,7 +76,7 @@ def belly(step: Step, limit: float) -> Bools:
 COSTS: dict[str, Cost] = {
     cost.name: cost
     for cost in (
-        Cost("slip", 0.3, "1", "a wheel slips or skids by more than the limit; by default the slip limit of the task", slip),
+        Cost("slip", 0.3, "1", "a wheel that turns (0.02 m/s at its rim) slips or skids by more than the limit; by default the slip limit of the task", slip),
         Cost("sinkage", 0.5, "1", "a wheel has sunk by more than this share of its radius", sinkage),
         Cost("tilt", radians(15.0), "rad", "the chassis is pitched by more than the limit, up or down", tilt),
         Cost("belly", 0.0, "1", "the belly has touched the ground, which ends the episode; its limit has no meaning", belly),
