@@ -8,7 +8,6 @@ use super::packed::differences;
 use super::shown::{self, Form, Values};
 use crate::diagnosis::{Curves, Failure, Fit, Response, UnansweredRows, Workbench};
 use crate::measurement::Experiment;
-use crate::model::Model;
 pub(super) use part::saved_part;
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
@@ -39,6 +38,7 @@ struct Step<'a> {
     unanswered: Cow<'a, [UnansweredRows]>,
     /// Curves by axis, and which of the models in them it is.
     curves: Vec<(Cow<'a, Curves>, Option<usize>)>,
+    /// The model as the page hands it out.
     toml: Option<String>,
 }
 
@@ -170,11 +170,6 @@ impl Saved<'_> {
         model["curves"] = Value::Object(step.curves.iter().map(of_axis).collect());
         model
     }
-}
-
-/// A model as the page hands it out.
-fn written(model: &Model) -> Option<String> {
-    model.to_toml().ok()
 }
 
 /// By signal the mean product of the residuals at each two strengths, over the rows that have one at all. The mean square error of what

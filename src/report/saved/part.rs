@@ -2,7 +2,7 @@
 //! along the strength of each effect that acts in it.
 
 use super::whole::{fits, found_of, steps, values_of};
-use super::{Saved, Step, Tried, written};
+use super::{Saved, Step, Tried};
 use crate::diagnosis::{Axis, Calibration, CompareError, Diagnosis, Trial, Workbench, plain_effect};
 use serde_json::{Value, json};
 use std::borrow::Cow;
@@ -42,7 +42,7 @@ fn of_part<'a>(bench: &Workbench, part: usize, step: Step<'a>) -> Result<Step<'a
         failures,
         unanswered: Cow::Owned(unanswered),
         curves,
-        toml: written(&bench.model_of_part(part, &step.values)?),
+        toml: bench.model_of_part(part, &step.values)?.to_toml().ok(),
     })
 }
 

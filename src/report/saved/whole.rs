@@ -1,6 +1,6 @@
 //! What the page of a comparison or a diagnosis holds of its models.
 
-use super::{Saved, Step, Tried, written};
+use super::{Saved, Step, Tried};
 use crate::diagnosis::{Calibration, Comparison, Curves, Diagnosis, Workbench, failures};
 use crate::report::shown::{self, Values};
 use serde_json::Value;
@@ -121,5 +121,5 @@ fn drawn(curves: &[Curves], number: Option<usize>) -> Vec<(Cow<'_, Curves>, Opti
 }
 
 fn toml(bench: &Workbench, values: &Values) -> Option<String> {
-    bench.model(values).ok().and_then(|model| written(&model))
+    bench.model(values).ok().and_then(|model| model.to_toml().ok())
 }
