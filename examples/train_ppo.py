@@ -124,7 +124,7 @@ def main() -> None:
             limits = ""
             if given.cost:
                 now_spent = float(np.mean(spent[-50:]))
-                price = min(max(price + price_rate * (now_spent / max(given.budget, 1.0) - 1.0), 0.0), most)
+                price = min(max(price + price_rate * (now_spent - given.budget) / max(given.budget, 1.0), 0.0), most)
                 limits = f", {now_spent:.1f} steps beyond the limit, at {price:.3f} each"
             print(f"{steps} steps, mean return of the last episodes {np.mean(finished[-50:]):.2f}{limits}, {rate_now:.0f} steps/s", flush=True)
 

@@ -127,14 +127,16 @@ impl Given {
     /// # Errors
     /// [`CompareError::Vehicle`] where they are given different models, values, effects or soils: together they have one of each.
     pub fn of_several(all: &[Self]) -> Result<Self, CompareError> {
-        let model = |given: &&Self| given.named.as_ref().map(|named| named.model.to_toml().unwrap_or_default());
+        // A model that cannot be written as a file is like no other.
+        let model = |given: &Self| given.named.as_ref().and_then(|named| named.model.to_toml().ok());
+        let alike = |a: &Self, b: &Self| model(a).is_some_and(|a| model(b) == Some(a));
         let named: Vec<&Self> = all.iter().filter(|given| given.named.is_some()).collect();
         let differ = |what: &str| {
             Err(CompareError::Vehicle(format!(
                 "the experiments are given different {what}; together they have one of each: open them as a set from the command line"
             )))
         };
-        if named.windows(2).any(|pair| model(&pair[0]) != model(&pair[1])) {
+        if named.windows(2).any(|pair| !alike(pair[0], pair[1])) {
             return differ("models");
         }
         if all.windows(2).any(|pair| pair[0].set != pair[1].set) {

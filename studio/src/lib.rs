@@ -5,7 +5,8 @@
 //! background, and writes models and reports. Every number comes from the library calls that the command line makes.
 //!
 //! The parts: [`guard`](self) refuses requests that do not come from the page, `bench` holds one experiment with its steps, `work` runs
-//! what takes long and tells of it as it comes, `upload` takes files in memory, `set` puts open experiments together, `api` is what the page asks, `page` the page itself, which
+//! what takes long and tells of it as it comes, `upload` takes files in memory, `set` puts open experiments
+//! together, `api` is what the page asks, `page` the page itself, which
 //! the crate `bekker-page` holds.
 //!
 //! Safety: it listens on the loopback interface unless an address is given, and then asks for a token. Requests with a foreign `Host` or
