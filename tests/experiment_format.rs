@@ -247,7 +247,7 @@ fn texts<const N: usize>(toml: &str, files: [(&str, String); N]) -> BTreeMap<Str
 
 #[test]
 fn regress_examples_of_the_page_can_be_read() {
-    let [wheel, rover, sensors] = examples().try_into().unwrap();
+    let [wheel, rover, route, sensors] = examples().try_into().unwrap();
     let trials = "beta,DP,W [kg],z,Vx,Vr,h,Fs,sDP\n0,2,2.5,-12,10,20,0,0,1\n0,2.1,2.5,-13,10,20,5,0,1\n15,2,2.5,-12,10,20,0,0,1\n";
     let experiment = Experiment::from_texts(&texts(&wheel, [("trials.csv", trials.to_owned())])).unwrap();
     assert_eq!((experiment.runs.len(), experiment.doubts.len()), (2, 0), "{:?}", experiment.doubts);
@@ -258,6 +258,15 @@ fn regress_examples_of_the_page_can_be_read() {
     let experiment = Experiment::from_texts(&texts(&rover, [("2019_01_29.csv", log), ("hill.csv", hill)])).unwrap();
     assert_eq!(experiment.signals(), ["wheel[1+2].current", "pitch"]);
     assert_eq!((experiment.runs[0].name.as_str(), experiment.doubts.len()), ("2019_01_29#a", 0));
+    let row = |k: usize| format!("{},170,{},-10,0.5,23,23,2,3\n", 0.1 * k as f64, 0.05 * k as f64);
+    let log = "time,imu_yaw_deg,utm_e,utm_n,dem_z,rpm_left,rpm_right,amps_left,amps_right\n".to_owned();
+    let log = log + &(0..100).map(row).collect::<String>();
+    let experiment = Experiment::from_texts(&texts(&route, [("drive.csv", log)])).unwrap();
+    assert_eq!(
+        (experiment.signals(), experiment.doubts),
+        (vec!["wheel[1+2].current".to_owned(), "x".to_owned()], vec![])
+    );
+    assert!(experiment.runs[0].terrain.is_some());
     let drive = "name = \"log\"\nkind = \"traverse\"\n[[run]]\nfile = \"log.csv\"\n";
     let rows = (0..10).map(|k| format!("{k},1,1,0.1,2\n"));
     let log = "time,wheel[1].speed,wheel[2].speed,velocity,wheel[1+2].current\n".to_owned() + &rows.collect::<String>();

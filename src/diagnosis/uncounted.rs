@@ -193,8 +193,8 @@ pub(crate) fn uncounted(
 fn start(run: &Run) -> &'static str {
     let moves = |signal: &String| signal == "x" || signal == "velocity";
     match run.measured.iter().any(moves) {
+        _ if cut::starts_in_motion(run) => IN_MOTION,
         false => UNKNOWN,
-        true if cut::starts_in_motion(run) => IN_MOTION,
         true => FROM_REST,
     }
 }

@@ -3,11 +3,12 @@
 use super::columns::Use;
 use super::error::{ExperimentError, Problem};
 use super::grid::{Grid, GridColumn};
-use super::mapping::{Scale, Target};
+use super::mapping::{Recorded, Scale, Target};
 use super::recognise::Recognised;
 use super::settings::RunSettings;
 use super::sheet::Sheet;
 use super::stamps::{EXPECTED, Stamp};
+use super::vocabulary::numbered;
 use std::collections::BTreeMap;
 
 /// Rows of a file that form a run: equal parameters, equal labels of the run.
@@ -71,13 +72,13 @@ pub(super) fn grid(
         match &column.target {
             Target::TimeStamp => {
                 let values = seconds(sheet, part, column.position)?;
-                add(&mut grid, sheet, column.position, "time", values)?;
+                add(&mut grid, sheet, column.position, ("time", Recorded::default()), values)?;
             }
-            Target::Signals(names, _) if names.iter().any(|name| name == "condition") => {}
-            Target::Signals(names, scale) => {
+            Target::Signals(names, ..) if names.iter().any(|name| name == "condition") => {}
+            Target::Signals(names, scale, recorded) => {
                 let values = numbers(sheet, part, column.position, scale, gravity)?;
                 for name in names {
-                    add(&mut grid, sheet, column.position, name, values.clone())?;
+                    add(&mut grid, sheet, column.position, (name, *recorded), values.clone())?;
                 }
             }
             Target::Parameter(..) | Target::Run => {}
@@ -89,19 +90,54 @@ pub(super) fn grid(
             return Err(grid.error(problem).at_column(&other.source));
         }
         let values = vec![factor.value(gravity) * number; grid.lines.len()];
-        grid.columns.push(GridColumn { name: name.clone(), source: name.clone(), used: Use::Measured, values });
+        grid.columns.push(GridColumn::plain(name, name, Use::Measured, values));
     }
+    give_signs(&mut grid)?;
     Ok(grid)
 }
 
-fn add(grid: &mut Grid, sheet: &Sheet, position: usize, name: &str, values: Vec<f64>) -> Result<(), ExperimentError> {
+fn add(
+    grid: &mut Grid,
+    sheet: &Sheet,
+    position: usize,
+    (name, recorded): (&str, Recorded),
+    values: Vec<f64>,
+) -> Result<(), ExperimentError> {
     let source = sheet.header[position].clone();
-    if let Some(other) = grid.column(name) {
-        let problem = Problem::Twice { signal: name.to_owned(), other: format!("column `{}`", other.source) };
-        return Err(sheet.error(problem).at_line(sheet.header_line).at_column(source));
+    if let Some(other) = grid.columns.iter_mut().find(|other| other.name == name) {
+        if !other.is_other_side(recorded.side) {
+            let problem = Problem::Twice { signal: name.to_owned(), other: format!("column `{}`", other.source) };
+            return Err(sheet.error(problem).at_line(sheet.header_line).at_column(source));
+        }
+        other.source = format!("{} and {source}", other.source);
+        other.values.iter_mut().zip(values).for_each(|(own, value)| *own = 0.5 * (*own + value));
+        other.recorded = Recorded { side: None, magnitude: other.recorded.magnitude || recorded.magnitude };
+        return Ok(());
     }
     // What it is used for follows once all names are known.
-    grid.columns.push(GridColumn { name: name.to_owned(), source, used: Use::Measured, values });
+    grid.columns.push(GridColumn { recorded, ..GridColumn::plain(name, source, Use::Measured, values) });
+    Ok(())
+}
+
+/// Gives magnitudes the signs of the speeds of their wheels; those of wheels that stand are left out.
+fn give_signs(grid: &mut Grid) -> Result<(), ExperimentError> {
+    for at in 0..grid.columns.len() {
+        let column = &grid.columns[at];
+        let Some((_, _, wheels)) = numbered(&column.name).filter(|_| column.recorded.magnitude) else { continue };
+        let speed = ["speed", "rim_speed", "speed_command", "rim_speed_command"]
+            .iter()
+            .find_map(|field| grid.values(&format!("wheel[{}].{field}", wheels[0])).map(<[f64]>::to_vec));
+        let Some(speed) = speed else {
+            let message =
+                "a magnitude takes the sign of the wheel's speed; no speed or command of this wheel is recorded";
+            let problem = Problem::Derived(message.to_owned());
+            return Err(grid.error(problem).at_line(grid.header_line).at_column(&column.source));
+        };
+        let values = &mut grid.columns[at].values;
+        values.iter_mut().zip(speed).for_each(|(value, speed)| {
+            *value = if speed == 0.0 || speed.is_nan() { f64::NAN } else { value.abs() * speed.signum() };
+        });
+    }
     Ok(())
 }
 
@@ -149,7 +185,7 @@ fn seconds(sheet: &Sheet, part: &Part, position: usize) -> Result<Vec<f64>, Expe
 
 /// Labels of the set-points, one a row; empty where the file has no such column.
 pub(super) fn conditions(sheet: &Sheet, columns: &[Recognised], part: &Part) -> Vec<Option<String>> {
-    let labels = |column: &&Recognised| matches!(&column.target, Target::Signals(names, _) if names.iter().any(|name| name == "condition"));
+    let labels = |column: &&Recognised| matches!(&column.target, Target::Signals(names, ..) if names.iter().any(|name| name == "condition"));
     let Some(column) = columns.iter().find(labels) else { return Vec::new() };
     let label = |row: &usize| sheet.rows[*row].cells[column.position].text().into_owned();
     part.rows.iter().map(|row| Some(label(row)).filter(|label| !label.is_empty())).collect()

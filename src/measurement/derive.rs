@@ -99,7 +99,7 @@ fn made(
         })?;
         values.push(value);
     }
-    Ok(GridColumn { name: name.to_owned(), source: carriage.source.clone(), used: Use::Input, values })
+    Ok(GridColumn::plain(name, &carriage.source, Use::Input, values))
 }
 
 fn slip(speed: f64, rim: f64) -> Option<f64> {

@@ -2,7 +2,9 @@
 
 use super::columns::{Column, Use};
 use super::error::{ExperimentError, Problem};
+use super::mapping::{Recorded, Side};
 use super::table::Table;
+use std::ops::Range;
 use std::path::PathBuf;
 
 /// Signals, inputs and time of one run.
@@ -15,14 +17,28 @@ pub(super) struct Grid {
 }
 
 /// One signal or input.
+#[derive(Clone)]
 pub(super) struct GridColumn {
     /// The signal.
     pub name: String,
     /// The file's column.
     pub source: String,
     pub used: Use,
+    pub recorded: Recorded,
     /// One value a row; NaN where it is missing.
     pub values: Vec<f64>,
+}
+
+impl GridColumn {
+    /// A signal that a recorder gives as it is.
+    pub fn plain(name: impl Into<String>, source: impl Into<String>, used: Use, values: Vec<f64>) -> Self {
+        Self { name: name.into(), source: source.into(), used, recorded: Recorded::default(), values }
+    }
+
+    /// Whether it is of one side of the vehicle and `side` is the other.
+    pub fn is_other_side(&self, side: Option<Side>) -> bool {
+        matches!((self.recorded.side, side), (Some(own), Some(other)) if own != other)
+    }
 }
 
 impl Grid {
@@ -36,6 +52,17 @@ impl Grid {
 
     pub fn values(&self, name: &str) -> Option<&[f64]> {
         self.column(name).map(|column| column.values.as_slice())
+    }
+
+    /// Some of its rows.
+    pub fn part(&self, rows: Range<usize>) -> Self {
+        let of = |column: &GridColumn| GridColumn { values: column.values[rows.clone()].to_vec(), ..column.clone() };
+        Self {
+            file: self.file.clone(),
+            header_line: self.header_line,
+            lines: self.lines[rows.clone()].to_vec(),
+            columns: self.columns.iter().map(of).collect(),
+        }
     }
 
     /// Takes a column out.

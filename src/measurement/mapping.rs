@@ -1,7 +1,7 @@
 //! `[columns]`: which column of a file is which signal, in which unit.
 
 use super::experiment::Kind;
-use super::vocabulary;
+use super::vocabulary::{self, numbered};
 use super::written::{Written, parameter_factor};
 use crate::effects::EffectDefinition;
 use bekker_modeldescription::Unit;
@@ -27,13 +27,33 @@ pub(super) struct ColumnTable {
     scale: Option<f64>,
     offset: Option<f64>,
     wheels: Option<Vec<usize>>,
+    side: Option<Side>,
+    #[serde(default)]
+    magnitude: bool,
+}
+
+/// Side of a vehicle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Side {
+    Left,
+    Right,
+}
+
+/// What a recorder did to a signal beside its scale.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Recorded {
+    /// It is of one side of the vehicle; the planar model has the mean of both.
+    pub side: Option<Side>,
+    /// It has lost its sign, which is that of the wheel's speed.
+    pub magnitude: bool,
 }
 
 /// What a column becomes.
 #[derive(Clone, Debug)]
 pub(super) enum Target {
     /// One signal, or a command or measured speed that goes to several wheels.
-    Signals(Vec<String>, Scale),
+    Signals(Vec<String>, Scale, Recorded),
     /// A parameter of the model: rows with equal values form a run.
     Parameter(String, Scale),
     /// Seconds since the first row.
@@ -112,8 +132,11 @@ impl Target {
         if scaled && (table.time_stamp || table.run) {
             return Err("a time stamp or a label of a run has no `unit`, `sign`, `scale` or `offset`".to_owned());
         }
-        if table.wheels.is_some() && table.signal.is_none() {
-            return Err("`wheels` is for a `signal`".to_owned());
+        if table.signal.is_none() && (table.wheels.is_some() || table.side.is_some() || table.magnitude) {
+            return Err("`wheels`, `side` and `magnitude` are for a `signal`".to_owned());
+        }
+        if table.side.is_some() && !kind.format().has_course() {
+            return Err("`side` is for a `traverse`: the side of the vehicle".to_owned());
         }
         match (&table.signal, &table.parameter, table.time_stamp, table.run) {
             (Some(signal), None, false, false) => table.signal(signal, kind),
@@ -137,7 +160,18 @@ impl ColumnTable {
         let names = self.names(signal, kind)?;
         let unit = names.first().and_then(|name| kind.format().signal_unit(name)).unwrap_or(Unit::ONE);
         let scale = self.scale(Factor::of_signal(unit, self.unit.as_deref())?)?;
-        Ok(Target::Signals(names, scale))
+        let is_driven =
+            |name: &String| numbered(name).is_some_and(|(_, field, _)| field == "current" || field == "torque");
+        if self.magnitude && !names.iter().all(is_driven) {
+            return Err(
+                "`magnitude` is for the current or torque of a rover's wheels, which takes the sign of their speed"
+                    .to_owned(),
+            );
+        }
+        if self.magnitude && self.sign == Some(-1.0) {
+            return Err("a `magnitude` has no `sign`: it takes that of the wheel's speed".to_owned());
+        }
+        Ok(Target::Signals(names, scale, Recorded { side: self.side, magnitude: self.magnitude }))
     }
 
     fn scale(&self, unit: Factor) -> Result<Scale, String> {

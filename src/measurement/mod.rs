@@ -28,6 +28,8 @@
 //! text (`dialect`, `sheet`) or columns of a program (`arrays`) → which column is what (`mapping`, `recognise`) → rows that count and the runs that they form
 //! (`filter`, `convert`) → SI values (`grid`, `derive`) → checks by the physics (`columns`, `suspicion`) → [`Run`].
 //!
+//! A drive that also turns becomes its straight stretches in `straight`.
+//!
 //! What the files of one kind of experiment hold stands in `kinds`.
 //!
 //! A [`Proposal`] is a folder for files whose columns are not mapped yet.
@@ -37,6 +39,7 @@
 //!
 //! A [`Table`] holds the columns; [`Record`] fills one from a running simulation.
 
+mod around;
 mod arrays;
 mod checker;
 mod columns;
@@ -64,6 +67,7 @@ mod settings;
 mod share;
 mod sheet;
 mod stamps;
+mod straight;
 mod suggestion;
 mod suspicion;
 mod table;
@@ -72,6 +76,7 @@ mod vocabulary;
 mod write;
 mod written;
 
+pub(crate) use around::around;
 pub use arrays::{Cells, Columns};
 pub use error::{ExperimentError, Problem};
 pub use experiment::{Experiment, Kind, Prior, Run};

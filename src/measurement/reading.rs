@@ -13,6 +13,7 @@ use super::grid::Grid;
 use super::recognise::{names, recognised};
 use super::settings::{RunSettings, Settings};
 use super::sheet::Sheet;
+use super::straight::{LeftOut, Stated, stretches};
 use super::suspicion;
 use super::table::Table;
 use crate::wheel::Wheel;
@@ -84,30 +85,54 @@ fn read_file(
     let several = parts.len() > 1;
     let terrain = run.terrain.as_ref().map(|file| read_terrain(files, file)).transpose()?;
     let mut runs = Vec::new();
+    let mut left_out = LeftOut::default();
     for (number, part) in (1..).zip(&parts) {
         let mut own = run.parameters.clone();
         own.extend(part.parameters.clone());
         let stated = |name: &str| own.get(name).or_else(|| settings.parameters.get(name)).copied();
         let gravity = stated("gravity").unwrap_or(STANDARD_GRAVITY);
         let grid = grid(sheet, &columns, part, run, gravity)?;
-        let radius = stated("wheel.radius");
-        let (data, used) = checked(settings.kind, grid, radius, stated("wheel.width"), planned, doubts)?;
-        let stem = run.name.clone().unwrap_or_else(|| Path::new(&run.file).with_extension("").display().to_string());
-        let group = run.group.as_ref();
-        runs.push(Run {
-            name: name_of(&stem, part),
-            file: sheet.file.clone(),
-            group: group.map(|group| if several { format!("{group}#{number}") } else { group.clone() }),
-            terrain: terrain.clone(),
+        let (radius, width) = (stated("wheel.radius"), stated("wheel.width"));
+        let vehicle = Stated {
+            radius,
+            lever: lever(own.iter().chain(&settings.parameters)),
             x0: run.x0,
-            conditions: conditions(sheet, &columns, part),
-            inputs: used.inputs,
-            measured: used.measured,
-            parameters: own,
-            data,
-        });
+            has_ground: terrain.is_some(),
+            least_rows: settings.kind.format().least_rows(),
+        };
+        let stretches = stretches(grid, &vehicle, &mut left_out)?;
+        if let (Some(_), true) = (&run.group, stretches.len() > 1) {
+            let message =
+                "its runs repeat each other row by row, and this one is cut where the vehicle turns; leave out `group`";
+            return Err(sheet.error(Problem::NotARepeat(message.to_owned())));
+        }
+        let stem = run.name.clone().unwrap_or_else(|| Path::new(&run.file).with_extension("").display().to_string());
+        let conditions = conditions(sheet, &columns, part);
+        for stretch in stretches {
+            let (data, used) = checked(settings.kind, stretch.grid, radius, width, planned, doubts)?;
+            let group = run.group.as_ref();
+            runs.push(Run {
+                name: name_of(&stem, part),
+                file: sheet.file.clone(),
+                group: group.map(|group| if several { format!("{group}#{number}") } else { group.clone() }),
+                terrain: stretch.ground.or_else(|| terrain.clone()),
+                x0: stretch.x0,
+                conditions: conditions.get(stretch.rows).map(<[_]>::to_vec).unwrap_or_default(),
+                inputs: used.inputs,
+                measured: used.measured,
+                parameters: own.clone(),
+                data,
+            });
+        }
     }
+    left_out.say(&sheet.file, doubts)?;
     Ok(runs)
+}
+
+/// Distance of the axle that is farthest from the middle among stated places of wheels, m.
+fn lever<'a>(parameters: impl Iterator<Item = (&'a String, &'a f64)>) -> Option<f64> {
+    let places = parameters.filter(|(name, _)| name.starts_with("wheel[") && name.ends_with("].x"));
+    places.map(|(_, x)| x.abs()).reduce(f64::max)
 }
 
 /// A part with a label of its own is called by it.
@@ -183,7 +208,7 @@ pub(super) fn missing_column(sheet: &Sheet, kind: Kind, name: &str, instead: &'s
     sheet.error(problem).at_line(sheet.header_line).at_column(name)
 }
 
-fn check_time(grid: &Grid) -> Result<(), ExperimentError> {
+pub(super) fn check_time(grid: &Grid) -> Result<(), ExperimentError> {
     let Some(time) = grid.column("time") else { return Ok(()) };
     for (k, pair) in time.values.windows(2).enumerate() {
         if pair[1] <= pair[0] {

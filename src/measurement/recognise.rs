@@ -4,7 +4,7 @@ use super::columns::{Column, Use, mend, quoted};
 use super::doubts::Doubts;
 use super::error::{ExperimentError, Problem};
 use super::experiment::Kind;
-use super::mapping::{Factor, Scale, Target};
+use super::mapping::{Factor, Recorded, Scale, Target};
 use super::settings::{RunSettings, Settings};
 use super::sheet::Sheet;
 use super::suggestion;
@@ -36,7 +36,10 @@ pub(super) fn recognised(
         } else if settings.ignore.contains(name) {
             continue;
         } else if settings.kind.format().signal_unit(name).is_some() {
-            found.push(Recognised { position, target: Target::Signals(vec![name.clone()], Scale::si()) });
+            found.push(Recognised {
+                position,
+                target: Target::Signals(vec![name.clone()], Scale::si(), Recorded::default()),
+            });
         } else if !settings.ignores(name) && run.filters.iter().all(|filter| filter.column != *name) {
             unknown.push((position, name));
         }
@@ -76,7 +79,7 @@ fn check_once(sheet: &Sheet, column: &Recognised, known: &[Column]) -> Result<()
 /// The signals that a column gives.
 pub(super) fn names(target: &Target) -> &[String] {
     match target {
-        Target::Signals(names, _) => names,
+        Target::Signals(names, ..) => names,
         _ => &[],
     }
 }
@@ -104,7 +107,7 @@ fn unknown_columns(sheet: &Sheet, kind: Kind, unknown: &[(usize, &String)], know
 /// Fails where the file names a unit, in a row of units or in brackets after the column's name, that is not the one with
 /// which the column is read; where the settings say another one outright, that is a doubt.
 fn check_unit(sheet: &Sheet, kind: Kind, column: &Recognised, doubts: &mut Doubts) -> Result<(), ExperimentError> {
-    let Target::Signals(signals, scale) = &column.target else { return Ok(()) };
+    let Target::Signals(signals, scale, _) = &column.target else { return Ok(()) };
     let name = &sheet.header[column.position];
     let in_row = sheet.units.get(column.position).cloned().filter(|unit| !unit.is_empty());
     let Some(found) = in_row.or_else(|| suggestion::bracketed(name)) else { return Ok(()) };

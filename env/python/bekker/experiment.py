@@ -83,7 +83,8 @@ class Experiment:
     columns: Mapping[str, str | Mapping[str, Any]] = field(default_factory=dict)
     """Columns that are called otherwise, or are not in SI units: the name of a signal, or a table such as
     ``{"signal": "drawbar_pull", "unit": "kN", "sign": -1}``, ``{"signal": "current", "wheels": [1, 2]}``,
-    ``{"parameter": "grousers.height", "unit": "mm"}``, ``{"time_stamp": True}``, ``{"run": True}``; the keys are those of
+    ``{"parameter": "grousers.height", "unit": "mm"}``, ``{"time_stamp": True}``, ``{"run": True}``,
+    ``{"signal": "current", "wheels": [1, 2], "side": "left", "magnitude": True}``; the keys are those of
     ``[columns]`` on the page ``examples/experiments.md``."""
     inputs: Mapping[str, Quantity] = field(default_factory=dict)
     """Inputs that no column gives since they are the same in all rows."""

@@ -66,12 +66,13 @@ fn rolled_in(time: &[f64], speeds: &[Vec<f64>]) -> f64 {
 
 /// Whether a run begins at rest: by its first velocity, or by the mean over the first half second, which noise moves less but a quick
 /// start raises. A run in motion that is taken for one at rest loses a second or two, one at rest that is taken for one in motion
-/// begins at a wrong slip.
+/// begins at a wrong slip. Where neither place nor velocity was measured, measured wheel speeds tell; commands do not.
 fn begins_at_rest(run: &Run, path: &Path) -> bool {
     let fastest = path.velocity.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
     let slow = |velocity: Option<&f64>| velocity.is_none_or(|v| v.abs() <= AT_REST * fastest);
     let recorded = run.data.column("velocity").and_then(|column| column.iter().find(|v| !v.is_nan()));
-    !path.measured || slow(path.velocity.first()) || (recorded.is_some() && slow(recorded))
+    let tells = path.measured || run.follows_measured_speeds();
+    !tells || slow(path.velocity.first()) || (recorded.is_some() && slow(recorded))
 }
 
 /// Rows after gaps in which the motion that a window begins with is not settled yet.

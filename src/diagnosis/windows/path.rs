@@ -1,6 +1,6 @@
 //! Where a rover was and how fast, row by row, as the measurements tell it.
 
-use crate::measurement::Run;
+use crate::measurement::{Run, around};
 
 /// Rows within this time of a row tell where the rover was there, s: over it a rover's velocity hardly changes.
 const AROUND: f64 = 0.5;
@@ -54,7 +54,7 @@ fn about(time: &[f64], places: &[f64], velocities: Option<&[f64]>) -> Path {
     let (mut x, mut velocity) = (Vec::new(), Vec::new());
     for row in 0..time.len() {
         let (mut s, mut b) = ([0.0; 3], [0.0; 2]);
-        for k in near(time, row) {
+        for k in around(time, row, AROUND) {
             let t = time[k] - time[row];
             if !places[k].is_nan() {
                 s[0] += weight_x;
@@ -97,18 +97,11 @@ fn means(time: &[f64], values: &[f64]) -> Vec<f64> {
     let mut last = 0.0;
     (0..time.len())
         .map(|row| {
-            let around: Vec<f64> = near(time, row).map(|k| values[k]).filter(|v| !v.is_nan()).collect();
+            let around: Vec<f64> = around(time, row, AROUND).map(|k| values[k]).filter(|v| !v.is_nan()).collect();
             if !around.is_empty() {
                 last = around.iter().sum::<f64>() / around.len() as f64;
             }
             last
         })
         .collect()
-}
-
-/// Rows around a row.
-fn near(time: &[f64], row: usize) -> std::ops::Range<usize> {
-    let first = time.partition_point(|t| *t < time[row] - AROUND);
-    let end = time.partition_point(|t| *t <= time[row] + AROUND);
-    first..end
 }

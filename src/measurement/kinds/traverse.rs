@@ -9,6 +9,7 @@ use super::super::grid::Grid;
 use super::super::import::{Entry, FoundColumn, Plan, Survey, To, USUAL_WHEELS, other_side, right_side};
 use super::super::reading::missing_column;
 use super::super::sheet::Sheet;
+use super::super::straight;
 use super::super::suggestion::{Rule, maybe, sure};
 use super::super::suspicion;
 use super::super::vocabulary::{numbered, unit_in};
@@ -44,7 +45,7 @@ impl Format for Traverse {
                 unit_in(WheelSignals::default(), field)
             }
             (_, Some(("link", field, links))) if links.len() == 1 => unit_in(LinkSignals::default(), field),
-            (_, None) => unit_in(BodySignals::default(), name),
+            (_, None) => unit_in(BodySignals::default(), name).or_else(|| straight::unit_of(name)),
             _ => None,
         }
     }
@@ -59,6 +60,7 @@ impl Format for Traverse {
         names.extend(fields("wheel", WheelSignals::default().list()));
         names.extend(plain(&["wheel[k].rim_speed", "wheel[k].rim_speed_command"]));
         names.extend(fields("link", LinkSignals::default().list()));
+        names.extend(plain(&straight::OF_ROUTE.map(|(name, _)| name)));
         names
     }
 
@@ -95,6 +97,7 @@ impl Format for Traverse {
             several && self.signal_unit(name).is_some()
         });
         columns.extend(sums.map(|name| column(name, Use::Measured, None)));
+        columns.extend(straight::columns());
         columns
     }
 
@@ -162,6 +165,8 @@ impl Format for Traverse {
         match field {
             "velocity" | "rim_speed" | "rim_speed_command" => (largest > 20.0).then_some("mm/s"),
             "speed" | "speed_command" => (largest > 30.0).then_some("rpm"),
+            "heading" => (largest > 2.0 * PI).then_some("deg"),
+            "yaw_rate" => (largest > 5.0).then_some("deg/s"),
             _ => None,
         }
     }
@@ -299,4 +304,15 @@ const RULES: &[Rule] = &[
     maybe(&["torque", "cmd"], "torque_command"),
     maybe(&["command"], "speed_command"),
     maybe(&["cmd"], "speed_command"),
+    sure(&["heading"], "heading"),
+    maybe(&["yaw"], "heading"),
+    sure(&["yaw", "rate"], "yaw_rate"),
+    sure(&["gyro", "yaw"], "yaw_rate"),
+    maybe(&["gyro", "z"], "yaw_rate"),
+    sure(&["easting"], "easting"),
+    sure(&["northing"], "northing"),
+    maybe(&["utm", "x"], "easting"),
+    maybe(&["utm", "y"], "northing"),
+    maybe(&["dem", "z"], "ground_height"),
+    sure(&["ground", "height"], "ground_height"),
 ];

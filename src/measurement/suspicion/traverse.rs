@@ -1,6 +1,6 @@
 //! A rover on a profile: what its recorded speeds, angles and torques say of each other.
 
-use super::super::columns::{Use, mend, mend_sign};
+use super::super::columns::{Use, mend, mend_sign, quoted};
 use super::super::grid::{Grid, GridColumn};
 use super::{largest, mean, present};
 
@@ -20,6 +20,9 @@ const STANDS: f64 = 0.1;
 const STILL_TURNS: f64 = 0.5;
 const STANDS_FOR: f64 = 1.0;
 
+/// Rows in which a wheel turns backward from which on a signal that is never negative is no chance.
+const BACKWARD: i32 = 10;
+
 pub(in crate::measurement) fn look(grid: &Grid, radius: Option<f64>) -> Vec<String> {
     let mut doubts = Vec::new();
     for column in &grid.columns {
@@ -29,7 +32,11 @@ pub(in crate::measurement) fn look(grid: &Grid, radius: Option<f64>) -> Vec<Stri
             "speed" if column.used == Use::Input => {
                 doubts.extend(radius.and_then(|radius| unlike_the_rover(grid, column, radius)));
             }
-            "torque" | "current" | "speed" => doubts.extend(against_the_speed(grid, column)),
+            "torque" | "current" => {
+                let doubt = unsigned(grid, column).or_else(|| against_the_speed(grid, column));
+                doubts.extend(doubt);
+            }
+            "speed" => doubts.extend(against_the_speed(grid, column)),
             "speed_command" => doubts.extend(radius.and_then(|radius| unlike_the_rover(grid, column, radius))),
             _ => {}
         }
@@ -69,13 +76,37 @@ fn steep(column: &GridColumn) -> Option<String> {
     ))
 }
 
-/// A drive takes power: torque and current have the sign of the wheel's speed, but for a wheel that is braked downhill; and a
-/// wheel turns as it is told.
-fn against_the_speed(grid: &Grid, column: &GridColumn) -> Option<String> {
+/// A torque or current that is never negative, although its wheel turns both ways: its sign was lost, as in the log of many a motor
+/// driver.
+fn unsigned(grid: &Grid, column: &GridColumn) -> Option<String> {
+    let speed = speed_of_wheel(grid, column)?;
+    let size = mean(present(&column.values).map(f64::abs))?;
+    let backward = column.values.iter().zip(speed).filter(|(value, speed)| !value.is_nan() && **speed < 0.0);
+    let (count, sum) = backward.fold((0, 0.0), |(count, sum), (value, _)| (count + 1, sum + value));
+    let never_negative = present(&column.values).all(|value| value >= 0.0) && speed.iter().any(|speed| *speed > 0.0);
+    // Backward it is as large as elsewhere.
+    (never_negative && count >= BACKWARD && sum > 0.5 * size * f64::from(count)).then(|| {
+        format!(
+            "`{}` is never negative, although its wheel turns backward in {count} rows; if its sign was not recorded, write under [columns]: \
+             `magnitude = true` in the entry of {}, which gives it the sign of the wheel's speed",
+            column.source,
+            quoted(&column.source)
+        )
+    })
+}
+
+/// Measured or commanded speed of the wheel whose signal a column holds, of the first where it is a sum.
+fn speed_of_wheel<'g>(grid: &'g Grid, column: &GridColumn) -> Option<&'g [f64]> {
     let wheel = column.name.split_once('[')?.1.split(['+', ']']).next()?;
     let of = |field: &str| grid.values(&format!("wheel[{wheel}].{field}"));
     let turning = of("speed").filter(|_| !column.name.ends_with("].speed"));
-    let speed = turning.or_else(|| of("speed_command"))?;
+    turning.or_else(|| of("speed_command"))
+}
+
+/// A drive takes power: torque and current have the sign of the wheel's speed, but for a wheel that is braked downhill; and a
+/// wheel turns as it is told.
+fn against_the_speed(grid: &Grid, column: &GridColumn) -> Option<String> {
+    let speed = speed_of_wheel(grid, column)?;
     let rows = column.values.iter().zip(speed).filter(|(value, speed)| !value.is_nan() && !speed.is_nan());
     let products = rows.map(|(value, speed)| value * speed.signum() * f64::from(u8::from(*speed != 0.0)));
     let (with, size) = (mean(products)?, mean(present(&column.values).map(f64::abs))?);

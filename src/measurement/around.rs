@@ -1,0 +1,35 @@
+//! Rows near each other in time.
+
+use std::ops::Range;
+
+/// Rows within `within` (s) of a row.
+pub(crate) fn around(time: &[f64], row: usize, within: f64) -> Range<usize> {
+    let first = time.partition_point(|t| *t < time[row] - within);
+    let end = time.partition_point(|t| *t <= time[row] + within);
+    first..end
+}
+
+/// The mean of the values around each row; NaN where there are none.
+pub(super) fn means(time: &[f64], values: &[f64], within: f64) -> Vec<f64> {
+    let mean = |row: usize| {
+        let present = around(time, row, within).map(|k| values[k]).filter(|value| !value.is_nan());
+        let (sum, count) = present.fold((0.0, 0_usize), |(sum, count), value| (sum + value, count + 1));
+        if count > 0 { sum / count as f64 } else { f64::NAN }
+    };
+    (0..time.len()).map(mean).collect()
+}
+
+/// The slope over time of the straight line through the values around each row; NaN where there are fewer than two.
+pub(super) fn slopes(time: &[f64], values: &[f64], within: f64) -> Vec<f64> {
+    let slope = |row: usize| {
+        let present: Vec<usize> = around(time, row, within).filter(|k| !values[*k].is_nan()).collect();
+        let count = present.len() as f64;
+        let mean = |of: &[f64]| present.iter().map(|k| of[*k]).sum::<f64>() / count;
+        let (t, v) = (mean(time), mean(values));
+        let products = present.iter().map(|k| ((time[*k] - t) * (values[*k] - v), (time[*k] - t).powi(2)));
+        let (along, square) = products.fold((0.0, 0.0), |(a, b), (p, q)| (a + p, b + q));
+        // Zero over zero is NaN.
+        along / square
+    };
+    (0..time.len()).map(slope).collect()
+}

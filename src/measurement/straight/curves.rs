@@ -1,0 +1,139 @@
+//! Where a vehicle turns.
+
+use super::super::around::{means, slopes};
+use super::super::grid::{Grid, GridColumn};
+use super::route::Route;
+use std::f64::consts::{PI, TAU};
+use std::ops::Range;
+
+/// Rows within this time of a row tell how the vehicle moves there, s.
+pub(super) const AROUND: f64 = 0.5;
+
+/// Slip angle of the end wheels, rad, from which on a vehicle counts as turning: 6 degrees, where the side force of a wheel on sand has
+/// become a large part of its longest force.
+const SLIP_ANGLE: f64 = 0.1;
+
+/// Speed, m/s, that counts where the vehicle is slower: noise of a gyroscope is no turn of a vehicle that stands.
+const SLOWEST: f64 = 0.05;
+
+/// Share of its usual speed under which a vehicle stands.
+const STANDS: f64 = 0.1;
+
+/// Distance of an end wheel from the middle of a vehicle of which nothing is stated, m.
+pub(super) const USUAL_LEVER: f64 = 0.3;
+
+/// What tells how a vehicle turns.
+pub(super) struct Turning<'a> {
+    pub time: &'a [f64],
+    pub yaw_rate: Option<&'a GridColumn>,
+    pub heading: Option<&'a GridColumn>,
+    pub route: Option<&'a Route>,
+    /// Distance of an end wheel from the middle, m.
+    pub lever: f64,
+}
+
+/// Rows in which a vehicle drives straight.
+pub(super) struct Straight {
+    pub rows: Vec<bool>,
+    /// How fast it drives, m/s.
+    speeds: Vec<f64>,
+}
+
+impl Straight {
+    /// How far it drives over these rows, m.
+    pub fn way(&self, time: &[f64], rows: &Range<usize>) -> f64 {
+        rows.clone().skip(1).map(|row| self.speeds[row] * (time[row] - time[row - 1])).sum()
+    }
+}
+
+impl Turning<'_> {
+    /// Radius of the tightest curve that counts as straight, m.
+    pub fn tightest(&self) -> f64 {
+        self.lever / SLIP_ANGLE
+    }
+
+    /// The rows in which the vehicle drives straight; `rims` are the speeds of its wheels, m/s. A row that nothing tells of counts as
+    /// straight.
+    pub fn straight(&self, grid: &Grid, rims: &[f64]) -> Straight {
+        let velocity = grid.values("velocity").map(|values| means(self.time, values, AROUND));
+        let rims = means(self.time, rims, AROUND);
+        let speed = |row: usize| {
+            let measured = velocity.as_ref().map(|v| v[row]).or_else(|| self.route.map(|route| route.speed(row)));
+            measured.filter(|v| v.is_finite()).unwrap_or(rims[row]).abs()
+        };
+        let speeds: Vec<f64> = (0..self.time.len()).map(speed).collect();
+        let mut sorted: Vec<f64> = rims.iter().map(|v| v.abs()).filter(|v| *v > 0.0).collect();
+        sorted.sort_by(f64::total_cmp);
+        let usual = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+        let rates = self.rates(&speeds);
+        let straight = |row: usize| {
+            // Written so that NaN, of which nothing is known, turns nothing.
+            let turns = self.lever * rates[row].abs() > SLIP_ANGLE * speeds[row].max(SLOWEST);
+            !turns && rims[row].abs() > STANDS * usual
+        };
+        Straight { rows: (0..self.time.len()).map(straight).collect(), speeds }
+    }
+
+    /// Yaw rates, rad/s: as measured, else by the heading, else by the positions.
+    fn rates(&self, speeds: &[f64]) -> Vec<f64> {
+        if let Some(column) = self.yaw_rate {
+            return means(self.time, &column.values, AROUND);
+        }
+        if let Some(column) = self.heading {
+            return slopes(self.time, &unwrapped(&column.values), AROUND);
+        }
+        let curvature = |row: usize| self.route.map_or(f64::NAN, |route| route.curvature(row));
+        (0..self.time.len()).map(|row| curvature(row) * speeds[row]).collect()
+    }
+}
+
+/// A heading that does not jump where it passes the end of its range.
+fn unwrapped(heading: &[f64]) -> Vec<f64> {
+    let mut last = f64::NAN;
+    let mut turns = 0.0;
+    let next = |angle: &f64| {
+        if angle.is_nan() {
+            return *angle;
+        }
+        if last - angle > PI {
+            turns += TAU;
+        } else if angle - last > PI {
+            turns -= TAU;
+        }
+        last = *angle;
+        angle + turns
+    };
+    heading.iter().map(next).collect()
+}
+
+/// How fast the rims move, row by row.
+pub(super) struct Rims {
+    /// Mean over the wheels, m/s; rad/s where their radius is not stated, and 1 where no speed is recorded, as a vehicle under torques
+    /// counts as moving.
+    pub speed: Vec<f64>,
+    /// Whether it is in m/s.
+    pub in_metres: bool,
+}
+
+impl Rims {
+    /// By the commands or, where there are none, the measured speeds; `radius` is the wheels', m.
+    pub fn of(grid: &Grid, radius: Option<f64>) -> Self {
+        let of = |fields: [&str; 2]| -> Vec<&GridColumn> {
+            let is_one = |column: &&GridColumn| {
+                column.name.starts_with("wheel[") && fields.iter().any(|field| column.name.ends_with(field))
+            };
+            grid.columns.iter().filter(is_one).collect()
+        };
+        let commands = of(["].speed_command", "].rim_speed_command"]);
+        let columns = if commands.is_empty() { of(["].speed", "].rim_speed"]) } else { commands };
+        let factor = |column: &GridColumn| if column.name.contains("].rim_") { Some(1.0) } else { radius };
+        let mean = |row: usize| {
+            let present =
+                columns.iter().map(|c| factor(c).unwrap_or(1.0) * c.values[row]).filter(|value| !value.is_nan());
+            let (sum, count) = present.fold((0.0, 0_usize), |(sum, count), value| (sum + value, count + 1));
+            if count > 0 { sum / count as f64 } else { 1.0 }
+        };
+        let in_metres = !columns.is_empty() && columns.iter().all(|column| factor(column).is_some());
+        Self { speed: (0..grid.lines.len()).map(mean).collect(), in_metres }
+    }
+}
