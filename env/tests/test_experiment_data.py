@@ -1,5 +1,6 @@
 """Experiments from arrays: bad data and settings are named, missing values are kept."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -61,3 +62,34 @@ def test_property_missing_values_of_every_kind() -> None:
     for column in missing:
         compared = bekker.compare(bekker.Experiment("single_wheel", [ROW | {"sinkage": column}]))
         assert np.isnan(compared.fit.signal("sinkage").residual).tolist() == [False, True]
+
+
+def test_property_a_frame_of_a_drive_with_a_corner_becomes_two_runs(tmp_path: Path) -> None:
+    time = np.arange(230) * 0.1
+    turning = (time >= 10.0) & (time < 13.0)
+    wheel = np.where(turning, 0.0, 2.5)
+    frame = pd.DataFrame(
+        {
+            "time": time,
+            "left": wheel,
+            "right": wheel,
+            "amps_left": 1.0 + wheel,
+            "amps_right": 2.0 + wheel,
+            "yaw_rate": np.where(turning, 0.5, 0.0),
+            "velocity": 0.2 * wheel,
+        }
+    )
+    columns = {
+        "left": {"signal": "speed", "wheels": [1, 2], "side": "left"},
+        "right": {"signal": "speed", "wheels": [1, 2], "side": "right"},
+        "amps_left": {"signal": "current", "wheels": [1, 2], "side": "left", "magnitude": True},
+        "amps_right": {"signal": "current", "wheels": [1, 2], "side": "right", "magnitude": True},
+    }
+    given = bekker.Experiment("traverse", [frame], parameters={"wheel.radius": 0.2}, columns=columns)
+    assert given.signals == ("wheel[1+2].current", "velocity")
+    assert any("2 straight stretches" in doubt for doubt in given.doubts)
+    given.save(tmp_path)
+    for experiment in (given, tmp_path):
+        runs = bekker.compare(experiment, "two_wheeled_speed").given.runs
+        assert [name for name, _ in runs] == ["run1#1", "run1#2"]
+        assert all(signals["wheel[1+2].current"].measured[5] == 4.0 for _, signals in runs)

@@ -1,26 +1,26 @@
-"""Field logs of rovers as experiment folders: one side of the vehicle as a half rover on the ground under its path.
+"""Field logs of rovers as experiment folders: the files as they were recorded, and the settings with which they are read.
 
-What the files do not say, and what is assumed for it, stands beside each assumption and in the folder's `experiment.toml`.
+What the files do not say, and what is assumed for it, stands beside each assumption.
 """
 
-import csv
-import math
+import shutil
 
-# Cuadriga. Wheel speeds are recorded in units of 0.0216 m/s at the rim; the radius follows from rpm (README of the data).
-RIM = 0.0216
-CUADRIGA_RADIUS = 0.207
-TURN = 0.35  # rad, largest change of heading over a straight stretch
-SHORT = 15.0  # s, of a stretch
-SLOW = 0.1  # m/s, under which a rover stands
-AHEAD = 1.5  # m of ground known before and behind the path
-
-CUADRIGA = """name = "Cuadriga, straight stretches of 14 drives"
+CUADRIGA = """name = "Cuadriga, 14 drives over hills"
 kind = "traverse"
 model = "two_wheeled_speed"
+ignore = ["command", "imu_roll_deg", "gps_speed", "path_error"]
 [columns]
-"current_side" = { signal = "current", wheels = [1, 2] }
+# Wheel speeds are recorded in units of 0.0216 m/s at the rim. Wheels that drive forward, and their currents, count negative.
+"wheel_left" = { signal = "rim_speed", wheels = [1, 2], side = "left", scale = -0.0216 }
+"wheel_right" = { signal = "rim_speed", wheels = [1, 2], side = "right", scale = -0.0216 }
+"current_left" = { signal = "current", wheels = [1, 2], side = "left", sign = -1 }
+"current_right" = { signal = "current", wheels = [1, 2], side = "right", sign = -1 }
+"imu_yaw_deg" = { signal = "heading", unit = "deg" }
+# The IMU is tilted by about -13 degrees, and its pitch falls uphill (correlation with the slope of the map -0.7).
+"imu_pitch_deg" = { signal = "pitch", unit = "deg", sign = -1, offset = -0.2269 }
+"dem_z" = "ground_height"
 [parameters]
-"wheel.radius" = 0.207
+"wheel.radius" = 0.207      # by its rpm
 "wheel.width" = 0.15        # assumed
 "wheel[1].x" = -0.35        # assumed: the wheelbase is not given
 "wheel[2].x" = 0.35
@@ -33,15 +33,18 @@ model = "two_wheeled_speed"
 "motor.torque_constant" = { mean = 0.06, sd = 0.03 }
 """
 
-HUSKY = """name = "Husky on {ground}"
+HUSKY = """name = "Husky"
 kind = "traverse"
 model = "two_wheeled_speed"
-ignore = ["rim_speed_right", "current_right", "ax", "ay", "az", "gyro_yaw", "gyro_pitch"]
+ignore = ["ax", "ay", "az", "gyro_pitch"]
 [columns]
-"run" = {{ run = true }}
-"time" = "time"
-"rim_speed_left" = {{ signal = "rim_speed_command", wheels = [1, 2] }}
-"current_left" = {{ signal = "current", wheels = [1, 2] }}
+"run" = { run = true }
+"gyro_yaw" = "yaw_rate"
+"rim_speed_left" = { signal = "rim_speed", wheels = [1, 2], side = "left" }
+"rim_speed_right" = { signal = "rim_speed", wheels = [1, 2], side = "right" }
+# Recorded without their sign.
+"current_left" = { signal = "current", wheels = [1, 2], side = "left", magnitude = true }
+"current_right" = { signal = "current", wheels = [1, 2], side = "right", magnitude = true }
 [parameters]
 "wheel.radius" = 0.13
 "wheel.width" = 0.114
@@ -52,81 +55,20 @@ ignore = ["rim_speed_right", "current_right", "ax", "ay", "az", "gyro_yaw", "gyr
 "motor.gear_ratio" = 78.71
 "motor.torque_constant" = 0.044
 "motor.resistance" = 0.46
-[[run]]
-file = "{file}"
 """
 
 
-def number(text):
-    return float(text) if text not in ("", "nan") else math.nan
-
-
-def cuadriga(files, folder):
-    """Writes the straight stretches of the drives; gives their number."""
-    runs, count = [], 0
+def folder_of(settings, files, folder):
+    """Copies the files into the folder, beside settings with a run of each."""
     for file in files:
-        rows = [{k: number(v) for k, v in row.items()} for row in csv.DictReader(file.open())]
-        for stretch in straight(rows):
-            count += 1
-            runs.append(write(stretch, folder, f"{file.stem}_{count}"))
-    (folder / "experiment.toml").write_text(CUADRIGA + "".join(runs), encoding="ascii")
-    return count
+        shutil.copy(file, folder)
+    runs = "".join(f'[[run]]\nfile = "{file.name}"\n' for file in files)
+    (folder / "experiment.toml").write_text(settings + runs, encoding="ascii")
 
 
-def straight(rows):
-    """Stretches in which the rover drives on without turning; ways are those of the positions, smoothed over a second."""
-    found, at = [], 0
-    heading = [math.radians(r["imu_yaw_deg"]) for r in rows]
-    moving = [abs(r["wheel_left"]) * RIM > SLOW and abs(r["wheel_right"]) * RIM > SLOW for r in rows]
-    while at < len(rows):
-        if not moving[at]:
-            at += 1
-            continue
-        end = at + 1
-        turned = lambda k: abs(math.remainder(heading[k] - heading[at], math.tau))
-        while end < len(rows) and moving[end] and turned(end) < TURN:
-            end += 1
-        if rows[end - 1]["time"] - rows[at]["time"] >= SHORT:
-            found.append(rows[at:end])
-        at = end
-    return found
+def cuadriga(file, folder):
+    folder_of(CUADRIGA, sorted(file.parent.glob("*.csv")), folder)
 
 
-def smoothed(values, half=5):
-    return [sum(values[max(0, k - half) : k + half + 1]) / len(values[max(0, k - half) : k + half + 1]) for k in range(len(values))]
-
-
-def write(rows, folder, name):
-    """CSV files of a stretch; its entry in experiment.toml."""
-    east, north = smoothed([r["easting"] for r in rows]), smoothed([r["northing"] for r in rows])
-    way = [0.0]
-    for k in range(1, len(rows)):
-        way.append(way[-1] + math.hypot(east[k] - east[k - 1], north[k] - north[k - 1]))
-    height = smoothed([r["dem_z"] for r in rows])
-    ground, last = [], -math.inf
-    for x, z in zip(way, height):
-        if x - last >= 0.25:
-            ground.append((x, z))
-            last = x
-    first, final = slope(ground[:4]), slope(ground[-4:])
-    ends = [(-AHEAD, ground[0][1] - first * AHEAD)], [(ground[-1][0] + AHEAD, ground[-1][1] + final * AHEAD)]
-    lines = ["x,z"] + [f"{x:.3f},{z:.4f}" for x, z in ends[0] + ground + ends[1]]
-    (folder / f"{name}_ground.csv").write_text("\n".join(lines) + "\n", encoding="ascii")
-    # Wheels that drive forward count negative. The mean of both sides is the planar rover.
-    speed = lambda r: -0.5 * (r["wheel_left"] + r["wheel_right"]) * RIM / CUADRIGA_RADIUS
-    current = lambda r: 0.5 * (r["current_left"] + r["current_right"])
-    start = rows[0]["time"]
-    # The IMU is tilted by about -13 degrees, and its pitch falls uphill (correlation with the slope of the map -0.7).
-    cell = lambda v: "" if math.isnan(v) else f"{v:.5f}"
-    lines = ["time,wheel[1].speed_command,wheel[2].speed_command,x,velocity,pitch,current_side"]
-    for k, r in enumerate(rows):
-        pitch = -math.radians(r["imu_pitch_deg"] + 13.0)
-        values = [r["time"] - start, speed(r), speed(r), way[k], r["velocity"], pitch, current(r)]
-        lines.append(",".join(cell(v) for v in values))
-    (folder / f"{name}.csv").write_text("\n".join(lines) + "\n", encoding="ascii")
-    return f'[[run]]\nfile = "{name}.csv"\nterrain = "{name}_ground.csv"\nx0 = 0.0\n'
-
-
-def slope(points):
-    (x0, z0), (x1, z1) = points[0], points[-1]
-    return (z1 - z0) / (x1 - x0) if x1 > x0 else 0.0
+def husky(file, folder):
+    folder_of(HUSKY, [file], folder)

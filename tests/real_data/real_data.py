@@ -134,24 +134,11 @@ SETS = {
 }
 
 
-def cuadriga(file, folder):
-    field_logs.cuadriga(sorted(file.parent.glob("*.csv")), folder)
-
-
-def husky(ground):
-    def make(file, folder):
-        shutil.copy(file, folder)
-        text = field_logs.HUSKY.format(ground=ground, file=file.name)
-        (folder / "experiment.toml").write_text(text, encoding="ascii")
-
-    return make
-
-
 # Logs of rovers: one file of shared/data that has to be there, and what makes the folder.
 FIELD_LOGS = {
-    "cuadriga": ("cuadriga_2019/2019_01_29_10_53_36.csv", cuadriga),
-    "husky_loam": ("husky/borealtc_sandy_loam.csv", husky("sandy loam")),
-    "husky_asphalt": ("husky/borealtc_asphalt.csv", husky("asphalt")),
+    "cuadriga": ("cuadriga_2019/2019_01_29_10_53_36.csv", field_logs.cuadriga),
+    "husky_loam": ("husky/borealtc_sandy_loam.csv", field_logs.husky),
+    "husky_asphalt": ("husky/borealtc_asphalt.csv", field_logs.husky),
 }
 
 
