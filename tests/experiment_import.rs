@@ -125,6 +125,12 @@ fn property_a_log_of_a_rover_is_imported() {
     assert_eq!(experiment.signals(), ["wheel[1+2].current", "pitch", "velocity"]);
     assert!((experiment.runs[0].data.value("pitch", 0).unwrap() + 3.0_f64.to_radians()).abs() < 1e-12);
     assert_eq!(experiment.runs[0].data.value("wheel[2].speed", 0), Some(2.0));
+    // Both sides have a column; the planar rover has their mean.
+    assert!((experiment.runs[0].data.value("wheel[1+2].current", 0).unwrap() - 1.55).abs() < 1e-12);
+    assert!(
+        settings.contains("\"current_right\" = { signal = \"current\", wheels = [1, 2], side = \"right\" }"),
+        "{settings}"
+    );
     assert_eq!(experiment.runs[0].inputs, ["wheel[1].speed", "wheel[2].speed"]);
     assert!(proposal.unsure.iter().any(|line| line.contains("there is no command")), "{:?}", proposal.unsure);
 }

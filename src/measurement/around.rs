@@ -21,15 +21,26 @@ pub(super) fn means(time: &[f64], values: &[f64], within: f64) -> Vec<f64> {
 
 /// The slope over time of the straight line through the values around each row; NaN where there are fewer than two.
 pub(super) fn slopes(time: &[f64], values: &[f64], within: f64) -> Vec<f64> {
-    let slope = |row: usize| {
-        let present: Vec<usize> = around(time, row, within).filter(|k| !values[*k].is_nan()).collect();
-        let count = present.len() as f64;
-        let mean = |of: &[f64]| present.iter().map(|k| of[*k]).sum::<f64>() / count;
-        let (t, v) = (mean(time), mean(values));
-        let products = present.iter().map(|k| ((time[*k] - t) * (values[*k] - v), (time[*k] - t).powi(2)));
-        let (along, square) = products.fold((0.0, 0.0), |(a, b), (p, q)| (a + p, b + q));
-        // Zero over zero is NaN.
-        along / square
+    (0..time.len()).map(|row| line(time, values, row, within).1).collect()
+}
+
+/// The straight line through the values around each row, at that row; NaN where there are none.
+pub(super) fn lines(time: &[f64], values: &[f64], within: f64) -> Vec<f64> {
+    let at = |row: usize| {
+        let (mean, slope, late) = line(time, values, row, within);
+        if slope.is_nan() { mean } else { mean + slope * late }
     };
-    (0..time.len()).map(slope).collect()
+    (0..time.len()).map(at).collect()
+}
+
+/// Mean and slope of the values around a row, and by how much the row comes after the mean of their times.
+fn line(time: &[f64], values: &[f64], row: usize, within: f64) -> (f64, f64, f64) {
+    let present: Vec<usize> = around(time, row, within).filter(|k| !values[*k].is_nan()).collect();
+    let count = present.len() as f64;
+    let mean = |of: &[f64]| present.iter().map(|k| of[*k]).sum::<f64>() / count;
+    let (t, v) = (mean(time), mean(values));
+    let products = present.iter().map(|k| ((time[*k] - t) * (values[*k] - v), (time[*k] - t).powi(2)));
+    let (along, square) = products.fold((0.0, 0.0), |(a, b), (p, q)| (a + p, b + q));
+    // Zero over zero is NaN.
+    (v, along / square, time[row] - t)
 }

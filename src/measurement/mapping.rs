@@ -5,7 +5,7 @@ use super::vocabulary::{self, numbered};
 use super::written::{Written, parameter_factor};
 use crate::effects::EffectDefinition;
 use bekker_modeldescription::Unit;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// An entry of `[columns]` as it is written: the name of a signal, or a table.
 pub(super) type ColumnEntry = Written<String, ColumnTable>;
@@ -33,11 +33,23 @@ pub(super) struct ColumnTable {
 }
 
 /// Side of a vehicle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum Side {
+pub enum Side {
+    /// The left one, seen as it drives forward.
     Left,
+    /// The right one.
     Right,
+}
+
+impl Side {
+    /// The name in `experiment.toml`.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Left => "left",
+            Self::Right => "right",
+        }
+    }
 }
 
 /// What a recorder did to a signal beside its scale.

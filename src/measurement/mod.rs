@@ -83,6 +83,7 @@ pub use experiment::{Experiment, Kind, Prior, Run};
 pub use files::decoded;
 pub use import::{ImportError, Imported, Meaning, Proposal, ProposedColumn};
 pub use joint::{JointError, Part};
+pub use mapping::Side;
 pub use record::Record;
 pub use replicates::Sample;
 pub use sensor::{Sensor, SensorError};

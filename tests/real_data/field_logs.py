@@ -10,11 +10,11 @@ kind = "traverse"
 model = "two_wheeled_speed"
 ignore = ["command", "imu_roll_deg", "gps_speed", "path_error"]
 [columns]
-# Wheel speeds are recorded in units of 0.0216 m/s at the rim. Wheels that drive forward, and their currents, count negative.
+# Wheel speeds are recorded in units of 0.0216 m/s at the rim. Wheels that drive forward count negative.
 "wheel_left" = { signal = "rim_speed", wheels = [1, 2], side = "left", scale = -0.0216 }
 "wheel_right" = { signal = "rim_speed", wheels = [1, 2], side = "right", scale = -0.0216 }
-"current_left" = { signal = "current", wheels = [1, 2], side = "left", sign = -1 }
-"current_right" = { signal = "current", wheels = [1, 2], side = "right", sign = -1 }
+"current_left" = { signal = "current", wheels = [1, 2], side = "left" }
+"current_right" = { signal = "current", wheels = [1, 2], side = "right" }
 "imu_yaw_deg" = { signal = "heading", unit = "deg" }
 # The IMU is tilted by about -13 degrees, and its pitch falls uphill (correlation with the slope of the map -0.7).
 "imu_pitch_deg" = { signal = "pitch", unit = "deg", sign = -1, offset = -0.2269 }

@@ -1,7 +1,7 @@
 //! A proposal that a person changes: what each column becomes, and numbers that no file gives.
 
 use super::super::experiment::Kind;
-use super::super::mapping::Factor;
+use super::super::mapping::{Factor, Side};
 use super::super::suggestion;
 use super::super::vocabulary::{alike, parameter};
 use super::entry::{Entry, To};
@@ -24,6 +24,9 @@ pub struct Meaning {
     /// Whether it is counted in the other direction than the model counts.
     #[serde(default)]
     pub turned: bool,
+    /// The side of the vehicle, where both have a column: the model has their mean.
+    #[serde(default)]
+    pub side: Option<Side>,
 }
 
 /// A column as it was found, and what is proposed for it.
@@ -97,6 +100,7 @@ impl Proposal {
                     target: entry.target.name(),
                     unit: entry.unit.clone(),
                     turned: entry.turned,
+                    side: entry.side,
                 }),
                 note: entry
                     .map(|entry| entry.guesses.join("; "))
@@ -158,7 +162,7 @@ impl Proposal {
         if let (Some(si), Some(unit)) = (si, &unit) {
             Factor::of_signal(si, Some(unit)).map_err(|error| format!("column `{column}`: {error}"))?;
         }
-        Ok(Entry { unit, turned: meaning.turned, ..Entry::to(target) })
+        Ok(Entry { unit, turned: meaning.turned, side: meaning.side, ..Entry::to(target) })
     }
 
     /// Fills in a number that no file gives: a parameter of the rig, or an input that is the same in all rows.

@@ -1,6 +1,7 @@
 //! One line of a proposed `[columns]`.
 
 use super::super::columns::quoted;
+use super::super::mapping::Side;
 
 /// What a column becomes, and why.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,6 +10,8 @@ pub(in crate::measurement) struct Entry {
     /// Its unit; `None` for SI.
     pub unit: Option<String>,
     pub turned: bool,
+    /// The side of the vehicle whose other side has a column too.
+    pub side: Option<Side>,
     /// Why this is a guess; empty where the name says it all.
     pub guesses: Vec<String>,
 }
@@ -25,7 +28,7 @@ pub(in crate::measurement) enum To {
 
 impl Entry {
     pub fn to(target: To) -> Self {
-        Self { target, unit: None, turned: false, guesses: Vec::new() }
+        Self { target, unit: None, turned: false, side: None, guesses: Vec::new() }
     }
 
     /// The signal, or the field of wheels.
@@ -40,7 +43,9 @@ impl Entry {
     /// The line of `[columns]`; `None` where the column's own name says it.
     pub fn line(&self, column: &str) -> Option<String> {
         let mut keys = match &self.target {
-            To::Signal(name) if name == column && self.unit.is_none() && !self.turned => return None,
+            To::Signal(name) if name == column && self.unit.is_none() && !self.turned && self.side.is_none() => {
+                return None;
+            }
             To::Signal(name) => vec![format!("signal = {}", quoted(name))],
             To::Wheels(name, wheels) => vec![format!("signal = {}", quoted(name)), format!("wheels = {wheels:?}")],
             To::Parameter(name) => vec![format!("parameter = {}", quoted(name))],
@@ -49,6 +54,7 @@ impl Entry {
         };
         keys.extend(self.unit.iter().map(|unit| format!("unit = {}", quoted(unit))));
         keys.extend(self.turned.then(|| "sign = -1".to_owned()));
+        keys.extend(self.side.map(|side| format!("side = \"{}\"", side.name())));
         Some(format!("{} = {{ {} }}", quoted(column), keys.join(", ")))
     }
 }

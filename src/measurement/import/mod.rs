@@ -22,7 +22,7 @@ pub use choice::{Meaning, ProposedColumn};
 pub(super) use entry::{Entry, To};
 pub(super) use ranges::falls;
 pub(super) use survey::{FoundColumn, Survey};
-pub(super) use wheels::{USUAL_WHEELS, other_side, right_side};
+pub(super) use wheels::USUAL_WHEELS;
 
 /// A folder that is not written yet.
 #[derive(Clone, Debug)]

@@ -6,7 +6,7 @@ use super::super::suggestion::{self, Suggested};
 use super::super::vocabulary::numbered;
 use super::entry::{Entry, To};
 use super::survey::{FoundColumn, Survey};
-use super::wheels::{USUAL_WHEELS, of_all};
+use super::wheels::{USUAL_WHEELS, of_all, side};
 use super::{Plan, ranges};
 use std::collections::BTreeMap;
 
@@ -52,9 +52,6 @@ fn entry(survey: &Survey, column: &FoundColumn, kind: Kind) -> Result<Entry, Str
         return Ok(Entry::to(To::Signal(column.name.clone())));
     }
     let suggestion = suggestion::of(kind, &column.name).ok_or("its name says nothing to the model")?;
-    if let Some(reason) = kind.format().leaves_out(survey, &column.name) {
-        return Err(reason.to_owned());
-    }
     let mut entry = match &suggestion.target {
         Suggested::Parameter(name) => Entry::to(To::Parameter(name.clone())),
         Suggested::Signal(signal) if signal == "time" && !column.is_numeric() && column.is_stamp() => {
@@ -65,6 +62,7 @@ fn entry(survey: &Survey, column: &FoundColumn, kind: Kind) -> Result<Entry, Str
         }
         Suggested::Signal(field) => of_all(field, &column.name, wheels(survey, kind)),
     };
+    entry.side = side(survey, &column.name).filter(|_| kind.format().has_course());
     let label = entry.signal() == Some("condition");
     if !label && !column.is_numeric() {
         return Err(if column.texts.is_empty() { "it is empty" } else { "its cells are no numbers" }.to_owned());
@@ -120,7 +118,7 @@ fn read_unit(column: &FoundColumn, kind: Kind, named: Option<String>, entry: &mu
 fn one_each(found: &mut Vec<(&FoundColumn, Entry)>, plan: &mut Plan) {
     let mut kept: Vec<(&FoundColumn, Entry)> = Vec::new();
     for (column, entry) in found.drain(..) {
-        match kept.iter_mut().find(|(_, other)| other.target == entry.target) {
+        match kept.iter_mut().find(|(_, other)| (&other.target, other.side) == (&entry.target, entry.side)) {
             None => kept.push((column, entry)),
             Some(other) => {
                 let better = entry.guesses.len() < other.1.guesses.len();

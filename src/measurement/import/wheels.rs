@@ -1,24 +1,19 @@
 //! Which wheels of a rover a column belongs to.
 
+use super::super::mapping::Side;
 use super::entry::{Entry, To};
 use super::survey::Survey;
 
 /// The built-in rover that stands for a side where nothing else is known has this many wheels.
 pub(in crate::measurement) const USUAL_WHEELS: usize = 2;
 
-/// Side of the vehicle in a column's name: the planar model has one.
-pub(in crate::measurement) fn right_side(name: &str) -> bool {
-    has_word(name, &["right", "rt"])
-}
-
-/// The same column of the other side.
-pub(in crate::measurement) fn other_side<'a>(survey: &'a Survey, name: &str) -> Option<&'a str> {
-    let left = name.to_lowercase().replace("right", "left");
-    survey
-        .columns
-        .iter()
-        .map(|column| column.name.as_str())
-        .find(|other| other.to_lowercase() == left && *other != name)
+/// The side of the vehicle that a column's name says, where there is the same column of the other side.
+pub(super) fn side(survey: &Survey, name: &str) -> Option<Side> {
+    let (side, own, other) = [(Side::Left, "left", "right"), (Side::Right, "right", "left")]
+        .into_iter()
+        .find(|(_, own, _)| has_word(name, &[own]))?;
+    let wanted = name.to_lowercase().replace(own, other);
+    survey.columns.iter().any(|column| column.name.to_lowercase() == wanted).then_some(side)
 }
 
 /// The target of a wheel's field that its column gives no number for.

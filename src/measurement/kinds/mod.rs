@@ -127,9 +127,6 @@ pub(super) trait Format: Sync {
     /// The likely unit of a field by its largest absolute value; `None` where that value is plausible in SI.
     fn likely_unit(&self, field: &str, largest: f64) -> Option<&'static str>;
 
-    /// Why a column that is known otherwise is left out of a proposal.
-    fn leaves_out(&self, survey: &Survey, column: &str) -> Option<&'static str>;
-
     /// Mends the entries of a proposal by what all columns say together.
     fn mend<'s>(&self, survey: &'s Survey, found: &mut Vec<(&'s FoundColumn, Entry)>, plan: &mut Plan);
 

@@ -108,10 +108,6 @@ impl Format for Shear {
         }
     }
 
-    fn leaves_out(&self, _: &Survey, _: &str) -> Option<&'static str> {
-        None
-    }
-
     fn mend<'s>(&self, _: &'s Survey, _: &mut Vec<(&'s FoundColumn, Entry)>, _: &mut Plan) {}
 
     fn missing(&self, found: &[(&FoundColumn, Entry)]) -> Vec<String> {

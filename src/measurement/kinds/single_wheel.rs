@@ -125,10 +125,6 @@ impl Format for SingleWheel {
         }
     }
 
-    fn leaves_out(&self, _: &Survey, _: &str) -> Option<&'static str> {
-        None
-    }
-
     fn mend<'s>(&self, survey: &'s Survey, found: &mut Vec<(&'s FoundColumn, Entry)>, _: &mut Plan) {
         turn_pull(survey, found);
     }

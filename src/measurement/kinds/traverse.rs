@@ -6,7 +6,7 @@ use super::super::drive;
 use super::super::error::{ExperimentError, Problem};
 use super::super::experiment::{Experiment, Kind};
 use super::super::grid::Grid;
-use super::super::import::{Entry, FoundColumn, Plan, Survey, To, USUAL_WHEELS, other_side, right_side};
+use super::super::import::{Entry, FoundColumn, Plan, Survey, To, USUAL_WHEELS};
 use super::super::reading::missing_column;
 use super::super::sheet::Sheet;
 use super::super::straight;
@@ -169,11 +169,6 @@ impl Format for Traverse {
             "yaw_rate" => (largest > 5.0).then_some("deg/s"),
             _ => None,
         }
-    }
-
-    fn leaves_out(&self, survey: &Survey, column: &str) -> Option<&'static str> {
-        let is_doubled = right_side(column) && other_side(survey, column).is_some();
-        is_doubled.then_some("the model is planar: one side of the vehicle, the left one")
     }
 
     fn mend<'s>(&self, survey: &'s Survey, found: &mut Vec<(&'s FoundColumn, Entry)>, plan: &mut Plan) {

@@ -9,6 +9,7 @@ mod curves;
 mod ground;
 mod route;
 
+use super::around::lines;
 use super::columns::{Column, Use, column};
 use super::doubts::Doubts;
 use super::error::{ExperimentError, Problem};
@@ -231,7 +232,7 @@ fn places(grid: &Grid, route: Option<&Route>, stated: &Stated) -> Option<Vec<f64
     let of_route = route.map(|route| route.way(stated.x0.unwrap_or(0.0)));
     of_route.or_else(|| {
         let time = grid.values("time")?;
-        Some(super::around::means(time, grid.values("x")?, curves::AROUND))
+        Some(lines(time, grid.values("x")?, curves::AROUND))
     })
 }
 

@@ -1,6 +1,6 @@
 //! The way of a vehicle along its positions in the horizontal plane.
 
-use super::super::around::means;
+use super::super::around::{lines, slopes};
 use super::curves::AROUND;
 
 /// Distance between two knots of the route, m: noise of a few centimetres turns the line between knots little, so that its length is
@@ -14,7 +14,7 @@ const BETWEEN: f64 = 1.0;
 pub(super) struct Route {
     /// Way along the line at each row, m; NaN where there is no position.
     measured: Vec<f64>,
-    /// The same of positions averaged over a second, so that there is one also where rows have none.
+    /// The same of straight lines through the positions of a second, so that there is one also where rows have none.
     smooth: Vec<f64>,
     /// Speed along the line, m/s.
     speed: Vec<f64>,
@@ -33,7 +33,7 @@ struct Knot {
 impl Route {
     /// `rims` has the signs of the wheels' speeds: a vehicle that drives backward goes back along its way.
     pub fn new(time: &[f64], easting: &[f64], northing: &[f64], rims: &[f64]) -> Self {
-        let (east, north) = (means(time, easting, AROUND), means(time, northing, AROUND));
+        let (east, north) = (lines(time, easting, AROUND), lines(time, northing, AROUND));
         let smoothed: Vec<[f64; 2]> = filled(&east).into_iter().zip(filled(&north)).map(|(e, n)| [e, n]).collect();
         let knots = knots(&smoothed, rims);
         let mut route = Self { measured: Vec::new(), smooth: Vec::new(), speed: Vec::new(), curvature: Vec::new() };
@@ -50,7 +50,7 @@ impl Route {
             route.smooth.push(along(smoothed[row]));
             route.curvature.push(curvature(&knots, segment));
         }
-        route.speed = super::super::around::slopes(time, &route.smooth, AROUND);
+        route.speed = slopes(time, &route.smooth, AROUND);
         route
     }
 

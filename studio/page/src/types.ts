@@ -213,6 +213,8 @@ export interface Meaning {
   target: string;
   unit: string | null;
   turned: boolean;
+  /** The side of the vehicle, where both have a column. */
+  side?: "left" | "right" | null;
 }
 
 export interface Proposal {

@@ -39,6 +39,26 @@ function stretches(experiment: Experiment, trial: Trial, run: number, of: string
   });
 }
 
+interface Line { name: string; runs: number[] }
+
+/** Runs that are stretches of one recording, one after the other in its time, share a line. */
+function lines(experiment: Experiment): Line[] {
+  const all: (Line & { until: number })[] = [];
+  experiment.runs.forEach((run, k) => {
+    const time = run.data.time ?? [];
+    const [from, until] = [time[0] ?? 0, time[time.length - 1] ?? 0];
+    const name = run.name.replace(/#\d+$/, "");
+    const last = all[all.length - 1];
+    if (last && name !== run.name && last.name === name && from > last.until) {
+      last.runs.push(k);
+      last.until = until;
+    } else {
+      all.push({ name, runs: [k], until });
+    }
+  });
+  return all.map(({ name, runs }) => ({ name: runs.length > 1 ? name : (experiment.runs[runs[0] ?? 0]?.name ?? name), runs }));
+}
+
 export function Windows() {
   const { experiment, trial } = useStore();
   const [of, setOf] = useState("");
@@ -63,20 +83,20 @@ export function Windows() {
         </select>
       </label>
       <ul class="windows">
-        {experiment.runs.map((run, k) => (
-          <li key={run.name}>
-            <span class="name" title={run.name}>{run.name}</span>
+        {lines(experiment).map((line) => (
+          <li key={line.runs[0]}>
+            <span class="name" title={line.name}>{line.name}</span>
             <span class="bar">
-              {all[k]?.map((one) => {
+              {line.runs.flatMap((k) => (all[k] ?? []).map((one) => {
                 const words = one.ratio === null
                   ? "not counted"
                   : `${column(experiment, one.signal).name} ${short(one.ratio)} times its ${known ? "noise" : "noise or usual error"}`;
                 return (
-                  <button type="button" key={one.first} style={{ left: place(one.from), width: `calc(${place(one.to - one.from)} - 1px)`, background: fill(one.ratio) }}
-                    aria-label={`run ${run.name}, ${short(one.from)} to ${short(one.to)} s: ${words}`} title={`${short(one.from)} to ${short(one.to)} s: ${words}`}
+                  <button type="button" key={`${k} ${one.first}`} style={{ left: place(one.from), width: `calc(${place(one.to - one.from)} - 1px)`, background: fill(one.ratio) }}
+                    aria-label={`run ${experiment.runs[k]?.name ?? ""}, ${short(one.from)} to ${short(one.to)} s: ${words}`} title={`${short(one.from)} to ${short(one.to)} s: ${words}`}
                     onClick={() => store.go({ run: k, row: one.first, range: [one.from, one.to], a: null, b: null }, true)} />
                 );
-              })}
+              }))}
             </span>
           </li>
         ))}
