@@ -179,9 +179,15 @@ impl Format for Traverse {
     fn missing(&self, found: &[(&FoundColumn, Entry)]) -> Vec<String> {
         let has = |wanted: &str| found.iter().any(|(_, entry)| entry.signal() == Some(wanted));
         let mut missing = Vec::new();
-        let command = found.iter().any(|(_, entry)| entry.signal().is_some_and(|s| s.ends_with("command")));
-        if !command {
-            missing.push("commands of the wheels: a column for speed_command or torque_command".to_owned());
+        // Recorded speeds drive the model where there is no command.
+        let drives = |signal: &str| {
+            let field = numbered(signal).map_or(signal, |(_, field, _)| field);
+            COMMANDS.contains(&field) || MEASURED_SPEEDS.contains(&field)
+        };
+        if !found.iter().any(|(_, entry)| entry.signal().is_some_and(drives)) {
+            missing.push(
+                "what drives the wheels: a column for speed_command, torque_command or their measured speed".to_owned(),
+            );
         }
         if !has("time") {
             missing.push("a column for time".to_owned());
