@@ -14,7 +14,7 @@ pub(super) const AROUND: f64 = 0.5;
 const SLIP_ANGLE: f64 = 0.1;
 
 /// Speed, m/s, that counts where the vehicle is slower: noise of a gyroscope is no turn of a vehicle that stands.
-const SLOWEST: f64 = 0.05;
+const SLOWEST: f64 = 0.02;
 
 /// Share of its usual speed under which a vehicle stands.
 const STANDS: f64 = 0.1;

@@ -14,7 +14,7 @@ const AT_END: usize = 4;
 const BEYOND: f64 = 5.0;
 const BEYOND_OF_LENGTH: f64 = 0.5;
 
-/// Columns `x` and `z` of the ground; `None` where fewer than two points of it are known.
+/// Columns `x` and `z` of the ground, which is level where only one point of it is known; `None` where none is.
 pub(super) fn under(x: &[f64], height: &[f64], rows: Range<usize>) -> Option<Table> {
     let present: Vec<(f64, f64)> =
         rows.map(|row| (x[row], height[row])).filter(|(x, z)| x.is_finite() && z.is_finite()).collect();
@@ -29,10 +29,10 @@ pub(super) fn under(x: &[f64], height: &[f64], rows: Range<usize>) -> Option<Tab
     }
     let points: Vec<(f64, f64)> =
         bins.into_iter().filter(|(.., count)| *count > 0.0).map(|(x, z, count)| (x / count, z / count)).collect();
-    if points.len() < 2 {
+    let count = AT_END.min(points.len());
+    if count == 0 {
         return None;
     }
-    let count = AT_END.min(points.len());
     let first = slope(points[0], points[count - 1]);
     let last = slope(points[points.len() - count], points[points.len() - 1]);
     let (start, end) = (points[0], points[points.len() - 1]);
@@ -47,5 +47,5 @@ pub(super) fn under(x: &[f64], height: &[f64], rows: Range<usize>) -> Option<Tab
 }
 
 fn slope(a: (f64, f64), b: (f64, f64)) -> f64 {
-    (b.1 - a.1) / (b.0 - a.0)
+    if b.0 > a.0 { (b.1 - a.1) / (b.0 - a.0) } else { 0.0 }
 }

@@ -1,0 +1,56 @@
+//! What is left out of a file, in words.
+
+use super::{LEAST_WAY, SHORTEST};
+use crate::measurement::doubts::Doubts;
+use crate::measurement::error::{ExperimentError, Problem};
+use std::ops::Range;
+use std::path::Path;
+
+/// How much of a file is left out.
+#[derive(Default)]
+pub(in crate::measurement) struct LeftOut {
+    rows: usize,
+    of: usize,
+    stretches: usize,
+    radius: f64,
+}
+
+impl LeftOut {
+    /// Counts a run of which `pieces` are left; `radius` is that of the tightest curve that counts as straight, m.
+    pub fn count(&mut self, rows: usize, pieces: &[Range<usize>], radius: f64) {
+        self.of += rows;
+        self.rows += rows - pieces.iter().map(Range::len).sum::<usize>();
+        self.stretches += pieces.len();
+        self.radius = radius;
+    }
+
+    /// Says it, where it is anything.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] where nothing is left.
+    pub fn say(&self, file: &Path, doubts: &mut Doubts) -> Result<(), ExperimentError> {
+        let Self { rows, of, stretches, radius } = self;
+        if *rows == 0 {
+            return Ok(());
+        }
+        if *stretches == 0 {
+            let message = format!(
+                "the vehicle nowhere drives straight for {SHORTEST} s and {LEAST_WAY} m (in no curve of a radius under {radius:.1} m), and the model is planar"
+            );
+            return Err(ExperimentError::in_file(file, Problem::Derived(message)));
+        }
+        let runs = if *stretches == 1 {
+            "one straight stretch".to_owned()
+        } else {
+            format!("{stretches} straight stretches, each a run of its own")
+        };
+        doubts.add(
+            file,
+            format!(
+                "{rows} of {of} rows are left out: the vehicle turns there (a curve of a radius under {radius:.1} m), stands, or drives \
+                 straight for less than {SHORTEST} s or {LEAST_WAY} m in between, and the model is planar; the others are {runs}"
+            ),
+        );
+        Ok(())
+    }
+}
