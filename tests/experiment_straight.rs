@@ -211,3 +211,84 @@ fn property_what_a_route_lacks_is_said() {
     let sign = "[columns]\n\"amps\" = { signal = \"current\", wheels = [1], magnitude = true, sign = -1 }";
     assert!(refused(sign, &text).contains("has no `sign`"));
 }
+
+#[test]
+fn property_what_is_recorded_seldom_or_not_at_all_does_not_mislead() {
+    // Half a metre, at a crawl: too short for a second knot of the route.
+    let slow = drive(&[(10.0, 0.05, 0.0)]);
+    let experiment = read("", &csv("easting,northing", &slow, |row| row.at.to_vec())).unwrap();
+    let x = experiment.runs[0].data.column("x").unwrap();
+    assert!((x[99] - 0.05 * 9.9).abs() < 1e-6, "{}", x[99]);
+    // A receiver at 1 Hz under a recorder at 10 Hz, which holds its last position.
+    let rows = drive(&[(30.0, SPEED, 0.0)]);
+    let mut held = [0.0; 2];
+    let mut text = "time,wheel[1].speed,wheel[2].speed,yaw_rate,easting,northing,pitch\n".to_owned();
+    for (k, row) in rows.iter().enumerate() {
+        if k % 10 == 0 {
+            held = row.at;
+        }
+        // Every second speed is missing.
+        let speed = if k % 2 == 0 { (SPEED / 0.2).to_string() } else { String::new() };
+        writeln!(text, "{},{speed},{speed},0.004,{},{},0.01", row.time, held[0], held[1]).unwrap();
+    }
+    let text = text.trim_end().rsplit_once('\n').unwrap().0;
+    let experiment = read("", text).unwrap();
+    assert_eq!(experiment.runs.len(), 1, "{:?}", experiment.doubts);
+    let run = &experiment.runs[0];
+    let (x, time) = (run.data.column("x").unwrap(), run.data.column("time").unwrap());
+    assert_eq!(x.iter().filter(|x| !x.is_nan()).count(), 30, "held positions are missing");
+    for (x, time) in x.iter().zip(time).filter(|(x, _)| !x.is_nan()) {
+        assert!((x - SPEED * time).abs() < 1e-6, "{x} at {time}");
+    }
+    // Backward with every second speed missing: the vehicle goes back along its way.
+    let back = drive(&[(20.0, SPEED, 0.0), (20.0, -SPEED, 0.0)]);
+    let mut text = "time,wheel[1].speed,wheel[2].speed,easting,northing\n".to_owned();
+    for (k, row) in back.iter().enumerate() {
+        let speed = if k % 2 == 0 || k == 399 { (row.speed / 0.2).to_string() } else { String::new() };
+        writeln!(text, "{},{speed},{speed},{},{}", row.time, row.at[0], row.at[1]).unwrap();
+    }
+    let experiment = read("", &text).unwrap();
+    let x = experiment.runs.last().unwrap().data.column("x").unwrap();
+    assert!(x[x.len() - 1].abs() < 0.2, "{x:?}");
+}
+
+#[test]
+fn property_a_log_at_one_hertz_is_cut_at_its_corner() {
+    let rows: Vec<Row> = drive(&[(30.0, SPEED, 0.0), (4.0, 0.1, FRAC_PI_2 / 4.0), (30.0, SPEED, 0.0)])
+        .into_iter()
+        .enumerate()
+        .filter_map(|(k, row)| (k % 10 == 0).then_some(row))
+        .collect();
+    let experiment =
+        read(HEADING, &csv("yaw_deg,velocity", &rows, |row| vec![degrees(row.heading), row.speed])).unwrap();
+    assert_eq!(experiment.runs.len(), 2, "{:?}", experiment.doubts);
+}
+
+#[test]
+fn property_signs_are_judged_before_a_drive_is_cut() {
+    let there_and_back = drive(&[(20.0, SPEED, 0.0), (1.0, 0.0, 0.0), (20.0, -SPEED, 0.0)]);
+    let settings = "[columns]\n\"left\" = { signal = \"current\", wheels = [1, 2], side = \"left\" }\n\
+                    \"right\" = { signal = \"current\", wheels = [1, 2], side = \"right\" }";
+    let text = csv("heading,left,right", &there_and_back, |row| vec![row.heading, 2.0, 3.0]);
+    let experiment = read(settings, &text).unwrap();
+    let doubts = experiment.doubts.join("\n");
+    assert_eq!(experiment.runs.len(), 2);
+    assert!(doubts.contains("`magnitude = true` in the entries of \"left\" and \"right\""), "{doubts}");
+    assert!(!doubts.contains("sign = -1"), "{doubts}");
+    let one = settings.replace("side = \"left\"", "side = \"left\", magnitude = true");
+    let message = read(&one, &text).unwrap_err().to_string();
+    assert!(message.contains("`magnitude` is for both sides or for none"), "{message}");
+}
+
+#[test]
+fn property_repeats_are_not_cut_and_times_not_missing() {
+    let paused = drive(&[(2.0, 0.0, 0.0), (20.0, SPEED, 0.0)]);
+    let text = csv("yaw_rate,velocity", &paused, |row| vec![0.0, row.speed]);
+    let toml = format!("name = \"t\"\nkind = \"traverse\"\n{RIG}[[run]]\nfile = \"a.csv\"\ngroup = \"g\"\n");
+    let texts = [("experiment.toml", toml), ("a.csv", text.clone())].map(|(name, text)| (name.to_owned(), text));
+    let message = Experiment::from_texts(&BTreeMap::from(texts)).unwrap_err().to_string();
+    assert!(message.contains("leave out `group`"), "{message}");
+    let gap = text.replacen("\n0.1,", "\n,", 1);
+    let message = read("", &gap).unwrap_err().to_string();
+    assert!(message.contains("line 3, column `time`: an input may not be missing"), "{message}");
+}

@@ -44,3 +44,18 @@ fn line(time: &[f64], values: &[f64], row: usize, within: f64) -> (f64, f64, f64
     // Zero over zero is NaN.
     (v, along / square, time[row] - t)
 }
+
+/// Values with those that are missing on the line in time between their neighbours, and the nearest at the ends; NaN where there are none.
+pub(super) fn filled(time: &[f64], values: &[f64]) -> Vec<f64> {
+    let present: Vec<usize> = (0..values.len()).filter(|k| !values[*k].is_nan()).collect();
+    let at = |row: usize| {
+        let after = present.partition_point(|k| *k < row);
+        match (after.checked_sub(1).map(|k| present[k]), present.get(after).copied()) {
+            (_, Some(k)) if k == row => values[k],
+            (Some(a), Some(b)) => values[a] + (values[b] - values[a]) * (time[row] - time[a]) / (time[b] - time[a]),
+            (Some(k), None) | (None, Some(k)) => values[k],
+            (None, None) => f64::NAN,
+        }
+    };
+    (0..values.len()).map(at).collect()
+}

@@ -67,7 +67,8 @@ pub(super) fn mend_sign(source: &str, signal: &str) -> String {
     mend_by(source, signal, "sign = -1")
 }
 
-fn mend_by(source: &str, signal: &str, key: &str) -> String {
+/// What gives a column another key.
+pub(super) fn mend_by(source: &str, signal: &str, key: &str) -> String {
     if source == signal {
         format!("{} = {{ signal = \"{signal}\", {key} }}", quoted(source))
     } else {

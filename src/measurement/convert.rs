@@ -104,14 +104,19 @@ fn add(
     values: Vec<f64>,
 ) -> Result<(), ExperimentError> {
     let source = sheet.header[position].clone();
+    let values = if recorded.magnitude { values.into_iter().map(f64::abs).collect() } else { values };
     if let Some(other) = grid.columns.iter_mut().find(|other| other.name == name) {
+        let refused = |problem| sheet.error(problem).at_line(sheet.header_line).at_column(&source);
         if !other.is_other_side(recorded.side) {
-            let problem = Problem::Twice { signal: name.to_owned(), other: format!("column `{}`", other.source) };
-            return Err(sheet.error(problem).at_line(sheet.header_line).at_column(source));
+            let other = format!("column `{}`", other.source);
+            return Err(refused(Problem::Twice { signal: name.to_owned(), other }));
         }
-        other.source = format!("{} and {source}", other.source);
+        if other.recorded.magnitude != recorded.magnitude {
+            let message = format!("`magnitude` is for both sides or for none; the other is `{}`", other.source);
+            return Err(refused(Problem::Derived(message)));
+        }
         other.values.iter_mut().zip(values).for_each(|(own, value)| *own = 0.5 * (*own + value));
-        other.recorded = Recorded { side: None, magnitude: other.recorded.magnitude || recorded.magnitude };
+        (other.beside, other.recorded.side) = (Some(source), None);
         return Ok(());
     }
     // What it is used for follows once all names are known.
@@ -135,7 +140,7 @@ fn give_signs(grid: &mut Grid) -> Result<(), ExperimentError> {
         };
         let values = &mut grid.columns[at].values;
         values.iter_mut().zip(speed).for_each(|(value, speed)| {
-            *value = if speed == 0.0 || speed.is_nan() { f64::NAN } else { value.abs() * speed.signum() };
+            *value = if speed == 0.0 || speed.is_nan() { f64::NAN } else { *value * speed.signum() };
         });
     }
     Ok(())

@@ -1,6 +1,6 @@
 //! The rows of one run in SI units, with the lines on which they stand.
 
-use super::columns::{Column, Use};
+use super::columns::{Column, Use, mend_by, quoted};
 use super::error::{ExperimentError, Problem};
 use super::mapping::{Recorded, Side};
 use super::table::Table;
@@ -23,6 +23,8 @@ pub(super) struct GridColumn {
     pub name: String,
     /// The file's column.
     pub source: String,
+    /// The column of the other side of the vehicle, with which it is averaged.
+    pub beside: Option<String>,
     pub used: Use,
     pub recorded: Recorded,
     /// One value a row; NaN where it is missing.
@@ -32,7 +34,23 @@ pub(super) struct GridColumn {
 impl GridColumn {
     /// A signal that a recorder gives as it is.
     pub fn plain(name: impl Into<String>, source: impl Into<String>, used: Use, values: Vec<f64>) -> Self {
-        Self { name: name.into(), source: source.into(), used, recorded: Recorded::default(), values }
+        Self { name: name.into(), source: source.into(), beside: None, used, recorded: Recorded::default(), values }
+    }
+
+    /// The columns of the file, as a text has them.
+    pub fn shown(&self) -> String {
+        match &self.beside {
+            Some(other) => format!("`{}` and `{other}`", self.source),
+            None => format!("`{}`", self.source),
+        }
+    }
+
+    /// What gives the file's columns another key: the whole line of `[columns]`, or the key for the entries that are there already.
+    pub fn mend(&self, key: &str) -> String {
+        match &self.beside {
+            Some(other) => format!("`{key}` in the entries of {} and {}", quoted(&self.source), quoted(other)),
+            None => mend_by(&self.source, &self.name, key),
+        }
     }
 
     /// Whether it is of one side of the vehicle and `side` is the other.
@@ -63,6 +81,12 @@ impl Grid {
             lines: self.lines[rows.clone()].to_vec(),
             columns: self.columns.iter().map(of).collect(),
         }
+    }
+
+    /// Whether anything that is compared with the model has a value in these rows.
+    pub fn measures(&self, rows: Range<usize>) -> bool {
+        let mut measured = self.columns.iter().filter(|column| column.used == Use::Measured);
+        measured.any(|column| column.values[rows.clone()].iter().any(|value| !value.is_nan()))
     }
 
     /// Takes a column out.

@@ -1,6 +1,6 @@
 //! Reading the runs of an experiment from its files.
 
-use super::columns::Use;
+use super::columns::{Column, Use};
 use super::convert::{Part, conditions, grid, parts};
 use super::derive::{derive, derived_names};
 use super::dialect::Dialect;
@@ -18,7 +18,7 @@ use super::suspicion;
 use super::table::Table;
 use crate::wheel::Wheel;
 use bekker_modeldescription::{STANDARD_GRAVITY, nearest};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Every run of the experiment, and what is doubtful in them.
@@ -91,17 +91,25 @@ fn read_file(
         own.extend(part.parameters.clone());
         let stated = |name: &str| own.get(name).or_else(|| settings.parameters.get(name)).copied();
         let gravity = stated("gravity").unwrap_or(STANDARD_GRAVITY);
-        let grid = grid(sheet, &columns, part, run, gravity)?;
+        let mut grid = grid(sheet, &columns, part, run, gravity)?;
         let (radius, width) = (stated("wheel.radius"), stated("wheel.width"));
         let vehicle = Stated {
             radius,
-            lever: lever(own.iter().chain(&settings.parameters)),
+            lever: lever(&settings.parameters, &own),
             x0: run.x0,
             has_ground: terrain.is_some(),
             least_rows: settings.kind.format().least_rows(),
+            planned,
         };
+        // What neighbouring rows tell is asked before the run is cut.
+        put_to_use(settings.kind, &mut grid, radius);
+        settings.kind.format().complete(&mut grid, doubts)?;
+        let signs = settings.kind.format().look_at_signs(&grid);
+        signs.into_iter().for_each(|doubt| doubts.add(&sheet.file, doubt));
+        let all = 0..grid.lines.len();
         let stretches = stretches(grid, &vehicle, &mut left_out)?;
-        if let (Some(_), true) = (&run.group, stretches.len() > 1) {
+        let is_cut = stretches.len() != 1 || stretches.iter().any(|stretch| stretch.rows != all);
+        if run.group.is_some() && is_cut {
             let message =
                 "its runs repeat each other row by row, and this one is cut where the vehicle turns; leave out `group`";
             return Err(sheet.error(Problem::NotARepeat(message.to_owned())));
@@ -129,10 +137,21 @@ fn read_file(
     Ok(runs)
 }
 
-/// Distance of the axle that is farthest from the middle among stated places of wheels, m.
-fn lever<'a>(parameters: impl Iterator<Item = (&'a String, &'a f64)>) -> Option<f64> {
-    let places = parameters.filter(|(name, _)| name.starts_with("wheel[") && name.ends_with("].x"));
+/// Distance of the axle that is farthest from the middle among stated places of wheels, m; those of the run go before the experiment's.
+fn lever(experiment: &BTreeMap<String, f64>, run: &BTreeMap<String, f64>) -> Option<f64> {
+    let all = experiment.iter().filter(|(name, _)| !run.contains_key(*name)).chain(run);
+    let places = all.filter(|(name, _)| name.starts_with("wheel[") && name.ends_with("].x"));
     places.map(|(_, x)| x.abs()).reduce(f64::max)
+}
+
+/// Says of each column what it is used for; the columns that such an experiment may have.
+fn put_to_use(kind: Kind, grid: &mut Grid, radius: Option<f64>) -> Vec<Column> {
+    let known = kind.format().columns(&grid.names(), radius.unwrap_or(Wheel::<f64>::default().radius));
+    for column in &mut grid.columns {
+        let found = known.iter().find(|known| known.name == column.name);
+        column.used = found.map_or(column.used, |known| known.used);
+    }
+    known
 }
 
 /// A part with a label of its own is called by it.
@@ -161,20 +180,11 @@ fn checked(
     if grid.lines.len() < kind.format().least_rows() {
         return Err(grid.error(Problem::TooFewRows { found: grid.lines.len(), needed: kind.format().least_rows() }));
     }
-    let use_of = |grid: &mut Grid| {
-        let known = kind.format().columns(&grid.names(), assumed);
-        for column in &mut grid.columns {
-            let found = known.iter().find(|known| known.name == column.name);
-            column.used = found.map_or(column.used, |known| known.used);
-        }
-        known
-    };
-    let first = use_of(&mut grid);
-    kind.format().complete(&mut grid, doubts)?;
+    let first = put_to_use(kind, &mut grid, radius);
     grid.check_limits(&first)?;
     derive(&mut grid, radius, doubts)?;
     // What was derived has limits too.
-    let known = use_of(&mut grid);
+    let known = put_to_use(kind, &mut grid, radius);
     grid.check_limits(&known)?;
     check_time(&grid)?;
     kind.format().check_rows(&grid, assumed)?;
@@ -210,6 +220,9 @@ pub(super) fn missing_column(sheet: &Sheet, kind: Kind, name: &str, instead: &'s
 
 pub(super) fn check_time(grid: &Grid) -> Result<(), ExperimentError> {
     let Some(time) = grid.column("time") else { return Ok(()) };
+    if let Some(row) = time.values.iter().position(|time| time.is_nan()) {
+        return Err(grid.error_at(row, time, Problem::MissingInput));
+    }
     for (k, pair) in time.values.windows(2).enumerate() {
         if pair[1] <= pair[0] {
             let problem = Problem::TimeOrder { time: pair[1], previous: pair[0] };

@@ -162,7 +162,8 @@ impl Proposal {
         if let (Some(si), Some(unit)) = (si, &unit) {
             Factor::of_signal(si, Some(unit)).map_err(|error| format!("column `{column}`: {error}"))?;
         }
-        Ok(Entry { unit, turned: meaning.turned, side: meaning.side, ..Entry::to(target) })
+        let side = meaning.side.filter(|_| matches!(target, To::Signal(_) | To::Wheels(..)));
+        Ok(Entry { unit, turned: meaning.turned, side, ..Entry::to(target) })
     }
 
     /// Fills in a number that no file gives: a parameter of the rig, or an input that is the same in all rows.

@@ -62,7 +62,8 @@ fn entry(survey: &Survey, column: &FoundColumn, kind: Kind) -> Result<Entry, Str
         }
         Suggested::Signal(field) => of_all(field, &column.name, wheels(survey, kind)),
     };
-    entry.side = side(survey, &column.name).filter(|_| kind.format().has_course());
+    let is_signal = matches!(entry.target, To::Signal(_) | To::Wheels(..));
+    entry.side = side(survey, &column.name).filter(|_| is_signal && kind.format().has_course());
     let label = entry.signal() == Some("condition");
     if !label && !column.is_numeric() {
         return Err(if column.texts.is_empty() { "it is empty" } else { "its cells are no numbers" }.to_owned());

@@ -89,6 +89,11 @@ pub(super) trait Format: Sync {
     /// [`ExperimentError`] where it cannot be right at all.
     fn look(&self, grid: &Grid, radius: Option<f64>, width: Option<f64>) -> Result<Vec<String>, ExperimentError>;
 
+    /// What is unlikely in the signs of all rows of a run, before it is cut.
+    fn look_at_signs(&self, _grid: &Grid) -> Vec<String> {
+        Vec::new()
+    }
+
     /// Whether a run takes its course in time, over a profile.
     fn has_course(&self) -> bool;
 

@@ -140,6 +140,10 @@ impl Format for Traverse {
         Ok(suspicion::traverse::look(grid, radius))
     }
 
+    fn look_at_signs(&self, grid: &Grid) -> Vec<String> {
+        suspicion::traverse::look_at_signs(grid)
+    }
+
     fn has_course(&self) -> bool {
         true
     }
@@ -173,6 +177,7 @@ impl Format for Traverse {
 
     fn mend<'s>(&self, survey: &'s Survey, found: &mut Vec<(&'s FoundColumn, Entry)>, plan: &mut Plan) {
         drive_by_speed(found);
+        one_place(found, plan);
         runs_by_label(survey, found, plan);
     }
 
@@ -240,6 +245,21 @@ fn drive_by_speed(found: &mut [(&FoundColumn, Entry)]) {
         entry.target = To::Wheels(field.to_owned(), wheels);
         entry.guesses.push("there is no command: this recorded speed drives the model".to_owned());
     }
+}
+
+/// Positions give `x`: it is left out beside both of them, and one of them alone is.
+fn one_place(found: &mut Vec<(&FoundColumn, Entry)>, plan: &mut Plan) {
+    let is = |entry: &Entry, name: &str| entry.target == To::Signal(name.to_owned());
+    let [east, north] = ["easting", "northing"].map(|name| found.iter().any(|(_, entry)| is(entry, name)));
+    let reason = |entry: &Entry| match (east, north) {
+        (true, true) => is(entry, "x").then_some("`easting` and `northing` give the way"),
+        _ if is(entry, "easting") || is(entry, "northing") => Some("a position needs `easting` and `northing`"),
+        _ => None,
+    };
+    found.retain(|(column, entry)| {
+        plan.ignored.extend(reason(entry).map(|reason| (column.name.clone(), reason.to_owned())));
+        reason(entry).is_none()
+    });
 }
 
 /// Where time starts anew, the column that changes there holds the label of the run.

@@ -1,13 +1,14 @@
 //! Where a vehicle turns.
 
-use super::super::around::{means, slopes};
+use super::super::around::{filled, means, slopes};
 use super::super::grid::{Grid, GridColumn};
 use super::route::Route;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
-/// Rows within this time of a row tell how the vehicle moves there, s.
-pub(super) const AROUND: f64 = 0.5;
+/// Rows within this time of a row tell how the vehicle moves there, s, and at least its neighbours, in usual times between rows.
+const AROUND: f64 = 0.5;
+const NEIGHBOURS: f64 = 1.5;
 
 /// Slip angle of the end wheels, rad, from which on a vehicle counts as turning: 6 degrees, where the side force of a wheel on sand has
 /// become a large part of its longest force.
@@ -22,9 +23,18 @@ const STANDS: f64 = 0.1;
 /// Distance of an end wheel from the middle of a vehicle of which nothing is stated, m.
 pub(super) const USUAL_LEVER: f64 = 0.3;
 
+/// Time from a row within which rows tell how the vehicle moves there, s.
+pub(super) fn within(time: &[f64]) -> f64 {
+    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    steps.sort_by(f64::total_cmp);
+    steps.get(steps.len() / 2).map_or(AROUND, |usual| AROUND.max(NEIGHBOURS * usual))
+}
+
 /// What tells how a vehicle turns.
 pub(super) struct Turning<'a> {
     pub time: &'a [f64],
+    /// Time over which values are averaged, s.
+    pub within: f64,
     pub yaw_rate: Option<&'a GridColumn>,
     pub heading: Option<&'a GridColumn>,
     pub route: Option<&'a Route>,
@@ -52,16 +62,20 @@ impl Turning<'_> {
         self.lever / SLIP_ANGLE
     }
 
-    /// The rows in which the vehicle drives straight; `rims` are the speeds of its wheels, m/s. A row that nothing tells of counts as
+    /// The rows in which the vehicle drives straight; `rims` are the speeds of its wheels. A row that nothing tells of counts as
     /// straight.
-    pub fn straight(&self, grid: &Grid, rims: &[f64]) -> Straight {
-        let velocity = grid.values("velocity").map(|values| means(self.time, values, AROUND));
-        let rims = means(self.time, rims, AROUND);
+    pub fn straight(&self, grid: &Grid, rims: &Rims) -> Straight {
+        let velocity = grid.values("velocity").map(|values| means(self.time, values, self.within));
+        let smooth = means(self.time, &rims.speed, self.within);
         let speed = |row: usize| {
-            let measured = velocity.as_ref().map(|v| v[row]).or_else(|| self.route.map(|route| route.speed(row)));
-            measured.filter(|v| v.is_finite()).unwrap_or(rims[row]).abs()
+            let measured = velocity.as_ref().map(|velocity| velocity[row]);
+            let along = self.route.map(|route| route.speed(row));
+            let known = [measured, along, Some(smooth[row]).filter(|_| rims.in_metres)];
+            // Where nothing tells, no turn shows.
+            known.into_iter().flatten().find(|speed| speed.is_finite()).map_or(f64::INFINITY, f64::abs)
         };
         let speeds: Vec<f64> = (0..self.time.len()).map(speed).collect();
+        let rims = smooth;
         let mut sorted: Vec<f64> = rims.iter().map(|v| v.abs()).filter(|v| *v > 0.0).collect();
         sorted.sort_by(f64::total_cmp);
         let usual = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
@@ -69,21 +83,25 @@ impl Turning<'_> {
         let straight = |row: usize| {
             // Written so that NaN, of which nothing is known, turns nothing.
             let turns = self.lever * rates[row].abs() > SLIP_ANGLE * speeds[row].max(SLOWEST);
-            !turns && rims[row].abs() > STANDS * usual
+            let stands = rims[row].abs() <= STANDS * usual;
+            !turns && !stands
         };
         Straight { rows: (0..self.time.len()).map(straight).collect(), speeds }
     }
 
-    /// Yaw rates, rad/s: as measured, else by the heading, else by the positions.
+    /// Yaw rates, rad/s, row by row: as measured, else by the heading, else by the positions.
     fn rates(&self, speeds: &[f64]) -> Vec<f64> {
-        if let Some(column) = self.yaw_rate {
-            return means(self.time, &column.values, AROUND);
-        }
-        if let Some(column) = self.heading {
-            return slopes(self.time, &unwrapped(&column.values), AROUND);
-        }
-        let curvature = |row: usize| self.route.map_or(f64::NAN, |route| route.curvature(row));
-        (0..self.time.len()).map(|row| curvature(row) * speeds[row]).collect()
+        let measured = self.yaw_rate.map(|column| means(self.time, &column.values, self.within));
+        let by_heading = self.heading.map(|column| {
+            let heading = filled(self.time, &unwrapped(&column.values));
+            slopes(self.time, &heading, self.within)
+        });
+        let rate = |row: usize| {
+            let own = [&measured, &by_heading].into_iter().flatten().map(|rates| rates[row]);
+            let by_route = self.route.map(|route| route.curvature(row) * speeds[row]);
+            own.chain(by_route).find(|rate| rate.is_finite()).unwrap_or(f64::NAN)
+        };
+        (0..self.time.len()).map(rate).collect()
     }
 }
 
@@ -108,8 +126,8 @@ fn unwrapped(heading: &[f64]) -> Vec<f64> {
 
 /// How fast the rims move, row by row.
 pub(super) struct Rims {
-    /// Mean over the wheels, m/s; rad/s where their radius is not stated, and 1 where no speed is recorded, as a vehicle under torques
-    /// counts as moving.
+    /// Mean over the wheels, m/s; rad/s where their radius is not stated, and 1 in all rows where no speed is recorded, as a vehicle under
+    /// torques counts as moving.
     pub speed: Vec<f64>,
     /// Whether it is in m/s.
     pub in_metres: bool,
@@ -117,7 +135,7 @@ pub(super) struct Rims {
 
 impl Rims {
     /// By the commands or, where there are none, the measured speeds; `radius` is the wheels', m.
-    pub fn of(grid: &Grid, radius: Option<f64>) -> Self {
+    pub fn of(grid: &Grid, time: &[f64], radius: Option<f64>) -> Self {
         let of = |fields: [&str; 2]| -> Vec<&GridColumn> {
             let is_one = |column: &&GridColumn| {
                 column.name.starts_with("wheel[") && fields.iter().any(|field| column.name.ends_with(field))
@@ -131,9 +149,10 @@ impl Rims {
             let present =
                 columns.iter().map(|c| factor(c).unwrap_or(1.0) * c.values[row]).filter(|value| !value.is_nan());
             let (sum, count) = present.fold((0.0, 0_usize), |(sum, count), value| (sum + value, count + 1));
-            if count > 0 { sum / count as f64 } else { 1.0 }
+            if count > 0 { sum / count as f64 } else { f64::NAN }
         };
+        let speed = if columns.is_empty() { vec![1.0; time.len()] } else { (0..time.len()).map(mean).collect() };
         let in_metres = !columns.is_empty() && columns.iter().all(|column| factor(column).is_some());
-        Self { speed: (0..grid.lines.len()).map(mean).collect(), in_metres }
+        Self { speed: filled(time, &speed), in_metres }
     }
 }

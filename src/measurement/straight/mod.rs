@@ -2,8 +2,8 @@
 //!
 //! A log of the field has curves, turns on the spot and pauses. Where it says how the vehicle's heading changes (`yaw_rate`, `heading`,
 //! or positions `easting` and `northing`), rows in which the vehicle turns are left out, and each straight stretch between them is a run
-//! of its own. Positions give the way `x` along the drive, `ground_height` the ground under it. What is left out is said among the
-//! doubts.
+//! of its own; so are rows in which its wheels stand. Positions give the way `x` along the drive, `ground_height` the ground under it.
+//! What is left out is said among the doubts.
 
 mod curves;
 mod ground;
@@ -13,14 +13,14 @@ mod route_columns;
 
 pub(super) use left_out::LeftOut;
 
-use super::around::lines;
+use super::around::{filled, lines};
 use super::columns::{Column, Use, column};
 use super::error::ExperimentError;
 use super::grid::{Grid, GridColumn};
 use super::reading::check_time;
 use super::table::Table;
 use bekker_modeldescription::Unit;
-use curves::{AROUND, Rims, Turning, USUAL_LEVER};
+use curves::{Rims, Turning, USUAL_LEVER};
 use route::Route;
 use route_columns::{RouteColumns, refused};
 use std::ops::Range;
@@ -48,7 +48,7 @@ pub(super) fn unit_of(name: &str) -> Option<Unit> {
 /// Shortest stretch, s: half of the windows into which a drive is cut.
 const SHORTEST: f64 = 3.0;
 
-/// Shortest way of a stretch, m: wheels that hardly roll tell of breaking loose alone.
+/// Shortest way of a stretch, m: over a shorter one only the start of slip is seen.
 const LEAST_WAY: f64 = 0.1;
 
 /// The columns of a route, whose cells may be missing.
@@ -68,6 +68,8 @@ pub(super) struct Stated {
     pub has_ground: bool,
     /// Fewest rows of a run.
     pub least_rows: usize,
+    /// Whether the experiment may still have to be made, so that measured columns may be empty.
+    pub planned: bool,
 }
 
 /// One stretch: a run of its own.
@@ -97,21 +99,21 @@ pub(super) fn stretches(
     };
     check_time(&grid)?;
     let positions = recorded.positions(&grid)?;
-    let rims = Rims::of(&grid, stated.radius);
-    let route = positions.map(|(east, north)| Route::new(&time, &east.values, &north.values, &rims.speed));
+    let (rims, within) = (Rims::of(&grid, &time, stated.radius), curves::within(&time));
+    let route = positions.map(|(east, north)| Route::new(&time, [&east.values, &north.values], &rims.speed, within));
     recorded.check(&grid, stated, &rims, route.as_ref())?;
     let turning = Turning {
         time: &time,
+        within,
         yaw_rate: recorded.yaw_rate.as_ref(),
         heading: recorded.heading.as_ref(),
         route: route.as_ref(),
         lever: stated.lever.or(stated.radius.map(|radius| 2.0 * radius)).unwrap_or(USUAL_LEVER),
     };
-    let straight = turning.straight(&grid, &rims.speed);
+    let straight = turning.straight(&grid, &rims);
     let mut pieces = pieces(&time, &straight.rows, stated.least_rows);
     pieces.retain(|piece| straight.way(&time, piece) >= LEAST_WAY);
-    left_out.count(time.len(), &pieces, turning.tightest());
-    let x = places(&grid, route.as_ref(), stated);
+    let x = places(&grid, &time, route.as_ref(), stated, within);
     if x.is_none() && stated.has_ground && pieces.iter().any(|piece| piece.start > 0) {
         return Err(recorded.without_a_place(&grid));
     }
@@ -119,12 +121,14 @@ pub(super) fn stretches(
         let values = route.places(stated.x0.unwrap_or(0.0));
         grid.columns.push(GridColumn::plain("x", &east.source, Use::Measured, values));
     }
+    pieces.retain(|piece| stated.planned || grid.measures(piece.clone()));
+    left_out.count(time.len(), &pieces, turning.tightest());
     let one = |rows: Range<usize>| {
         let heights = recorded.height.as_ref().zip(x.as_ref());
         let ground = heights.map(|(height, x)| under(&grid, &time, x, height, rows.clone())).transpose()?;
-        let place = x.as_ref().map(|x| x[rows.start]).filter(|x| x.is_finite());
+        let place = x.as_ref().map(|x| x[rows.start]);
         // Behind a turn the vehicle is not where the run began.
-        let x0 = if rows.start == 0 { stated.x0.or(place) } else { place.or(stated.x0) };
+        let x0 = if rows.start == 0 { stated.x0.or(place) } else { place };
         Ok(Stretch { grid: grid.part(rows.clone()), rows, x0, ground })
     };
     pieces.into_iter().map(one).collect()
@@ -145,12 +149,12 @@ fn under(
 }
 
 /// Where the vehicle is, row by row, m: by its route, or as recorded.
-fn places(grid: &Grid, route: Option<&Route>, stated: &Stated) -> Option<Vec<f64>> {
-    let of_route = route.map(|route| route.way(stated.x0.unwrap_or(0.0)));
-    of_route.or_else(|| {
-        let time = grid.values("time")?;
-        Some(lines(time, grid.values("x")?, AROUND))
-    })
+fn places(grid: &Grid, time: &[f64], route: Option<&Route>, stated: &Stated, within: f64) -> Option<Vec<f64>> {
+    let places = match route {
+        Some(route) => route.way(stated.x0.unwrap_or(0.0)),
+        None => lines(time, &filled(time, grid.values("x")?), within),
+    };
+    places.iter().any(|x| x.is_finite()).then_some(places)
 }
 
 /// Straight rows that follow each other for long enough.

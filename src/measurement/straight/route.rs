@@ -1,7 +1,6 @@
 //! The way of a vehicle along its positions in the horizontal plane.
 
-use super::super::around::{lines, slopes};
-use super::curves::AROUND;
+use super::super::around::{filled, lines, slopes};
 
 /// Distance between two knots of the route, m: noise of a few centimetres turns the line between knots little, so that its length is
 /// right to a part in a thousand, and a curve that counts as straight departs from it by centimetres.
@@ -31,10 +30,12 @@ struct Knot {
 }
 
 impl Route {
-    /// `rims` has the signs of the wheels' speeds: a vehicle that drives backward goes back along its way.
-    pub fn new(time: &[f64], easting: &[f64], northing: &[f64], rims: &[f64]) -> Self {
-        let (east, north) = (lines(time, easting, AROUND), lines(time, northing, AROUND));
-        let smoothed: Vec<[f64; 2]> = filled(&east).into_iter().zip(filled(&north)).map(|(e, n)| [e, n]).collect();
+    /// `within` is the time over which positions are averaged, s; `rims` has the signs of the wheels' speeds: a vehicle that drives backward
+    /// goes back along its way.
+    pub fn new(time: &[f64], [easting, northing]: [&[f64]; 2], rims: &[f64], within: f64) -> Self {
+        let [easting, northing] = without_repeats(easting, northing);
+        let [east, north] = [&easting, &northing].map(|values| lines(time, &filled(time, values), within));
+        let smoothed: Vec<[f64; 2]> = east.into_iter().zip(north).map(|(e, n)| [e, n]).collect();
         let knots = knots(&smoothed, rims);
         let mut route = Self { measured: Vec::new(), smooth: Vec::new(), speed: Vec::new(), curvature: Vec::new() };
         let mut segment = 0;
@@ -44,13 +45,14 @@ impl Route {
             }
             let along = |at: [f64; 2]| match knots.get(segment..segment + 2) {
                 Some([from, to]) => from.way + projection(from, to, at),
-                _ => 0.0,
+                // It stands; where no position is known, this is no number.
+                _ => 0.0 * (at[0] + at[1]),
             };
             route.measured.push(along([easting[row], northing[row]]));
             route.smooth.push(along(smoothed[row]));
             route.curvature.push(curvature(&knots, segment));
         }
-        route.speed = slopes(time, &route.smooth, AROUND);
+        route.speed = slopes(time, &route.smooth, within);
         route
     }
 
@@ -73,22 +75,23 @@ impl Route {
     }
 }
 
-/// Values with those that are missing on the line between their neighbours, and the nearest at the ends.
-fn filled(values: &[f64]) -> Vec<f64> {
-    let present: Vec<usize> = (0..values.len()).filter(|k| !values[*k].is_nan()).collect();
-    let at = |row: usize| {
-        let after = present.partition_point(|k| *k < row);
-        match (after.checked_sub(1).map(|k| present[k]), present.get(after).copied()) {
-            (_, Some(k)) if k == row => values[k],
-            (Some(a), Some(b)) => values[a] + (values[b] - values[a]) * (row - a) as f64 / (b - a) as f64,
-            (Some(k), None) | (None, Some(k)) => values[k],
-            (None, None) => f64::NAN,
+/// Positions without those that repeat the one before exactly: a receiver that is slower than the recorder holds its last one.
+fn without_repeats(easting: &[f64], northing: &[f64]) -> [Vec<f64>; 2] {
+    let mut last = [f64::NAN; 2];
+    let mut all = [Vec::new(), Vec::new()];
+    for at in easting.iter().zip(northing).map(|(east, north)| [*east, *north]) {
+        let missing = at.iter().any(|x| x.is_nan()) || at == last;
+        if !missing {
+            last = at;
         }
-    };
-    (0..values.len()).map(at).collect()
+        for (values, x) in all.iter_mut().zip(at) {
+            values.push(if missing { f64::NAN } else { x });
+        }
+    }
+    all
 }
 
-/// Knots of the line: each at least [`BETWEEN`] from the one before.
+/// Knots of the line: each at least [`BETWEEN`] from the one before; on a shorter way its ends.
 fn knots(at: &[[f64; 2]], rims: &[f64]) -> Vec<Knot> {
     let mut knots: Vec<Knot> = Vec::new();
     let mut driven = 0.0;
@@ -97,12 +100,19 @@ fn knots(at: &[[f64; 2]], rims: &[f64]) -> Vec<Knot> {
             knots.push(Knot { row, at: *at, way: 0.0 });
             continue;
         };
-        driven += rims[row];
+        driven += if rims[row].is_nan() { 0.0 } else { rims[row] };
         let apart = distance(last.at, *at);
         if apart >= BETWEEN {
             let way = last.way + if driven < 0.0 { -apart } else { apart };
             knots.push(Knot { row, at: *at, way });
             driven = 0.0;
+        }
+    }
+    if let ([first], Some(end)) = (knots.as_slice(), at.last()) {
+        let apart = distance(first.at, *end);
+        if apart > 0.0 {
+            let way = if driven < 0.0 { -apart } else { apart };
+            knots.push(Knot { row: at.len() - 1, at: *end, way });
         }
     }
     knots

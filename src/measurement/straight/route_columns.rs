@@ -64,8 +64,9 @@ impl RouteColumns {
     ) -> Result<(), ExperimentError> {
         let turns = self.yaw_rate.as_ref().or(self.heading.as_ref());
         if let (Some(column), None, None, false) = (turns, grid.column("velocity"), route, rims.in_metres) {
+            let radius = if stated.radius.is_none() { ", or \"wheel.radius\" under [parameters]" } else { "" };
             let message = format!(
-                "whether the vehicle turns shows beside its speed: give `velocity`, `{EASTING}` and `{NORTHING}`, or \"wheel.radius\" under [parameters]"
+                "whether the vehicle turns shows beside its speed: give `velocity`, or `{EASTING}` and `{NORTHING}`{radius}"
             );
             return Err(refused(grid, column, message));
         }

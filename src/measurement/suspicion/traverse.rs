@@ -1,6 +1,6 @@
 //! A rover on a profile: what its recorded speeds, angles and torques say of each other.
 
-use super::super::columns::{Use, mend, mend_sign, quoted};
+use super::super::columns::{Use, mend, mend_sign};
 use super::super::grid::{Grid, GridColumn};
 use super::{largest, mean, present};
 
@@ -20,7 +20,7 @@ const STANDS: f64 = 0.1;
 const STILL_TURNS: f64 = 0.5;
 const STANDS_FOR: f64 = 1.0;
 
-/// Rows in which a wheel turns backward from which on a signal that is never negative is no chance.
+/// Number of backward rows from which a signal that is never negative is not due to chance.
 const BACKWARD: i32 = 10;
 
 pub(in crate::measurement) fn look(grid: &Grid, radius: Option<f64>) -> Vec<String> {
@@ -32,17 +32,22 @@ pub(in crate::measurement) fn look(grid: &Grid, radius: Option<f64>) -> Vec<Stri
             "speed" if column.used == Use::Input => {
                 doubts.extend(radius.and_then(|radius| unlike_the_rover(grid, column, radius)));
             }
-            "torque" | "current" => {
-                let doubt = unsigned(grid, column).or_else(|| against_the_speed(grid, column));
-                doubts.extend(doubt);
-            }
-            "speed" => doubts.extend(against_the_speed(grid, column)),
             "speed_command" => doubts.extend(radius.and_then(|radius| unlike_the_rover(grid, column, radius))),
             _ => {}
         }
     }
     doubts.extend(stands_at_its_end(grid));
     doubts
+}
+
+/// What the signs of all rows of a run say, before it is cut where the vehicle turns.
+pub(in crate::measurement) fn look_at_signs(grid: &Grid) -> Vec<String> {
+    let doubt = |column: &GridColumn| match column.name.rsplit('.').next()? {
+        "torque" | "current" => unsigned(grid, column).or_else(|| against_the_speed(grid, column)),
+        "speed" | "rim_speed" if column.used != Use::Input => against_the_speed(grid, column),
+        _ => None,
+    };
+    grid.columns.iter().filter_map(doubt).collect()
 }
 
 /// The rover stands while its wheels turn until the recording ends: it is stuck, or their speed was no longer updated.
@@ -87,10 +92,10 @@ fn unsigned(grid: &Grid, column: &GridColumn) -> Option<String> {
     // Backward it is as large as elsewhere.
     (never_negative && count >= BACKWARD && sum > 0.5 * size * f64::from(count)).then(|| {
         format!(
-            "`{}` is never negative, although its wheel turns backward in {count} rows; if its sign was not recorded, write under [columns]: \
-             `magnitude = true` in the entry of {}, which gives it the sign of the wheel's speed",
-            column.source,
-            quoted(&column.source)
+            "{} is never negative, although its wheel turns backward in {count} rows; if its sign was not recorded, write under [columns]: \
+             {}, which gives it the sign of the wheel's speed",
+            column.shown(),
+            column.mend("magnitude = true")
         )
     })
 }
@@ -98,9 +103,10 @@ fn unsigned(grid: &Grid, column: &GridColumn) -> Option<String> {
 /// Measured or commanded speed of the wheel whose signal a column holds, of the first where it is a sum.
 fn speed_of_wheel<'g>(grid: &'g Grid, column: &GridColumn) -> Option<&'g [f64]> {
     let wheel = column.name.split_once('[')?.1.split(['+', ']']).next()?;
-    let of = |field: &str| grid.values(&format!("wheel[{wheel}].{field}"));
-    let turning = of("speed").filter(|_| !column.name.ends_with("].speed"));
-    turning.or_else(|| of("speed_command"))
+    let is_speed = column.name.ends_with("speed");
+    let fields = ["speed", "rim_speed", "speed_command", "rim_speed_command"];
+    let others = fields.iter().filter(|field| !is_speed || field.ends_with("command"));
+    others.map(|field| format!("wheel[{wheel}].{field}")).find_map(|name| grid.values(&name))
 }
 
 /// A drive takes power: torque and current have the sign of the wheel's speed, but for a wheel that is braked downhill; and a
@@ -113,9 +119,9 @@ fn against_the_speed(grid: &Grid, column: &GridColumn) -> Option<String> {
     // Half of its mean size against the motion is more than braking downhill and noise come to.
     (with < -0.5 * size).then(|| {
         format!(
-            "`{}` has the opposite sign of the wheel's speed nearly everywhere; if its sign is turned, write under [columns]: {}",
-            column.source,
-            mend_sign(&column.source, &column.name)
+            "{} has the opposite sign of the wheel's speed nearly everywhere; if its sign is turned, write under [columns]: {}",
+            column.shown(),
+            column.mend("sign = -1")
         )
     })
 }
