@@ -109,10 +109,11 @@ def watched(browser: Any, address: str, **options: Any) -> Any:
 
 
 def opened(browser: Any, address: str, **options: Any) -> Any:
-    """The page with its calibrated model."""
+    """The page with its calibrated model, once the answer of this model is there."""
     page = watched(browser, address, **options)
     page.goto(address)
-    until(page, "window.bekker?.experiment?.calibration && window.bekker.trial && window.bekker.view.at === 1")
+    calibrated = "window.bekker?.experiment?.calibration && window.bekker.trial && window.bekker.view.at === 1"
+    until(page, f"{calibrated} && !window.bekker.trials.asking")
     return page
 
 
