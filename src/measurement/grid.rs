@@ -17,7 +17,6 @@ pub(super) struct Grid {
 }
 
 /// One signal or input.
-#[derive(Clone)]
 pub(super) struct GridColumn {
     /// The signal.
     pub name: String,
@@ -74,7 +73,14 @@ impl Grid {
 
     /// Some of its rows.
     pub fn part(&self, rows: Range<usize>) -> Self {
-        let of = |column: &GridColumn| GridColumn { values: column.values[rows.clone()].to_vec(), ..column.clone() };
+        let of = |column: &GridColumn| GridColumn {
+            name: column.name.clone(),
+            source: column.source.clone(),
+            beside: column.beside.clone(),
+            used: column.used,
+            recorded: column.recorded,
+            values: column.values[rows.clone()].to_vec(),
+        };
         Self {
             file: self.file.clone(),
             header_line: self.header_line,

@@ -10,11 +10,11 @@ use std::ops::Range;
 const AROUND: f64 = 0.5;
 const NEIGHBOURS: f64 = 1.5;
 
-/// Slip angle of the end wheels, rad, from which on a vehicle counts as turning: 6 degrees, where the side force of a wheel on sand has
-/// become a large part of its longest force.
+/// Slip angle of the end wheels, rad, from which on a vehicle counts as turning: 6 degrees, reached in a curve whose radius is five times
+/// the distance between the end axles. The value is a judgement, not a measurement.
 const SLIP_ANGLE: f64 = 0.1;
 
-/// Speed, m/s, that counts where the vehicle is slower: noise of a gyroscope is no turn of a vehicle that stands.
+/// Least speed, m/s, with which a yaw rate is compared: noise of a gyroscope is no turn of a vehicle that hardly moves.
 const SLOWEST: f64 = 0.02;
 
 /// Share of its usual speed under which a vehicle stands.
@@ -75,15 +75,14 @@ impl Turning<'_> {
             known.into_iter().flatten().find(|speed| speed.is_finite()).map_or(f64::INFINITY, f64::abs)
         };
         let speeds: Vec<f64> = (0..self.time.len()).map(speed).collect();
-        let rims = smooth;
-        let mut sorted: Vec<f64> = rims.iter().map(|v| v.abs()).filter(|v| *v > 0.0).collect();
+        let mut sorted: Vec<f64> = smooth.iter().map(|v| v.abs()).filter(|v| *v > 0.0).collect();
         sorted.sort_by(f64::total_cmp);
         let usual = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
         let rates = self.rates(&speeds);
         let straight = |row: usize| {
             // Written so that NaN, of which nothing is known, turns nothing.
             let turns = self.lever * rates[row].abs() > SLIP_ANGLE * speeds[row].max(SLOWEST);
-            let stands = rims[row].abs() <= STANDS * usual;
+            let stands = smooth[row].abs() <= STANDS * usual;
             !turns && !stands
         };
         Straight { rows: (0..self.time.len()).map(straight).collect(), speeds }

@@ -24,7 +24,7 @@ impl LeftOut {
         self.radius = radius;
     }
 
-    /// Says it, where it is anything.
+    /// Adds a doubt that counts the rows that are left out, where there are any.
     ///
     /// # Errors
     /// [`ExperimentError`] where nothing is left.

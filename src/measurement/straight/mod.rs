@@ -1,8 +1,8 @@
 //! Straight stretches of a drive: what a planar model can describe of a vehicle that also turns.
 //!
 //! A log of the field has curves, turns on the spot and pauses. Where it says how the vehicle's heading changes (`yaw_rate`, `heading`,
-//! or positions `easting` and `northing`), rows in which the vehicle turns are left out, and each straight stretch between them is a run
-//! of its own; so are rows in which its wheels stand. Positions give the way `x` along the drive, `ground_height` the ground under it.
+//! or positions `easting` and `northing`), rows in which the vehicle turns or its wheels stand are left out, and each straight stretch
+//! between them is a run of its own. Positions give the way `x` along the drive, `ground_height` the ground under it.
 //! What is left out is said among the doubts.
 
 mod curves;
@@ -118,7 +118,7 @@ pub(super) fn stretches(
         return Err(recorded.without_a_place(&grid));
     }
     if let (Some(route), Some((east, _))) = (&route, positions) {
-        let values = route.places(stated.x0.unwrap_or(0.0));
+        let values = route.measured_x(stated.x0.unwrap_or(0.0));
         grid.columns.push(GridColumn::plain("x", &east.source, Use::Measured, values));
     }
     pieces.retain(|piece| stated.planned || grid.measures(piece.clone()));
@@ -151,7 +151,7 @@ fn under(
 /// Where the vehicle is, row by row, m: by its route, or as recorded.
 fn places(grid: &Grid, time: &[f64], route: Option<&Route>, stated: &Stated, within: f64) -> Option<Vec<f64>> {
     let places = match route {
-        Some(route) => route.way(stated.x0.unwrap_or(0.0)),
+        Some(route) => route.smooth_x(stated.x0.unwrap_or(0.0)),
         None => lines(time, &filled(time, grid.values("x")?), within),
     };
     places.iter().any(|x| x.is_finite()).then_some(places)

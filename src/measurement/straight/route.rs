@@ -45,8 +45,9 @@ impl Route {
             }
             let along = |at: [f64; 2]| match knots.get(segment..segment + 2) {
                 Some([from, to]) => from.way + projection(from, to, at),
-                // It stands; where no position is known, this is no number.
-                _ => 0.0 * (at[0] + at[1]),
+                _ if at.iter().any(|x| x.is_nan()) => f64::NAN,
+                // It stands.
+                _ => 0.0,
             };
             route.measured.push(along([easting[row], northing[row]]));
             route.smooth.push(along(smoothed[row]));
@@ -56,13 +57,13 @@ impl Route {
         route
     }
 
-    /// The measured place of each row, m, where the drive begins at `x0`.
-    pub fn places(&self, x0: f64) -> Vec<f64> {
+    /// The measured place of each row, m, where the drive begins at `x0`; NaN where there is no position.
+    pub fn measured_x(&self, x0: f64) -> Vec<f64> {
         self.measured.iter().map(|way| x0 + way).collect()
     }
 
     /// The place of each row without the noise of single positions, m.
-    pub fn way(&self, x0: f64) -> Vec<f64> {
+    pub fn smooth_x(&self, x0: f64) -> Vec<f64> {
         self.smooth.iter().map(|way| x0 + way).collect()
     }
 
@@ -100,7 +101,7 @@ fn knots(at: &[[f64; 2]], rims: &[f64]) -> Vec<Knot> {
             knots.push(Knot { row, at: *at, way: 0.0 });
             continue;
         };
-        driven += if rims[row].is_nan() { 0.0 } else { rims[row] };
+        driven += rims[row];
         let apart = distance(last.at, *at);
         if apart >= BETWEEN {
             let way = last.way + if driven < 0.0 { -apart } else { apart };

@@ -1,6 +1,6 @@
 //! A rover on a profile: what its recorded speeds, angles and torques say of each other.
 
-use super::super::columns::{Use, mend, mend_sign};
+use super::super::columns::Use;
 use super::super::grid::{Grid, GridColumn};
 use super::{largest, mean, present};
 
@@ -75,9 +75,9 @@ fn stands_at_its_end(grid: &Grid) -> Option<String> {
 fn steep(column: &GridColumn) -> Option<String> {
     let most = largest(&column.values).filter(|most| *most > STEEPEST)?;
     Some(format!(
-        "`{}` reaches {most:.2} rad, where a rover has fallen over; if it is in degrees, write under [columns]: {}",
-        column.source,
-        mend(&column.source, &column.name, "deg")
+        "{} reaches {most:.2} rad, where a rover has fallen over; if it is in degrees, write under [columns]: {}",
+        column.shown(),
+        column.mend("unit = \"deg\"")
     ))
 }
 
@@ -136,18 +136,18 @@ fn unlike_the_rover(grid: &Grid, command: &GridColumn, radius: f64) -> Option<St
     let same = mean(rows.map(|(command, speed)| command.signum() * speed.signum()))?;
     let against = (same < -0.5).then(|| {
         format!(
-            "`{}` has the opposite sign of the recorded `{}`; if the sign of the latter is turned, write under [columns]: {}",
-            command.source,
-            speed.source,
-            mend_sign(&speed.source, "velocity")
+            "{} has the opposite sign of the recorded {}; if the sign of the latter is turned, write under [columns]: {}",
+            command.shown(),
+            speed.shown(),
+            speed.mend("sign = -1")
         )
     });
     let unlike = (rim > RIM_RATIO * rover || rover > RIM_RATIO * rim).then(|| {
         format!(
-            "`{}` moves the rims at {rim:.3} m/s on average, where `{}` is {rover:.3} m/s; is one of them in another unit? For example {}",
-            command.source,
-            speed.source,
-            mend(&command.source, &command.name, if rim > rover { "rpm" } else { "rev/s" })
+            "{} moves the rims at {rim:.3} m/s on average, where {} is {rover:.3} m/s; is one of them in another unit? For example {}",
+            command.shown(),
+            speed.shown(),
+            command.mend(if rim > rover { "unit = \"rpm\"" } else { "unit = \"rev/s\"" })
         )
     });
     against.or(unlike)
