@@ -115,6 +115,24 @@ fn property_like_runs_go_side_by_side() {
     }
 }
 
+/// Rims that transmit all of the soil's shear, less with a sharp corner and less with a rounded one stand side by side.
+#[test]
+fn agreement_rims_of_all_kinds() {
+    for (preset, mean) in [("two_wheeled", 1.5), ("two_wheeled_speed", 2.0)] {
+        let rims = [[0.0, 0.0], [0.2, 0.0], [0.6, 0.0], [0.2, 0.05], [0.6, 0.3], [0.6, 1.0], [0.0, 0.5], [0.8, 0.02]];
+        let run = |[loss, rounding]: [f64; 2]| {
+            let mut model = Model::preset(preset).unwrap();
+            model.rover.set("rim_adhesion.loss", loss).unwrap();
+            model.rover.set("rim_adhesion.rounding", rounding).unwrap();
+            model.start().unwrap()
+        };
+        let runs: Vec<Run> = rims.into_iter().map(run).collect();
+        compare(preset, &runs, 12, 7, varied(mean, 0.3));
+        // Reversing and spinning against the motion, where the shear changes its sign.
+        compare(preset, &runs, 12, 7, varied(0.5 * mean, 2.5));
+    }
+}
+
 #[test]
 fn agreement_grounds() {
     let mut random = ChaCha8Rng::seed_from_u64(1);

@@ -7,7 +7,7 @@
 
 use super::quadrature::{NODES_8, NODES_12, NODES_16};
 use super::rim::{Rim, Shear, Sums};
-use crate::scalar::{MOST_LANES, Mask, Plain, Scalar, lanes};
+use crate::scalar::{Mask, Plain, Scalar, lanes};
 use num_dual::DualNum;
 use num_traits::Signed;
 
@@ -22,29 +22,10 @@ const BUILT_UP: f64 = 12.0;
 /// Half the width of a rounded corner in ln b, over its rounding: beyond it the shear differs from its asymptote by
 /// exp(-4) of the corner's height.
 const CORNER: f64 = 4.0;
-/// Levels of j/K at which a contact is cut, at most: zero, and on either side a corner's middle and ends and
-/// [`BUILT_UP`].
-const MOST_LEVELS: usize = 9;
-/// Pieces at most: j has three monotone parts, each cut at every level at most once, and the zones' three ends.
-const MOST_CUTS: usize = 3 * MOST_LEVELS + 3;
+/// Change of j/K over a piece: any.
+const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 /// Accuracy of a cut, rad; near a change of sign the error of the integral is of its square.
 const CUT: f64 = 1e-10;
-
-/// Angles at which the contact is cut, from theta_1 down to theta_2.
-struct Cuts {
-    angles: [f64; MOST_CUTS],
-    len: usize,
-}
-
-impl Cuts {
-    /// Puts `theta` in its place. No more than [`MOST_CUTS`] ever come.
-    fn insert(&mut self, theta: f64) {
-        let place = self.angles[..self.len].partition_point(|angle| *angle >= theta);
-        self.angles.copy_within(place..self.len, place + 1);
-        self.angles[place] = theta;
-        self.len += 1;
-    }
-}
 
 /// Sums over the whole contact.
 #[inline(never)]
@@ -55,14 +36,16 @@ pub(super) fn sums<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
         let (Shear::Ratio(ratio) | Shear::OnSurface(ratio)) = rim.shear else { return whole(rim, &NODES_12) };
         let displacement = Displacement::new(rim, ratio.plain());
         let change = displacement.largest_change();
-        let grips = !rim.grip.under(1.0);
         let signs = displacement.changes_sign();
         let [up_to_few, up_to_few_cut, up_to_more] =
             [FEW_NODES, FEW_NODES_BOTH_SIGNS, MORE_NODES].map(|limit| change.at_most(limit.into()));
+        let grips = !rim.grip.under(1.0);
         let (little, some) = (grips & !signs & up_to_few, grips & !signs & up_to_more);
         let (cut, cut_more) = (grips & signs & up_to_few_cut, grips & signs & up_to_more);
-        let rest = !(some | cut_more);
-        let quick = rest & grips;
+        let quick = grips & !(some | cut_more);
+        // Where the shear meets what the rim transmits: with a kink, or with a rounded corner.
+        let sharp = !grips & rim.rounding.plain().at_most(0.0.into());
+        let rounded = !grips & !sharp;
         let mut sums = Sums::zero();
         // Loops over the cases, so that the stresses along a rim are compiled once for all of them.
         for (contacts, nodes) in [(little, &NODES_8[..]), (some & !little, &NODES_12)] {
@@ -70,73 +53,54 @@ pub(super) fn sums<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
                 sums.take(contacts, &whole(rim, nodes));
             }
         }
-        let (mut of_signs, mut quick_changes) = ([displacement.theta_2; 6], [displacement.theta_2; 12]);
+        let end = displacement.theta_2;
+        let (mut of_signs, mut quick_changes, mut of_corners) = ([end; 6], [end; 12], [end; 30]);
         if (cut | cut_more).any() {
-            of_signs = displacement.sign_changes(cut | cut_more);
+            of_signs = displacement.passes([0.0.into()], cut | cut_more);
         }
-        if quick.any() {
-            quick_changes = displacement.quick_changes(quick);
+        if (quick | sharp).any() {
+            let mut level = S::Plain::from(BUILT_UP);
+            if sharp.any() {
+                level = S::Plain::select(sharp, level_of(rim.grip.plain()), level);
+            }
+            quick_changes = displacement.passes([0.0.into(), level, -level], quick | sharp);
+        }
+        if rounded.any() {
+            of_corners = displacement.passes(corner_levels(rim), rounded);
         }
         let cases = [
-            (cut, &of_signs[..], &NODES_8[..]),
-            (cut_more & !cut, &of_signs[..], &NODES_12[..]),
-            (quick, &quick_changes[..], &NODES_16[..]),
+            (cut, &of_signs[..], &NODES_8[..], ANY),
+            (cut_more & !cut, &of_signs[..], &NODES_12[..], ANY),
+            (sharp & up_to_more, &quick_changes[..], &NODES_12[..], ANY),
+            (quick | (sharp & !up_to_more), &quick_changes[..], &NODES_16[..], ANY),
+            // On either side of a rounded corner's middle 8 nodes leave 3e-9 of its height: the corner's nearest singularity is
+            // pi w away from a piece of 4 w in ln b, so that the error of n nodes falls as 3.4^(-2 n).
+            (rounded, &of_corners[..], &NODES_8[..], [ANY[0], FEW_NODES]),
+            (rounded, &of_corners[..], &NODES_12[..], [FEW_NODES, MORE_NODES]),
+            (rounded, &of_corners[..], &NODES_16[..], [MORE_NODES, ANY[1]]),
         ];
-        for (contacts, angles, nodes) in cases {
+        for (contacts, angles, nodes, changes) in cases {
             if contacts.any() {
-                sums.take(contacts, &between(rim, angles, nodes));
+                let part = between(rim, angles, nodes, displacement.steepest, changes);
+                if changes == ANY { sums.take(contacts, &part) } else { sums.add(contacts, &part) }
             }
-        }
-        let limited = rest & !grips;
-        if limited.any() {
-            each(rim, limited, &mut sums);
         }
         sums
     })
 }
 
-/// The contacts whose shear meets what the rim transmits, one by one.
-#[inline(never)]
-fn each<S: Scalar>(rim: &Rim<S>, mask: S::Mask, sums: &mut Sums<S>) {
-    if S::Plain::LANES == 1 {
-        *sums = limited(rim);
-        return;
-    }
-    let mut numbers = sums.values().map(|sum| std::array::from_fn::<f64, MOST_LANES, _>(|k| lane(sum, k)));
-    for k in (0..S::Plain::LANES).filter(|&k| mask.lane(k)) {
-        let one = limited(&rim.map(&|x| lane(x, k)));
-        numbers.iter_mut().zip(one.values()).for_each(|(numbers, sum)| numbers[k] = sum);
-    }
-    for (sum, numbers) in sums.all().into_iter().zip(numbers) {
-        *sum = S::from_plain(Plain::from_lanes(|k| numbers[k]));
-    }
-}
-
-/// Number `k` of those side by side, the first where there are fewer.
-fn lane<S: Scalar>(x: S, k: usize) -> f64 {
-    x.plain().lane(if k < S::Plain::LANES { k } else { 0 })
-}
-
-/// A contact whose shear meets what the rim transmits.
-fn limited<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
-    let (Shear::Ratio(ratio) | Shear::OnSurface(ratio)) = rim.shear else { return whole(rim, &NODES_12) };
-    let displacement = Displacement::new(&rim.map(&|x| x.value()), ratio.value());
-    // The shear has a kink where it meets what the rim transmits: 1 - exp(-|j|/K) = grip.
-    let grip = rim.grip.value();
-    let limit = level_of(grip);
-    if rim.rounding.value() > 0.0 {
-        let beside = |side: f64| level_of(grip * (side * CORNER * rim.rounding.value()).exp());
-        let [before, after] = [beside(-1.0), beside(1.0)];
-        let levels = [0.0, before, -before, limit, -limit, after, -after, BUILT_UP, -BUILT_UP];
-        return smooth_pieces(rim, &displacement, &displacement.cuts(&levels));
-    }
-    let nodes: &[(f64, f64)] = if displacement.largest_change() <= MORE_NODES { &NODES_12 } else { &NODES_16 };
-    pieces(rim, &displacement.cuts(&[0.0, limit, -limit]), nodes)
-}
-
 /// j/K at which the share `b` of the strength is built up, [`BUILT_UP`] at most.
-fn level_of(b: f64) -> f64 {
-    if b < 1.0 { (-(1.0 - b).ln()).min(BUILT_UP) } else { BUILT_UP }
+fn level_of<R: Plain>(b: R) -> R {
+    b.each(|b| if b < 1.0 { (-(1.0 - b).ln()).min(BUILT_UP) } else { BUILT_UP })
+}
+
+/// Levels of j/K that bound the smooth parts of a shear that bends into what the rim transmits: the corner's middle and its ends, on
+/// either side.
+fn corner_levels<S: Scalar>(rim: &Rim<S>) -> [S::Plain; 9] {
+    let (grip, rounding) = (rim.grip.plain(), rim.rounding.plain());
+    let beside = |side: f64| level_of(grip * (rounding * (side * CORNER)).each(f64::exp));
+    let (before, limit, after, built_up) = (beside(-1.0), level_of(grip), beside(1.0), S::Plain::from(BUILT_UP));
+    [0.0.into(), before, -before, limit, -limit, after, -after, built_up, -built_up]
 }
 
 /// Both zones at once: they share their normal stress.
@@ -149,41 +113,24 @@ fn whole<S: Scalar>(rim: &Rim<S>, nodes: &[(f64, f64)]) -> Sums<S> {
     sums
 }
 
-/// Piece by piece, in the zones' own variable s.
-fn pieces<S: Scalar>(rim: &Rim<S>, cuts: &Cuts, nodes: &[(f64, f64)]) -> Sums<S> {
-    let mut sums = Sums::zero();
-    for piece in cuts.angles[..cuts.len].windows(2) {
-        add_piece(rim, &mut sums, piece[0].into(), piece[1].into(), nodes);
-    }
-    sums
-}
-
-/// Pieces within which the stresses are smooth, each with the nodes that the change of j/K over it asks for. On either side of a
-/// rounded corner's middle 8 nodes leave 3e-9 of its height: the corner's nearest singularity is pi w away from a piece of
-/// 4 w in ln b, so that the error of n nodes falls as 3.4^(-2 n).
-fn smooth_pieces<S: Scalar>(rim: &Rim<S>, displacement: &Displacement<f64>, cuts: &Cuts) -> Sums<S> {
-    let mut sums = Sums::zero();
-    for piece in cuts.angles[..cuts.len].windows(2) {
-        let nodes: &[(f64, f64)] = match displacement.steepest * (piece[0] - piece[1]) {
-            change if change <= FEW_NODES => &NODES_8,
-            change if change <= MORE_NODES => &NODES_12,
-            _ => &NODES_16,
-        };
-        if piece[0] > piece[1] {
-            add_piece(rim, &mut sums, piece[0].into(), piece[1].into(), nodes);
-        }
-    }
-    sums
-}
-
-/// Between each of `angles` and the next, which may be the same.
+/// Between each of `angles` and the next, which may be the same, where the change of j/K between them is above the first of `changes`
+/// and at most the second.
 #[lanes]
-fn between<S: Scalar>(rim: &Rim<S>, angles: &[S::Plain], nodes: &[(f64, f64)]) -> Sums<S> {
+fn between<S: Scalar>(
+    rim: &Rim<S>,
+    angles: &[S::Plain],
+    nodes: &[(f64, f64)],
+    steepest: S::Plain,
+    changes: [f64; 2],
+) -> Sums<S> {
     let mut sums = Sums::zero();
     for piece in angles.windows(2) {
+        let change = steepest * (piece[0] - piece[1]);
+        let others = change.at_most(changes[0].into()) | S::Plain::from(changes[1]).below(change);
         // Side by side, a piece of no length adds nothing.
-        if piece[1].below(piece[0]).any() {
-            add_piece(rim, &mut sums, piece[0], piece[1], nodes);
+        let below = S::Plain::select(others, piece[0], piece[1]);
+        if below.below(piece[0]).any() {
+            add_piece(rim, &mut sums, piece[0], below, nodes);
         }
     }
     sums
@@ -268,20 +215,9 @@ impl<R: Plain> Displacement<R> {
         turns | (!self.shear_radius.same(R::from(1.0)) & passes)
     }
 
-    /// The ends of the zones and the places where j passes zero.
-    fn sign_changes(&self, mask: R::Mask) -> [R; 6] {
-        self.passes([0.0], mask)
-    }
-
-    /// The ends of the zones and the places where j/K passes zero, [`BUILT_UP`] or its negative: the cuts of a shear that builds up
-    /// within a small part of the contact.
-    fn quick_changes(&self, mask: R::Mask) -> [R; 12] {
-        self.passes([0.0, BUILT_UP, -BUILT_UP], mask)
-    }
-
     /// The ends of the zones and the places where j/K passes one of the levels, from theta_1 down to theta_2, which stands for those
     /// that are not there. Of no meaning outside the mask. j has three monotone parts, so `N` is 3 + 3 `LEVELS`.
-    fn passes<const LEVELS: usize, const N: usize>(&self, levels: [f64; LEVELS], mask: R::Mask) -> [R; N] {
+    fn passes<const LEVELS: usize, const N: usize>(&self, levels: [R; LEVELS], mask: R::Mask) -> [R; N] {
         const { assert!(N == 3 + 3 * LEVELS, "a place for every pass") };
         let turns = &self.turns;
         let ends = [self.of(turns[0]), self.of(turns[1]), self.of(turns[2]), self.of(turns[3])];
@@ -295,7 +231,7 @@ impl<R: Plain> Displacement<R> {
                     continue;
                 }
                 let within = [self.turns[part], self.turns[part + 1]];
-                let place = self.pass(R::from(level), within, from.below(to), passes);
+                let place = self.pass(level, within, from.below(to), passes);
                 let mut next = R::select(passes, place, self.theta_2);
                 for angle in &mut angles[1..N - 1] {
                     (*angle, next) = (angle.larger(next), angle.smaller(next));
@@ -329,23 +265,5 @@ impl<R: Plain> Displacement<R> {
             }
         }
         theta
-    }
-}
-
-impl Displacement<f64> {
-    /// The ends of the zones and the places where j/K passes one of the `levels`.
-    fn cuts(&self, levels: &[f64]) -> Cuts {
-        debug_assert!(levels.len() <= MOST_LEVELS, "a place for every cut");
-        let mut cuts = Cuts { angles: [0.0; MOST_CUTS], len: 0 };
-        [self.theta_1, self.theta_m, self.theta_2].into_iter().for_each(|theta| cuts.insert(theta));
-        for part in self.turns.windows(2) {
-            let ends = [self.of(part[0]), self.of(part[1])];
-            for level in levels {
-                if (ends[0] - level) * (ends[1] - level) < 0.0 {
-                    cuts.insert(self.pass(*level, [part[0], part[1]], ends[1] > ends[0], true));
-                }
-            }
-        }
-        cuts
     }
 }

@@ -7,7 +7,7 @@
 //! same function of s in both and is computed once.
 
 use super::surface::Surface;
-use crate::scalar::{MapScalar, Mask, Scalar, lanes};
+use crate::scalar::{Mask, Plain, Scalar, lanes};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 
@@ -25,19 +25,7 @@ pub(super) enum Shear<S> {
     Full(f64),
 }
 
-impl<S> Shear<S> {
-    /// The same over another scalar.
-    fn map<T>(self, f: &dyn Fn(S) -> T) -> Shear<T> {
-        match self {
-            Self::Ratio(ratio) => Shear::Ratio(f(ratio)),
-            Self::OnSurface(ratio) => Shear::OnSurface(f(ratio)),
-            Self::Full(sign) => Shear::Full(sign),
-        }
-    }
-}
-
 /// One rim in contact.
-#[derive(MapScalar)]
 pub(super) struct Rim<S> {
     pub(super) shear: Shear<S>,
     pub(super) theta_1: S,
@@ -85,6 +73,13 @@ impl<S: Scalar> Sums<S> {
     pub fn take(&mut self, mask: S::Mask, other: &Self) {
         for (mine, other) in self.all().into_iter().zip(other.values()) {
             *mine = S::select(mask, other, *mine);
+        }
+    }
+
+    /// Adds the sums of `other` where the mask says so.
+    pub fn add(&mut self, mask: S::Mask, other: &Self) {
+        for (mine, other) in self.all().into_iter().zip(other.values()) {
+            *mine = S::select(mask, *mine + other, *mine);
         }
     }
 
@@ -233,7 +228,14 @@ impl<S: Scalar> Rim<S> {
         let decay = (-(j.abs() * self.shear_rate)).exponential();
         let built_up = S::from(1.0) - decay;
         if !self.rounding.is_exactly(0.0) {
-            let (share, by_built_up) = self.rounded(built_up);
+            let (mut share, mut by_built_up) = self.rounded(built_up);
+            let sharp = self.rounding.at_most(S::from(0.0));
+            if S::Plain::LANES > 1 && sharp.any() {
+                let slips = self.grip.below(built_up);
+                let by_sharp = S::select(slips, S::from(0.0), S::from(1.0));
+                share = S::select(sharp, S::select(slips, self.grip, built_up), share);
+                by_built_up = S::select(sharp, by_sharp, by_built_up);
+            }
             let slope = -(strength * by_built_up * decay * self.shear_rate * lift);
             return ((strength * share).negative_where(j.under(0.0)), slope);
         }

@@ -23,10 +23,6 @@ const NEAR_BOUND: f64 = 1e-3;
 /// Share by which the cost may rise where a parameter is put on its bound: rounding, no measurable misfit.
 const SAME_COST: f64 = 1e-6;
 
-/// Two searches agree where their costs differ by less than this share: a few times that within which a search ends
-/// (`gauss_newton::NOTHING_OF_MISFIT`).
-const AGREEING_COST: f64 = 1e-3;
-
 /// Singular values below this share of the largest count as zero: the experiment does not determine that direction.
 const RANK_TOLERANCE: f64 = 1e-10;
 
@@ -138,16 +134,16 @@ pub(crate) fn calibrate_from(
         if best.as_ref().is_some_and(|best| best.agreeing > 1) {
             break;
         }
-        best = better(best, search(weighted, &problem, &[start], weights, effort.pace));
+        best = better(best, search(weighted, &problem, &[start], weights, effort.pace), effort.pace.agreeing);
     }
     best
 }
 
-/// The one with less misfit.
-pub(crate) fn better(a: Option<Calibration>, b: Option<Calibration>) -> Option<Calibration> {
+/// The one with less misfit; they agree where their costs differ by less than the share `agreeing`.
+pub(crate) fn better(a: Option<Calibration>, b: Option<Calibration>, agreeing: f64) -> Option<Calibration> {
     let (Some(a), Some(b)) = (&a, &b) else { return a.or(b) };
     let best = if b.chi_square < a.chi_square { b } else { a };
-    let same = |other: &Calibration| other.chi_square <= best.chi_square * (1.0 + AGREEING_COST);
+    let same = |other: &Calibration| other.chi_square <= best.chi_square * (1.0 + agreeing);
     let agreeing = [a, b].into_iter().filter(|other| same(other)).map(|other| other.agreeing).sum();
     Some(Calibration { searches: a.searches + b.searches, agreeing, ..best.clone() })
 }
@@ -171,7 +167,7 @@ fn search(
     let mut minima = problem.minimise(starts, pace);
     minima.retain(|minimum| weighted.is_valid(&minimum.x));
     let best = minima.iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?.clone();
-    let agreeing = minima.iter().filter(|m| m.cost <= best.cost * (1.0 + AGREEING_COST)).count();
+    let agreeing = minima.iter().filter(|m| m.cost <= best.cost * (1.0 + pace.agreeing)).count();
     Some(Calibration { searches: minima.len(), agreeing, ..finished(weighted, problem, best, weights) })
 }
 

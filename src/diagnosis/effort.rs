@@ -26,6 +26,11 @@ impl Effort {
         Self { draws: 8 * searches, searches, pace: Pace::SHORT, until_agreed: None }
     }
 
+    /// To a place from which a search over more measurements begins.
+    pub fn roughly(self) -> Self {
+        Self { pace: if self.pace == Pace::BRISK { Pace::ROUGH } else { self.pace }, ..self }
+    }
+
     /// From the given starts only.
     pub fn without_draws(self) -> Self {
         Self { draws: 0, searches: 0, until_agreed: None, ..self }

@@ -12,7 +12,7 @@ use super::least_squares::{LeastSquares, Minimum};
 use nalgebra::DMatrix;
 
 /// Chi-square that a move over the whole width of a parameter's bounds is charged.
-const PROXIMAL: f64 = 1.0;
+pub(crate) const PROXIMAL: f64 = 1.0;
 
 /// Largest first step, as a share of the width of the bounds, and the least step that is tried.
 const FIRST: f64 = 0.25;
@@ -25,11 +25,21 @@ const GOOD: f64 = 0.75;
 /// Factors of the trust region.
 const SHRINK: f64 = 0.25;
 const GROW: f64 = 2.5;
+/// Share of the predicted fall above which the linear problem is too careful, as where many residuals count as bad samples: the next step
+/// is then made longer by factors of two as long as that leaves less, at most by this factor.
+const EXCEEDED: f64 = 1.25;
+const LONGEST: f64 = 8.0;
 
 /// A search ends where the linearised problem promises a smaller fall of chi-square: no decision hangs on a twentieth, nor, where the
-/// misfit is far beyond noise, on so small a share of what is beyond.
+/// misfit is far beyond noise, on so small a share of what is beyond. Over many rows the simulations' steps leave more that is no slope.
 const NOTHING: f64 = 0.05;
 const NOTHING_OF_MISFIT: f64 = 2e-4;
+const NOTHING_A_ROW: f64 = 1e-5;
+
+/// By how much chi-square may differ between two searches that have ended in the same place.
+pub(crate) fn same_end(chi_square: f64, rows: f64) -> f64 {
+    NOTHING + NOTHING_OF_MISFIT * (chi_square - rows).max(0.0) + NOTHING_A_ROW * rows
+}
 
 /// A search under way.
 pub(crate) struct Descent<'a> {
@@ -41,6 +51,8 @@ pub(crate) struct Descent<'a> {
     trust: f64,
     /// Whether the last trial failed, so that the next one is looked at without derivatives first.
     failed: bool,
+    /// Whether the last trial gained clearly more than was predicted.
+    exceeded: bool,
     steps: u64,
 }
 
@@ -48,7 +60,8 @@ impl<'a> Descent<'a> {
     /// Starts at `start`; `None` where the model has no answer there.
     pub fn new(problem: &'a LeastSquares<'a>, start: &[f64]) -> Option<Self> {
         let triangle = problem.triangle_at(start);
-        let descent = Self { problem, triangle, at: start.to_vec(), trust: FIRST, failed: false, steps: 0 };
+        let descent =
+            Self { problem, triangle, at: start.to_vec(), trust: FIRST, failed: false, exceeded: false, steps: 0 };
         descent.chi_square().is_finite().then_some(descent)
     }
 
@@ -76,16 +89,17 @@ impl<'a> Descent<'a> {
     /// `Some` where the search ends with this trial: whether it has converged.
     fn trial(&mut self) -> Option<bool> {
         let (change, fall) = self.linear_step();
-        let beyond = (self.chi_square() - self.problem.rows as f64).max(0.0);
-        if fall <= NOTHING + NOTHING_OF_MISFIT * beyond {
+        if fall <= same_end(self.chi_square(), self.problem.rows as f64) {
             // A region that has become small may hide a larger fall.
             return Some(self.trust >= FIRST * SHRINK * SHRINK);
         }
         self.steps += 1;
-        let bounds = self.problem.lower.iter().zip(&self.problem.upper);
-        let next: Vec<f64> =
-            self.at.iter().zip(&change).zip(bounds).map(|((x, d), (low, high))| (x + d).clamp(*low, *high)).collect();
-        let size = self.share_of_widths(&change);
+        let mut next = self.moved(&change, 1.0);
+        let mut size = self.share_of_widths(&change);
+        if self.exceeded {
+            let factor = self.worth_going_on(&change);
+            (next, size) = (self.moved(&change, factor), factor * size);
+        }
         // A cost that is no number is no better.
         let better = |chi_square: f64| self.chi_square() - chi_square > ACCEPTED * fall;
         if self.failed && !better(2.0 * self.problem.cost_at(&next)) {
@@ -102,13 +116,35 @@ impl<'a> Descent<'a> {
         } else if kept > GOOD {
             self.trust = self.trust.max(GROW * size).min(1.0);
         }
-        (self.at, self.triangle, self.failed) = (next, triangle, false);
+        (self.at, self.triangle, self.failed, self.exceeded) = (next, triangle, false, kept > EXCEEDED);
         None
+    }
+
+    /// Where a change leads, made so many times as long, within the bounds.
+    fn moved(&self, change: &[f64], factor: f64) -> Vec<f64> {
+        let bounds = self.problem.lower.iter().zip(&self.problem.upper);
+        let moved = self.at.iter().zip(change).zip(bounds);
+        moved.map(|((x, d), (low, high))| (x + factor * d).clamp(*low, *high)).collect()
+    }
+
+    /// By what factor a change is made longer.
+    fn worth_going_on(&self, change: &[f64]) -> f64 {
+        let mut factor = 1.0;
+        let mut cost = self.problem.cost_at(&self.moved(change, factor));
+        while factor < LONGEST {
+            let further = self.problem.cost_at(&self.moved(change, 2.0 * factor));
+            // A cost that is no number is no better.
+            if !matches!(further.partial_cmp(&cost), Some(std::cmp::Ordering::Less)) {
+                break;
+            }
+            (cost, factor) = (further, 2.0 * factor);
+        }
+        factor
     }
 
     /// After a trial of this size that failed.
     fn shrunk(&mut self, size: f64) -> Option<bool> {
-        (self.trust, self.failed) = (SHRINK * size, true);
+        (self.trust, self.failed, self.exceeded) = (SHRINK * size, true, false);
         (self.trust < LEAST).then_some(false)
     }
 
@@ -149,7 +185,7 @@ impl<'a> Descent<'a> {
 }
 
 /// Least of d'G d + 2 b'd for a positive definite G, each d between its ends, which hold 0 (Stark and Parker 1995).
-fn within(gram: &DMatrix<f64>, along: &[f64], ends: &[(f64, f64)]) -> Vec<f64> {
+pub(crate) fn within(gram: &DMatrix<f64>, along: &[f64], ends: &[(f64, f64)]) -> Vec<f64> {
     let n = along.len();
     let mut d = vec![0.0; n];
     let mut free = vec![false; n];

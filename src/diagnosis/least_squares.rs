@@ -23,9 +23,6 @@ const STEP_TOLERANCE: f64 = 1e-10;
 /// Steps after which a search gives up; fits here take 10 to 60.
 const MAX_STEPS: u64 = 300;
 
-/// Steps over which a search must have gained something worth its time.
-const STRETCH: usize = 10;
-
 /// How long searches from several starts are followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pace {
@@ -33,9 +30,14 @@ pub(crate) struct Pace {
     pub first_steps: usize,
     /// Steps that these make further.
     pub further_steps: usize,
-    /// A search ends where over ten steps it brought its misfit beyond noise down by less than this share: near a corner of the bounds
-    /// a search advances slowly, and where the model lacks an effect the last of such steps are not worth their time.
+    /// Steps over which a search must have gained something worth its time: near a corner of the bounds a search advances slowly, and
+    /// where the model lacks an effect the last of such steps are not worth their time.
+    pub stretch: usize,
+    /// The share by which these must have brought the misfit beyond noise down, and the least fall of chi-square.
     pub least_fall: f64,
+    pub least_gain: f64,
+    /// Two searches agree where their costs differ by less than this share: a few times that within which a search ends.
+    pub agreeing: f64,
     /// Whether a search makes Gauss-Newton steps, which ask for few derivatives: where one costs more than all algebra.
     pub gauss_newton: bool,
 }
@@ -45,13 +47,30 @@ const BEATEN: f64 = 0.05;
 
 impl Pace {
     /// Every search to its end.
-    pub const PATIENT: Self = Self { first_steps: usize::MAX, further_steps: 0, least_fall: 0.0, gauss_newton: false };
+    pub const PATIENT: Self = Self {
+        first_steps: usize::MAX,
+        further_steps: 0,
+        stretch: 10,
+        least_fall: 0.0,
+        least_gain: 0.0,
+        agreeing: 1e-3,
+        gauss_newton: false,
+    };
     /// Where an evaluation takes tenths of a second.
-    pub const BRISK: Self = Self { first_steps: 6, further_steps: 34, least_fall: 1e-3, gauss_newton: true };
+    pub const BRISK: Self = Self {
+        first_steps: 6,
+        further_steps: 34,
+        least_fall: 1e-3,
+        least_gain: 1.0,
+        gauss_newton: true,
+        ..Self::PATIENT
+    };
+    /// To the place from which a search over more measurements begins.
+    pub const ROUGH: Self = Self { stretch: 4, least_fall: 5e-3, least_gain: 4.0, agreeing: 5e-3, ..Self::BRISK };
     /// A few steps that tell which way is worth going on.
-    pub const SHORT: Self = Self { first_steps: 4, further_steps: 0, least_fall: 5e-3, gauss_newton: true };
+    pub const SHORT: Self = Self { first_steps: 4, further_steps: 0, least_fall: 5e-3, ..Self::BRISK };
     /// As many as an effect needs to take over from what a calibration had put in its place.
-    pub const MEDIUM: Self = Self { first_steps: 8, further_steps: 0, least_fall: 5e-3, gauss_newton: true };
+    pub const MEDIUM: Self = Self { first_steps: 8, further_steps: 0, least_fall: 5e-3, ..Self::BRISK };
 }
 
 /// Residuals and their Jacobian over a box.
@@ -128,7 +147,7 @@ struct Search<'a> {
     ended: bool,
     /// Cost after each step.
     costs: Vec<f64>,
-    least_fall: f64,
+    pace: Pace,
     /// Cost that noise alone leaves.
     noise: f64,
 }
@@ -140,7 +159,7 @@ impl<'a> Search<'a> {
             let mut descent = Descent::new(problem, start)?;
             let at = descent.minimum(false);
             let step = Box::new(move || Some(descent.step()));
-            return Some(Self { step, at, ended: false, costs: Vec::new(), least_fall: pace.least_fall, noise });
+            return Some(Self { step, at, ended: false, costs: Vec::new(), pace, noise });
         }
         let solver = TrustRegionReflective::new()
             .with_relative_cost_change_tolerance(problem.tolerance)
@@ -164,7 +183,7 @@ impl<'a> Search<'a> {
             };
             Some((at, stopped.is_some()))
         };
-        Some(Self { step: Box::new(step), at, ended: false, costs: Vec::new(), least_fall: pace.least_fall, noise })
+        Some(Self { step: Box::new(step), at, ended: false, costs: Vec::new(), pace, noise })
     }
 
     /// Goes on until the search ends, at most so many steps.
@@ -186,8 +205,9 @@ impl<'a> Search<'a> {
     }
 
     fn crawls(&self) -> bool {
-        let Some(before) = self.costs.len().checked_sub(STRETCH + 1) else { return false };
-        self.costs[before] - self.at.cost < self.least_fall * (self.at.cost - self.noise)
+        let Some(before) = self.costs.len().checked_sub(self.pace.stretch + 1) else { return false };
+        let least = (self.pace.least_fall * (self.at.cost - self.noise)).max(0.5 * self.pace.least_gain);
+        self.costs[before] - self.at.cost < least
     }
 }
 

@@ -89,13 +89,18 @@ impl Weighted<'_> {
         let Ok((mut residual, mut columns)) = self.sensitivities(u) else {
             return DMatrix::from_element(self.rows(), u.len() + 1, f64::NAN);
         };
+        self.make_robust(&mut residual, &mut columns);
+        columns.insert(0, residual);
+        DMatrix::from_fn(self.rows(), u.len() + 1, |i, k| columns[k][i])
+    }
+
+    /// Turns whitened residuals into those whose squares are Huber's loss, and their derivatives with them.
+    pub fn make_robust(&self, residual: &mut [f64], columns: &mut [Vec<f64>]) {
         for (at, r) in residual.iter_mut().enumerate().take(self.whitening.len()) {
             let (robust, slope) = self.huber(*r);
             *r = robust;
             columns.iter_mut().for_each(|column| column[at] *= slope);
         }
-        columns.insert(0, residual);
-        DMatrix::from_fn(self.rows(), u.len() + 1, |i, k| columns[k][i])
     }
 
     /// Whitened residuals and, for each free parameter, their derivative in its search coordinate.

@@ -29,7 +29,8 @@ pub(super) fn refitted(
         if problem.layout.present() < counted {
             baseline = settled(problem, noise, baseline);
         }
-        baseline = better(Some(baseline), Some(anew)).ok_or(CompareError::NoFit)?;
+        baseline = better(Some(baseline), Some(anew), problem.strategy().budget().calibration.pace.agreeing)
+            .ok_or(CompareError::NoFit)?;
     }
     Ok(led_baseline(problem, noise, baseline))
 }

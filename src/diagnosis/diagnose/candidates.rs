@@ -1,10 +1,12 @@
 //! The candidates of a search: single effects, pairs, and rivals of a chosen set.
 
 use super::bootstrap::p_value;
+use super::far::costs;
 use super::search::Search;
 use super::stage::Stage;
 use super::starts::Start;
 use crate::diagnosis::calibrate::Calibration;
+use crate::diagnosis::free::NEARLY;
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::plain_effect;
 use crate::diagnosis::thresholds::{COMMON, WORTH_A_REFIT};
@@ -52,6 +54,9 @@ impl Search<'_> {
         // Where noise alone promises as much a few fits show that the promises are kept.
         if !stage.fit.is_far() && promises.first().is_some_and(|(most, _)| common(*most)) {
             promises.truncate(FEW);
+            for (_, start) in &mut promises {
+                self.not_above(stage, start);
+            }
         }
         for round in 0.. {
             let Some((most, _)) = promises.first() else { return };
@@ -68,6 +73,18 @@ impl Search<'_> {
             self.fit(worth);
             let gains = sets.iter().filter_map(|set| Some(stage.fit.chi_square - self.fits.get(set)?.chi_square));
             gained = gains.fold(gained, f64::max);
+        }
+    }
+
+    /// Where the starts of a single effect leave more than the stage does without it, the fit begins next to nothing of the effect: from a
+    /// poor start the way back to the stage is long, and there is little to find.
+    fn not_above(&self, stage: &Stage, start: &mut Start) {
+        let task = self.problem.task(&start.0, start.1.clone());
+        let Some((left, _)) = costs(self.problem, self.noise, &task) else { return };
+        let Some(k) = start.0.last().and_then(|id| stage.index(id)) else { return };
+        if !left.iter().any(|left| *left < stage.fit.chi_square) {
+            let soil = &stage.fit.values()[..self.problem.base.len()];
+            start.1 = self.shares(stage, k, soil, &[NEARLY]);
         }
     }
 

@@ -4,7 +4,7 @@
 //! stuck. So a search begins in two ways over a few windows, and the best end is where the fit over all windows begins:
 //! from its starts as they are, and from next to nothing of its effects.
 
-use super::fits::{Noise, Outcome, Task, run_over, with_problem};
+use super::fits::{Noise, Outcome, Task, run_roughly, with_problem};
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::thresholds::FAR;
@@ -25,8 +25,7 @@ pub(super) fn rough(problem: &Problem, noise: &Noise, task: &Task) -> Option<Cal
 pub(super) fn look(problem: &Problem, noise: &Noise, task: &Task) -> Option<Outcome> {
     let thinned = problem.thinned();
     let thin = thinned.as_ref().unwrap_or(problem);
-    let found =
-        if is_far(thin, noise, task)? { best_way(thin, noise, task)? } else { run_over(thin, noise, task, false)? };
+    let found = if is_far(thin, noise, task)? { best_way(thin, noise, task)? } else { run_roughly(thin, noise, task)? };
     let there = Task { starts: vec![found.values()], ..task.clone() };
     let chi_square = costs(problem, noise, &there)?.0[0];
     chi_square.is_finite().then(|| Outcome { values: found.values(), chi_square })
@@ -34,9 +33,9 @@ pub(super) fn look(problem: &Problem, noise: &Noise, task: &Task) -> Option<Outc
 
 /// The end with the least misfit.
 fn best_way(thin: &Problem, noise: &Noise, task: &Task) -> Option<Calibration> {
-    let mut ends = vec![run_over(thin, noise, task, false)];
+    let mut ends = vec![run_roughly(thin, noise, task)];
     if !task.effects.is_empty() && !task.starts.is_empty() {
-        ends.push(run_over(thin, noise, &weakened(thin, task), false));
+        ends.push(run_roughly(thin, noise, &weakened(thin, task)));
     }
     ends.into_iter().flatten().min_by(|a, b| a.chi_square.total_cmp(&b.chi_square))
 }

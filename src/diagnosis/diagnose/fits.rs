@@ -121,7 +121,15 @@ fn run_for(problem: &Problem, noise: &Noise, task: &Task, whole: bool) -> Option
 
 /// Runs a task from its starts as they are.
 pub(super) fn run_over(problem: &Problem, noise: &Noise, task: &Task, whole: bool) -> Option<Calibration> {
-    let effort = problem.strategy().budget().calibration;
+    search_over(problem, noise, task, whole, problem.strategy().budget().calibration)
+}
+
+/// The same over a part of the measurements, to a place from which a search over all of them begins.
+pub(super) fn run_roughly(part: &Problem, noise: &Noise, task: &Task) -> Option<Calibration> {
+    search_over(part, noise, task, false, part.strategy().budget().calibration.roughly())
+}
+
+fn search_over(problem: &Problem, noise: &Noise, task: &Task, whole: bool, effort: Effort) -> Option<Calibration> {
     with_problem(problem, noise, task, whole, |weighted, weights| {
         if task.starts.is_empty() {
             calibrate(weighted, weights, effort)

@@ -12,8 +12,8 @@ use super::fits::{Noise, Task, run};
 use super::folds::Fold;
 use super::probability::log_density;
 use crate::diagnosis::calibrate::Calibration;
+use crate::diagnosis::gauss_newton::{PROXIMAL, within};
 use crate::diagnosis::kinds::LeftOut;
-use crate::diagnosis::least_squares::{LeastSquares, Pace};
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::thresholds::{LINEAR, UNFELT};
 use crate::diagnosis::weighted::Weighted;
@@ -165,31 +165,66 @@ fn scaled(free: &[crate::diagnosis::free::Free], slopes: &[Vec<f64>], values: &[
 /// One Gauss-Newton step to each fold's own optimum.
 fn stepped(problem: &Problem, noise: &Noise, effects: &[String], values: &[f64], folds: &[Fold]) -> Option<Vec<Kept>> {
     let free = problem.free(effects);
-    let whole = noise.whitening(problem, &|_, _| true)?;
     let (modelled, slopes) = problem.predict(&free, |predict| predict.slopes(values)).ok()?.ok()?;
     let all = Rc::new(scaled(&free, &slopes, values));
     let fit = |predict: &dyn crate::diagnosis::prediction::Predict| {
-        let (layout, free, robust) = (&problem.layout, free.as_slice(), f64::INFINITY);
+        let (layout, free, robust) = (&problem.layout, free.as_slice(), noise.robust.unwrap_or(f64::INFINITY));
         let priors = &problem.prior_rows(free);
-        let u = Weighted { predict, layout, free, whitening: &whole, priors, robust, whole: true }.coordinates(values);
-        let kept = |fold: &Fold| {
-            let inside: BTreeSet<_> = fold.iter().copied().collect();
-            let whitening = noise.whitening(problem, &|run, row| !inside.contains(&(run, row)))?;
-            let whitening = &whitening;
+        let over = |left_out: &BTreeSet<(usize, usize)>| {
+            let whitening = &noise.whitening(problem, &|run, row| !left_out.contains(&(run, row)))?;
             let weighted = Weighted { predict, layout, free, whitening, priors, robust, whole: false };
-            let residual = weighted.whitened(&modelled, values);
-            let columns = weighted.columns(&slopes, values);
-            let to = linear_optimum(free, &u, &residual, &columns)?;
+            let (mut residual, columns) = (weighted.whitened(&modelled, values), weighted.columns(&slopes, values));
+            let precision = precision(free, &columns);
+            let mut columns = columns;
+            weighted.make_robust(&mut residual, &mut columns);
+            Some((Normal::of(&residual, &columns), precision, weighted.coordinates(values)))
+        };
+        let (whole, _, u) = over(&BTreeSet::new())?;
+        let kept = |fold: &Fold| {
+            let (part, precision, _) = over(&fold.iter().copied().collect())?;
+            let to = without(&whole, &part, free, &u);
             let mut promised = modelled.clone();
             for ((column, to), from) in all.iter().zip(&to).zip(&u) {
                 promised.iter_mut().zip(column).for_each(|(value, slope)| *value += slope * (to - from));
             }
-            let (values, precision) = (weighted.values(&to), precision(free, &columns));
+            let values = free.iter().zip(&to).map(|(free, u)| free.value(*u)).collect();
             Some(Kept { values, precision, columns: Rc::clone(&all), promised: Some(promised) })
         };
         folds.iter().map(kept).collect::<Option<Vec<_>>>()
     };
     problem.predict(&free, fit).ok()?
+}
+
+/// Products of residuals and their derivatives, which tell the least of a linear problem.
+struct Normal {
+    gram: DMatrix<f64>,
+    along: DVector<f64>,
+}
+
+impl Normal {
+    fn of(residual: &[f64], columns: &[Vec<f64>]) -> Self {
+        let jacobian = DMatrix::from_fn(residual.len(), columns.len(), |i, k| columns[k][i]);
+        Self { gram: jacobian.tr_mul(&jacobian), along: jacobian.tr_mul(&DVector::from_column_slice(residual)) }
+    }
+}
+
+/// Where the optimum goes from `u`, that of the whole, once only a part of it counts. The search has ended there, so that what still
+/// pulls in the whole is what it could not follow, and is taken out of the part; on a bound it is what holds the coordinate there.
+fn without(whole: &Normal, part: &Normal, free: &[crate::diagnosis::free::Free], u: &[f64]) -> Vec<f64> {
+    let (mut gram, mut along) = (part.gram.clone(), part.along.clone());
+    let mut ends = Vec::new();
+    for (k, free) in free.iter().enumerate() {
+        let (lower, upper) = free.bounds();
+        let (down, up) = ((lower - u[k]).min(0.0), (upper - u[k]).max(0.0));
+        let held = if whole.along[k] > 0.0 { down == 0.0 } else { up == 0.0 };
+        if !held {
+            along[k] -= whole.along[k];
+        }
+        gram[(k, k)] += PROXIMAL / (upper - lower).powi(2);
+        ends.push((down, up));
+    }
+    let change = within(&gram, along.as_slice(), &ends);
+    u.iter().zip(change).map(|(u, change)| u + change).collect()
 }
 
 /// Precision of search coordinates from whitened columns; a coordinate that these do not determine may lie anywhere between
@@ -202,28 +237,4 @@ fn precision(free: &[crate::diagnosis::free::Free], columns: &[Vec<f64>]) -> DMa
         precision[(k, k)] += UNIFORM / (upper - lower).powi(2);
     }
     precision
-}
-
-/// Minimum of |r + J (u' - u)|^2 over u' within the bounds.
-fn linear_optimum(
-    free: &[crate::diagnosis::free::Free],
-    u: &[f64],
-    residual: &[f64],
-    columns: &[Vec<f64>],
-) -> Option<Vec<f64>> {
-    let n = columns.len();
-    // The triangular factor holds all that the problem needs, in n + 1 rows.
-    let matrix = DMatrix::from_fn(residual.len(), n + 1, |i, k| if k < n { columns[k][i] } else { residual[i] });
-    let triangle = matrix.qr().r();
-    let rows = triangle.nrows();
-    let (lower, upper) = free.iter().map(crate::diagnosis::free::Free::bounds).unzip();
-    let at = |v: &[f64]| -> Vec<f64> {
-        (0..rows).map(|i| triangle[(i, n)] + (0..n).map(|k| triangle[(i, k)] * (v[k] - u[k])).sum::<f64>()).collect()
-    };
-    let linear = |v: &[f64]| {
-        let residual = at(v);
-        DMatrix::from_fn(rows, n + 1, |i, k| if k == 0 { residual[i] } else { triangle[(i, k - 1)] })
-    };
-    let problem = LeastSquares { lower, upper, rows, tolerance: 1e-10, residual: &at, linear: &linear };
-    Some(problem.minimise(&[u.to_vec()], Pace::PATIENT).pop()?.x)
 }

@@ -73,7 +73,30 @@ fn with_views(
     Ok(Sensitivities { modelled, base: columns, signatures })
 }
 
-/// Takes parameters out of the library that change nothing measured, neither at the neutral values nor at a quarter of
+/// Marks as alive those parameters of a candidate that change something measured between a quarter and half of their ranges, all
+/// others being at a quarter of theirs. None is where the model has no answer at these quarters.
+fn felt_inside(
+    problem: &Problem,
+    values: &[f64],
+    candidate: &Candidate,
+    rounding: &Rounding,
+    alive: &mut [bool],
+) -> Result<(), PredictionError> {
+    let at = |free: &Free, share: f64| free.variable.min + share * (free.variable.max - free.variable.min);
+    let quarters: Vec<f64> = values.iter().copied().chain(candidate.free.iter().map(|free| at(free, 0.25))).collect();
+    let with = problem.free(std::slice::from_ref(&candidate.id));
+    problem.predict(&with, |predict| {
+        let Ok(there) = predict.values(&quarters) else { return };
+        for (k, alive) in alive.iter_mut().enumerate().filter(|(_, alive)| !**alive) {
+            let mut moved = quarters.clone();
+            moved[values.len() + k] = at(&candidate.free[k], 0.5);
+            let change = |moved: Vec<f64>| moved.iter().zip(&there).map(|(a, b)| a - b).collect::<Vec<f64>>();
+            *alive = predict.values(&moved).is_ok_and(|moved| !rounding.hides(&change(moved)));
+        }
+    })
+}
+
+/// Takes parameters out of the library that change nothing measured, neither at the neutral values nor from a quarter to half of
 /// their ranges: an odometer's scale on a carriage. Candidates without any other parameter leave the library; their ids
 /// are returned. The problem keeps the sensitivities at the baseline, which the first stage and the plans ask for.
 ///
@@ -94,15 +117,7 @@ pub(crate) fn prune(problem: &mut Problem, values: &[f64]) -> Result<Vec<String>
         let own: Vec<Vec<f64>> = rest.by_ref().take(candidate.free.len()).collect();
         let mut alive: Vec<bool> = own.iter().map(|column| !rounding.hides(column)).collect();
         if !alive.iter().all(|alive| *alive) {
-            let quarter = |free: &Free| free.variable.min + 0.25 * (free.variable.max - free.variable.min);
-            let there: Vec<f64> = values.iter().copied().chain(candidate.free.iter().map(quarter)).collect();
-            let with = problem.free(std::slice::from_ref(&candidate.id));
-            if let Ok((_, slopes)) = problem.predict(&with, |predict| predict.slopes(&there))? {
-                alive
-                    .iter_mut()
-                    .zip(&slopes[values.len()..])
-                    .for_each(|(alive, column)| *alive |= !rounding.hides(column));
-            }
+            felt_inside(problem, values, &candidate, &rounding, &mut alive)?;
         }
         let seen =
             own.into_iter().zip(&alive).filter(|(_, alive)| **alive).map(|(column, _)| column).collect::<Vec<_>>();

@@ -7,8 +7,9 @@
 
 use super::far::costs;
 use super::fits::Task;
-use super::search::{SAME_FIT, Search};
+use super::search::{Fits, SAME_FIT, Search};
 use crate::diagnosis::calibrate::Calibration;
+use crate::diagnosis::gauss_newton::same_end;
 
 /// Other sets of the same size at whose values a set is looked at: the best ones.
 const BEST_OTHERS: usize = 3;
@@ -20,12 +21,14 @@ impl Search<'_> {
         if !self.problem.strategy().budget().refits_from_larger {
             return false;
         }
-        let before = self.fits.get(&[]).map(|fit| fit.chi_square);
+        let baseline = |fits: &Fits| fits.get(&[]).cloned();
+        let before = baseline(&self.fits);
         let sets: Vec<Vec<String>> = (0..=count).flat_map(|n| self.fits.of(n)).map(|(set, _)| set.clone()).collect();
         let looks: Vec<Task> = sets.iter().map(|set| self.problem.task(set, self.places(set))).collect();
         let lower: Vec<Task> = looks.into_iter().filter_map(|look| self.lowest(look)).collect();
         self.settle_all(&lower);
-        before != self.fits.get(&[]).map(|fit| fit.chi_square)
+        let (Some(before), Some(after)) = (before, baseline(&self.fits)) else { return false };
+        before.chi_square - after.chi_square > self.same_end(&before)
     }
 
     /// Values of a set where others ended: those with one more effect, and the best of its own size.
@@ -50,9 +53,18 @@ impl Search<'_> {
 
     /// The start of a look with the least chi-square, where that is less than what the set's own search has left.
     fn lowest(&self, look: Task) -> Option<Task> {
-        let known = self.fits.get(&look.effects)?.chi_square;
+        let known = self.fits.get(&look.effects)?;
         let (left, _) = costs(self.problem, self.noise, &look)?;
         let least = (0..left.len()).min_by(|a, b| left[*a].total_cmp(&left[*b]))?;
-        (left[least] < known * (1.0 - SAME_FIT)).then(|| Task { starts: vec![look.starts[least].clone()], ..look })
+        let lower = known.chi_square - left[least] > self.same_end(known);
+        lower.then(|| Task { starts: vec![look.starts[least].clone()], ..look })
+    }
+
+    /// By how much chi-square may differ between searches that have ended in the place of this fit.
+    fn same_end(&self, fit: &Calibration) -> f64 {
+        match self.problem.strategy().budget().calibration.pace.gauss_newton {
+            true => same_end(fit.chi_square, fit.degrees_of_freedom as f64),
+            false => SAME_FIT * fit.chi_square,
+        }
     }
 }

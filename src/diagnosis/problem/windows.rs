@@ -70,7 +70,7 @@ impl<'a> Problem<'a> {
             return None;
         }
         let mut thin = self.clone();
-        let mut dropped = Vec::new();
+        let (mut dropped, mut without) = (Vec::new(), Vec::new());
         for (run, windows) in thin.windows.iter_mut().enumerate() {
             if windows.is_empty() {
                 continue;
@@ -87,9 +87,8 @@ impl<'a> Problem<'a> {
                 kept
             });
             if windows.is_empty() {
-                // A run without windows would be replayed as a whole.
-                let rows = 0..self.experiment.runs[run].data.rows();
-                dropped.extend(rows.map(|row| (run, row)));
+                // A run without windows would be replayed as a whole: it is left out.
+                without.extend((0..self.experiment.runs[run].data.rows()).map(|row| (run, row)));
                 windows.extend(self.windows[run].first().cloned());
             }
         }
@@ -104,6 +103,7 @@ impl<'a> Problem<'a> {
         });
         thin.layout.free_starts = kept.collect();
         thin.layout.unsettle(dropped);
+        thin.layout.leave_out(&without);
         Some(thin)
     }
 

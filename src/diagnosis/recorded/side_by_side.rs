@@ -31,12 +31,9 @@ impl<'a> Variant<'a> {
     }
 
     /// Whether its windows can be replayed by themselves: none waits for the temperature in which another ends, and none is led.
-    /// Contacts whose rim transmits less than the soil's shear go one by one, so that nothing is gained side by side.
     pub fn is_separable(&self) -> bool {
         let cut = matches!(self.run.drives, Drives::Open(_)) && !self.run.windows.is_empty();
-        cut && self.run.guide.is_none()
-            && self.model.rover.effects.warming(0.0).is_none()
-            && self.model.rover.effects.rim_adhesion.loss == 0.0
+        cut && self.run.guide.is_none() && self.model.rover.effects.warming(0.0).is_none()
     }
 
     /// The variant window by window, one after the other.
