@@ -282,6 +282,19 @@ mod tests {
         }
     }
 
+    #[test]
+    fn analytic_a_careful_step_goes_on_as_long_as_that_leaves_less() {
+        for (least, expected) in [(0.4, 1.0), (3.1, 4.0), (2.0, 2.0), (1e3, LONGEST)] {
+            let residual = |x: &[f64]| vec![x[0] - least];
+            let linear = |x: &[f64]| DMatrix::from_row_slice(1, 2, &[x[0] - least, 1.0]);
+            let (lower, upper) = (vec![-1e4], vec![1e4]);
+            let problem =
+                LeastSquares { lower, upper, rows: 1, tolerance: 1e-12, residual: &residual, linear: &linear };
+            let descent = Descent::new(&problem, &[0.0]).expect("a line has values everywhere");
+            assert_eq!(descent.worth_going_on(&[1.0]), expected, "least at {least}");
+        }
+    }
+
     /// Residuals of a curve p0 exp(-p1 t) + p2 at exact values.
     fn decay(x: &[f64], true_values: &[f64; 3]) -> (Vec<f64>, Vec<Vec<f64>>) {
         let (mut residual, mut slopes) = (Vec::new(), vec![Vec::new(); 3]);

@@ -7,7 +7,7 @@ use super::evidence::Evidence;
 use super::finished::Finished;
 use super::judge::{Judged, judge};
 use super::odd::odd;
-use super::prepare::{Prepared, prepare};
+use super::prepare::{Prepared, prepare, prepare_again};
 use super::result::Diagnosis;
 use super::search::Search;
 use super::stage::{Stage, StageContext};
@@ -86,7 +86,7 @@ pub fn diagnose(
     // What is wrong in a few places only is left out, and said.
     if let Some(found) = odd(&problem, &prepared).map_err(nothing_yet)? {
         problem.layout.unsettle(found.rows.iter().copied());
-        prepared = prepare(&mut problem).map_err(nothing_yet)?;
+        prepared = prepare_again(&mut problem, &prepared).map_err(nothing_yet)?;
         prepared.noise.odd = found.rows;
         prepared.cautions.extend(found.words);
     }

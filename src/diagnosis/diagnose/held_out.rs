@@ -180,9 +180,10 @@ fn stepped(problem: &Problem, noise: &Noise, effects: &[String], values: &[f64],
             Some((Normal::of(&residual, &columns), precision, weighted.coordinates(values)))
         };
         let (whole, _, u) = over(&BTreeSet::new())?;
+        let bounds: Vec<(f64, f64)> = free.iter().map(crate::diagnosis::free::Free::bounds).collect();
         let kept = |fold: &Fold| {
             let (part, precision, _) = over(&fold.iter().copied().collect())?;
-            let to = without(&whole, &part, free, &u);
+            let to = without(&whole, &part, &bounds, &u);
             let mut promised = modelled.clone();
             for ((column, to), from) in all.iter().zip(&to).zip(&u) {
                 promised.iter_mut().zip(column).for_each(|(value, slope)| *value += slope * (to - from));
@@ -210,11 +211,10 @@ impl Normal {
 
 /// Where the optimum goes from `u`, that of the whole, once only a part of it counts. The search has ended there, so that what still
 /// pulls in the whole is what it could not follow, and is taken out of the part; on a bound it is what holds the coordinate there.
-fn without(whole: &Normal, part: &Normal, free: &[crate::diagnosis::free::Free], u: &[f64]) -> Vec<f64> {
+fn without(whole: &Normal, part: &Normal, bounds: &[(f64, f64)], u: &[f64]) -> Vec<f64> {
     let (mut gram, mut along) = (part.gram.clone(), part.along.clone());
     let mut ends = Vec::new();
-    for (k, free) in free.iter().enumerate() {
-        let (lower, upper) = free.bounds();
+    for (k, (lower, upper)) in bounds.iter().enumerate() {
         let (down, up) = ((lower - u[k]).min(0.0), (upper - u[k]).max(0.0));
         let held = if whole.along[k] > 0.0 { down == 0.0 } else { up == 0.0 };
         if !held {
@@ -237,4 +237,58 @@ fn precision(free: &[crate::diagnosis::free::Free], columns: &[Vec<f64>]) -> DMa
         precision[(k, k)] += UNIFORM / (upper - lower).powi(2);
     }
     precision
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What the charge of a move over these bounds changes: a part in 1e8 of the curvature.
+    const CHARGED: f64 = 1e-6;
+    const WIDE: (f64, f64) = (-1e4, 1e4);
+
+    /// A line through points, of which the last two may be left out; residuals and columns at `u`.
+    fn line(points: &[(f64, f64)], u: &[f64]) -> Normal {
+        let residual: Vec<f64> = points.iter().map(|(x, y)| u[0] + u[1] * x - y).collect();
+        Normal::of(&residual, &[vec![1.0; points.len()], points.iter().map(|(x, _)| *x).collect()])
+    }
+
+    const POINTS: [(f64, f64); 5] = [(0.0, 1.0), (1.0, 2.5), (2.0, 3.0), (3.0, 8.0), (4.0, 7.0)];
+
+    /// The least-squares line by its own formula.
+    fn best(points: &[(f64, f64)]) -> [f64; 2] {
+        let n = points.len() as f64;
+        let mean = |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
+        let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));
+        let slope = mean(&|p| (p.0 - x) * (p.1 - y)) / mean(&|p| (p.0 - x).powi(2));
+        [y - slope * x, slope]
+    }
+
+    #[test]
+    fn analytic_the_step_leads_from_the_best_line_of_all_points_to_that_of_some() {
+        let u = best(&POINTS);
+        let to = without(&line(&POINTS, &u), &line(&POINTS[..3], &u), &[WIDE; 2], &u);
+        let expected = best(&POINTS[..3]);
+        assert!(to.iter().zip(expected).all(|(a, b)| (a - b).abs() < CHARGED), "{to:?} and {expected:?}");
+    }
+
+    /// Where a search has ended although a slope is left, nothing left out leads nowhere.
+    #[test]
+    fn property_the_step_is_nothing_where_nothing_is_left_out() {
+        let u = [0.3, 0.4];
+        let all = line(&POINTS, &u);
+        assert_eq!(without(&all, &line(&POINTS, &u), &[WIDE; 2], &u), u);
+    }
+
+    /// A coordinate that the whole holds on a bound stays there until the part pulls it away.
+    #[test]
+    fn property_a_bound_holds_as_long_as_the_part_presses_on_it() {
+        let low = (best(&POINTS)[1] + 1.0, 1e4);
+        let at = |points: &[(f64, f64)]| {
+            let u = [0.0, low.0];
+            without(&line(&POINTS, &u), &line(points, &u), &[WIDE, low], &u)
+        };
+        assert_eq!(at(&POINTS[..3])[1], low.0, "the slope of the first points is lower still");
+        assert!(at(&POINTS[2..4])[1] > low.0, "between two of them it is steeper");
+    }
 }

@@ -52,11 +52,23 @@ pub(crate) fn prepare(problem: &mut Problem) -> Result<Prepared, CompareError> {
     Ok(prepared)
 }
 
+/// The same once more, where further rows do not count since: the search begins where the first one ended.
+pub(super) fn prepare_again(problem: &mut Problem, before: &Prepared) -> Result<Prepared, CompareError> {
+    let mut prepared = calibrated_from(problem, Some(before))?;
+    prepared.invisible = before.invisible.clone();
+    prepared.invisible.extend(prune(problem, &prepared.baseline.values())?);
+    Ok(prepared)
+}
+
 /// Finds noise and baseline, and takes out of the problem's rows those that the baseline cannot answer.
 ///
 /// # Errors
 /// [`CompareError`] where there is too little to compare, or the model has too few answers.
 pub(crate) fn calibrated_baseline(problem: &mut Problem) -> Result<Prepared, CompareError> {
+    calibrated_from(problem, None)
+}
+
+fn calibrated_from(problem: &mut Problem, before: Option<&Prepared>) -> Result<Prepared, CompareError> {
     let values = problem.layout.present();
     if values == 0 {
         return Err(CompareError::NothingMeasured);
@@ -68,8 +80,11 @@ pub(crate) fn calibrated_baseline(problem: &mut Problem) -> Result<Prepared, Com
     let mut unanswered = Vec::new();
     let guess = Noise::new(first_guess(problem, &repeats));
     let all = problem.layout.clone();
-    let mut first = fitted(problem, &guess, &[], &mut unanswered)?;
-    let mut refined = 0;
+    let mut first = match before {
+        Some(before) => fitted_again(problem, &guess, &before.baseline, &mut unanswered)?,
+        None => fitted(problem, &guess, &[], &mut unanswered)?,
+    };
+    let mut refined = before.map_or(0, |before| before.noise.refined);
     let mut known = guess.clone();
     // Under the first guess of the noise and again under each that is found, until the step does not show beside it.
     let Found { mut noise, decided, flexible, modulations } = loop {
@@ -101,7 +116,8 @@ pub(crate) fn calibrated_baseline(problem: &mut Problem) -> Result<Prepared, Com
     let modelled = modelled(problem, &baseline.values())?.values;
     let mut floors = noise_floors(&problem.experiment, &problem.layout, &modelled);
     floors.iter_mut().for_each(|(signal, floor)| floor.contradicted = decided.contradicted.contains(signal));
-    let unanswered = listed(unanswered);
+    let known = before.into_iter().flat_map(|before| before.unanswered.iter().cloned());
+    let unanswered = known.chain(listed(unanswered)).collect();
     let mut prepared = Prepared {
         source: source(&floors),
         repeats: None,
