@@ -8,7 +8,7 @@ use bekker_modeldescription::Variable;
 const DECADES: f64 = 100.0;
 
 /// Share of its range by which an effect that is all but neutral differs from neutral.
-pub(crate) const NEARLY: f64 = 0.002;
+const NEARLY: f64 = 0.002;
 
 /// A free parameter: its bounds (those of `variable`), where it starts, what is known of it.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,10 +5,11 @@ use super::far::costs;
 use super::search::Search;
 use super::stage::Stage;
 use super::starts::Start;
+use super::views::Rounding;
 use crate::diagnosis::calibrate::Calibration;
-use crate::diagnosis::free::NEARLY;
+use crate::diagnosis::free::Free;
 use crate::diagnosis::prediction::PredictionError;
-use crate::diagnosis::problem::plain_effect;
+use crate::diagnosis::problem::{Problem, plain_effect};
 use crate::diagnosis::thresholds::{COMMON, WORTH_A_REFIT};
 
 /// Fits of single effects where none promises more than noise does.
@@ -81,11 +82,25 @@ impl Search<'_> {
     fn not_above(&self, stage: &Stage, start: &mut Start) {
         let task = self.problem.task(&start.0, start.1.clone());
         let Some((left, _)) = costs(self.problem, self.noise, &task) else { return };
-        let Some(k) = start.0.last().and_then(|id| stage.index(id)) else { return };
-        if !left.iter().any(|left| *left < stage.fit.chi_square) {
-            let soil = &stage.fit.values()[..self.problem.base.len()];
-            start.1 = self.shares(stage, k, soil, &[NEARLY]);
+        if !left.iter().any(|left| *left < stage.fit.chi_square)
+            && let Some(faint) = self.faint(stage, start)
+        {
+            start.1 = vec![faint];
         }
+    }
+
+    /// The first start of a single effect on the stage's soil, those of its parameters next to their neutral values without which nothing
+    /// measured changes. The others, such as the place of a patch, stay.
+    fn faint(&self, stage: &Stage, (effects, starts): &Start) -> Option<Vec<f64>> {
+        let (id, first) = (effects.last()?, starts.first()?);
+        let (k, candidate) = (stage.index(id)?, self.problem.candidate(id)?);
+        let own = self.problem.part(effects, first, id);
+        let soil = &stage.fit.values()[..self.problem.base.len()];
+        let joined = |own: &[f64]| self.joined(stage, k, soil, own);
+        let strengths = strengths(self.problem, effects, &candidate.free, own, &joined, &stage.modelled)?;
+        let faint = own.iter().zip(&candidate.free).zip(strengths);
+        let faint = faint.map(|((own, free), strength)| if strength { free.nearly_neutral() } else { *own });
+        Some(joined(&faint.collect::<Vec<_>>()))
     }
 
     /// Single effects on top of a baseline that has changed: those that are fitted once more from there, too.
@@ -157,5 +172,60 @@ impl Search<'_> {
             }
         }
         self.fit(sets);
+    }
+}
+
+/// Which parameters of an effect at `own` leave `modelled`, what is without the effect, if they alone are neutral: its strength, not the
+/// place of a patch. `joined` gives all values with those of the effect. `None` where the model has no answer.
+fn strengths(
+    problem: &Problem,
+    effects: &[String],
+    free: &[Free],
+    own: &[f64],
+    joined: &dyn Fn(&[f64]) -> Vec<f64>,
+    modelled: &[f64],
+) -> Option<Vec<bool>> {
+    let rounding = Rounding::of(&problem.layout, modelled);
+    let all = problem.free(effects);
+    let is_strength = |j: usize| {
+        let mut without = own.to_vec();
+        without[j] = free[j].start;
+        let values = problem.predict(&all, |predict| predict.values(&joined(&without))).ok()?.ok()?;
+        let change: Vec<f64> = values.iter().zip(modelled).map(|(a, b)| a - b).collect();
+        Some(rounding.hides(&change))
+    };
+    (0..free.len()).map(is_strength).collect()
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+mod tests {
+    use super::*;
+    use crate::diagnosis::kinds::synthetic::experiment;
+    use crate::model::{ControlKind, Model};
+
+    #[test]
+    fn property_what_an_effect_needs_to_act_is_its_strength() {
+        let experiment = experiment("speed_command", false);
+        let mut model = Model::preset("two_wheeled").unwrap();
+        model.control.kind = ControlKind::Speed;
+        let mut problem = Problem::new(&model, &experiment, &[]).unwrap();
+        problem.coarsen();
+        problem.cut();
+        let base: Vec<f64> = problem.base.iter().map(|free| free.start).collect();
+        let modelled = problem.predict(&problem.base, |predict| predict.values(&base)).unwrap().unwrap();
+        for (id, values) in [
+            ("soft_patch", [("softening", 0.5, true), ("centre", 1.3, false), ("half_width", 0.6, false)].as_slice()),
+            ("rim_adhesion", &[("loss", 0.6, true), ("rounding", 0.3, false)]),
+        ] {
+            let candidate = problem.candidate(id).unwrap();
+            let of =
+                |free: &Free| values.iter().find(|(name, ..)| free.variable.name == format!("{id}.{name}")).unwrap();
+            let own: Vec<f64> = candidate.free.iter().map(|free| of(free).1).collect();
+            let expected: Vec<bool> = candidate.free.iter().map(|free| of(free).2).collect();
+            let joined = |own: &[f64]| base.iter().chain(own).copied().collect();
+            let found = strengths(&problem, &[id.to_owned()], &candidate.free, &own, &joined, &modelled).unwrap();
+            assert_eq!(found, expected, "{id}");
+        }
     }
 }

@@ -285,7 +285,9 @@ mod tests {
     fn property_a_bound_holds_as_long_as_the_part_presses_on_it() {
         let low = (best(&POINTS)[1] + 1.0, 1e4);
         let at = |points: &[(f64, f64)]| {
-            let u = [0.0, low.0];
+            // The best line of all points with this slope goes through their mean.
+            let [x, y] = [2.0, 4.3];
+            let u = [y - low.0 * x, low.0];
             without(&line(&POINTS, &u), &line(points, &u), &[WIDE, low], &u)
         };
         assert_eq!(at(&POINTS[..3])[1], low.0, "the slope of the first points is lower still");

@@ -29,7 +29,7 @@ impl Search<'_> {
     }
 
     /// Values of all free parameters: a soil, the stage's effects as they are, and candidate number `k` at `own`.
-    fn joined(&self, stage: &Stage, k: usize, soil: &[f64], own: &[f64]) -> Vec<f64> {
+    pub(super) fn joined(&self, stage: &Stage, k: usize, soil: &[f64], own: &[f64]) -> Vec<f64> {
         let values = stage.fit.values();
         let kept = stage.effects.iter().map(|id| (id.as_str(), self.problem.part(&stage.effects, &values, id)));
         let parts: Vec<(&str, &[f64])> = kept.chain([(stage.sensitivities.signatures[k].id.as_str(), own)]).collect();
