@@ -12,9 +12,8 @@ use crate::wheel::Wheel;
 
 /// Bound of the loop: with 60 steps halving the bracket alone would find a z of a millionth of Z to [`CONVERGED`].
 const MAX_STEPS: usize = 60;
-/// Relative step below which the search ends: near the solution the method converges faster than linearly, so that less than a thousandth
-/// of the last step is left, of which the step of Newton's method in [`Flattening::solve`] leaves the square.
-const CONVERGED: f64 = 1e-5;
+/// Relative step below which the search ends: near the solution the method converges faster than linearly.
+const CONVERGED: f64 = 1e-12;
 /// Newton steps of the estimate from which the search starts; it need not converge.
 const ESTIMATE_STEPS: usize = 6;
 /// Relative step below which a secant is mostly rounding, and the one before is kept.

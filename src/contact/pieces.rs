@@ -22,7 +22,7 @@ const BUILT_UP: f64 = 12.0;
 /// Half the width of a rounded corner in ln b, over its rounding: beyond it the shear differs from its asymptote by
 /// exp(-4) of the corner's height.
 const CORNER: f64 = 4.0;
-/// Change of j/K over a piece: any.
+/// Bounds of the change of j/K over a piece that are no bounds.
 const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 /// Accuracy of a cut, rad; near a change of sign the error of the integral is of its square.
 const CUT: f64 = 1e-10;
@@ -53,8 +53,12 @@ pub(super) fn sums<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
                 sums.take(contacts, &whole(rim, nodes));
             }
         }
+        // Rims with a rounded corner are few: for the others nothing is written to so long an array.
+        let of_corners =
+            if rounded.any() { Some(displacement.passes::<9, 30>(corner_levels(rim), rounded)) } else { None };
+        let of_corners = of_corners.as_ref().map_or(&[][..], |angles| &angles[..]);
         let end = displacement.theta_2;
-        let (mut of_signs, mut quick_changes, mut of_corners) = ([end; 6], [end; 12], [end; 30]);
+        let (mut of_signs, mut quick_changes) = ([end; 6], [end; 12]);
         if (cut | cut_more).any() {
             of_signs = displacement.passes([0.0.into()], cut | cut_more);
         }
@@ -65,9 +69,6 @@ pub(super) fn sums<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
             }
             quick_changes = displacement.passes([0.0.into(), level, -level], quick | sharp);
         }
-        if rounded.any() {
-            of_corners = displacement.passes(corner_levels(rim), rounded);
-        }
         let cases = [
             (cut, &of_signs[..], &NODES_8[..], ANY),
             (cut_more & !cut, &of_signs[..], &NODES_12[..], ANY),
@@ -75,9 +76,9 @@ pub(super) fn sums<S: Scalar>(rim: &Rim<S>) -> Sums<S> {
             (quick | (sharp & !up_to_more), &quick_changes[..], &NODES_16[..], ANY),
             // On either side of a rounded corner's middle 8 nodes leave 3e-9 of its height: the corner's nearest singularity is
             // pi w away from a piece of 4 w in ln b, so that the error of n nodes falls as 3.4^(-2 n).
-            (rounded, &of_corners[..], &NODES_8[..], [ANY[0], FEW_NODES]),
-            (rounded, &of_corners[..], &NODES_12[..], [FEW_NODES, MORE_NODES]),
-            (rounded, &of_corners[..], &NODES_16[..], [MORE_NODES, ANY[1]]),
+            (rounded, of_corners, &NODES_8[..], [ANY[0], FEW_NODES]),
+            (rounded, of_corners, &NODES_12[..], [FEW_NODES, MORE_NODES]),
+            (rounded, of_corners, &NODES_16[..], [MORE_NODES, ANY[1]]),
         ];
         for (contacts, angles, nodes, changes) in cases {
             if contacts.any() {

@@ -33,8 +33,9 @@ pub(crate) struct Pace {
     /// Steps over which a search must have gained something worth its time: near a corner of the bounds a search advances slowly, and
     /// where the model lacks an effect the last of such steps are not worth their time.
     pub stretch: usize,
-    /// The share by which these must have brought the misfit beyond noise down, and the least fall of chi-square.
+    /// The share by which these must have brought the misfit beyond noise down, else the search ends.
     pub least_fall: f64,
+    /// The fall of chi-square that they must have made at least, else the search ends.
     pub least_gain: f64,
     /// Two searches agree where their costs differ by less than this share: a few times that within which a search ends.
     pub agreeing: f64,

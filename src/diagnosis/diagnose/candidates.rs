@@ -175,8 +175,9 @@ impl Search<'_> {
     }
 }
 
-/// Which parameters of an effect at `own` leave `modelled`, what is without the effect, if they alone are neutral: its strength, not the
-/// place of a patch. `joined` gives all values with those of the effect. `None` where the model has no answer.
+/// Which parameters of an effect are its strength: with one of them at its neutral value, the others staying at `own`, the model gives what it
+/// gives without the effect, `modelled`. The softening of a soft patch is one, its place is not. `joined` gives the values of all
+/// free parameters from those of the effect. `None` where the model has no answer.
 fn strengths(
     problem: &Problem,
     effects: &[String],

@@ -173,9 +173,8 @@ fn stepped(problem: &Problem, noise: &Noise, effects: &[String], values: &[f64],
         let over = |left_out: &BTreeSet<(usize, usize)>| {
             let whitening = &noise.whitening(problem, &|run, row| !left_out.contains(&(run, row)))?;
             let weighted = Weighted { predict, layout, free, whitening, priors, robust, whole: false };
-            let (mut residual, columns) = (weighted.whitened(&modelled, values), weighted.columns(&slopes, values));
+            let (mut residual, mut columns) = (weighted.whitened(&modelled, values), weighted.columns(&slopes, values));
             let precision = precision(free, &columns);
-            let mut columns = columns;
             weighted.make_robust(&mut residual, &mut columns);
             Some((Normal::of(&residual, &columns), precision, weighted.coordinates(values)))
         };
@@ -196,9 +195,11 @@ fn stepped(problem: &Problem, noise: &Noise, effects: &[String], values: &[f64],
     problem.predict(&free, fit).ok()?
 }
 
-/// Products of residuals and their derivatives, which tell the least of a linear problem.
+/// The normal equations of a linear least-squares problem with the Jacobian J and the residuals r.
 struct Normal {
+    /// J^T J.
     gram: DMatrix<f64>,
+    /// J^T r, half of the slope of chi-square.
     along: DVector<f64>,
 }
 
@@ -209,8 +210,11 @@ impl Normal {
     }
 }
 
-/// Where the optimum goes from `u`, that of the whole, once only a part of it counts. The search has ended there, so that what still
-/// pulls in the whole is what it could not follow, and is taken out of the part; on a bound it is what holds the coordinate there.
+/// The coordinates of the optimum of a part of the rows, from those of the whole, `u`, by one Gauss-Newton step within the bounds.
+///
+/// A search may end at `u` although the linear problem of all rows has a slope left there: the model is less smooth than that. This slope
+/// is subtracted from the part's, so that the step follows from the rows that are left out alone. A slope that presses a coordinate
+/// against its bound is kept, since it holds the coordinate there.
 fn without(whole: &Normal, part: &Normal, bounds: &[(f64, f64)], u: &[f64]) -> Vec<f64> {
     let (mut gram, mut along) = (part.gram.clone(), part.along.clone());
     let mut ends = Vec::new();
@@ -243,11 +247,11 @@ fn precision(free: &[crate::diagnosis::free::Free], columns: &[Vec<f64>]) -> DMa
 mod tests {
     use super::*;
 
-    /// What the charge of a move over these bounds changes: a part in 1e8 of the curvature.
+    /// The charge [`PROXIMAL`] of a move, over these bounds 2.5e-9 beside curvatures of 1 and more, shifts the optimum by less.
     const CHARGED: f64 = 1e-6;
     const WIDE: (f64, f64) = (-1e4, 1e4);
 
-    /// A line through points, of which the last two may be left out; residuals and columns at `u`.
+    /// The problem of a line u0 + u1 x through points.
     fn line(points: &[(f64, f64)], u: &[f64]) -> Normal {
         let residual: Vec<f64> = points.iter().map(|(x, y)| u[0] + u[1] * x - y).collect();
         Normal::of(&residual, &[vec![1.0; points.len()], points.iter().map(|(x, _)| *x).collect()])

@@ -7,7 +7,7 @@
 
 use super::far::costs;
 use super::fits::Task;
-use super::search::{Fits, SAME_FIT, Search};
+use super::search::{SAME_FIT, Search};
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::gauss_newton::same_end;
 
@@ -21,13 +21,12 @@ impl Search<'_> {
         if !self.problem.strategy().budget().refits_from_larger {
             return false;
         }
-        let baseline = |fits: &Fits| fits.get(&[]).cloned();
-        let before = baseline(&self.fits);
+        let before = self.fits.get(&[]).cloned();
         let sets: Vec<Vec<String>> = (0..=count).flat_map(|n| self.fits.of(n)).map(|(set, _)| set.clone()).collect();
         let looks: Vec<Task> = sets.iter().map(|set| self.problem.task(set, self.places(set))).collect();
         let lower: Vec<Task> = looks.into_iter().filter_map(|look| self.lowest(look)).collect();
         self.settle_all(&lower);
-        let (Some(before), Some(after)) = (before, baseline(&self.fits)) else { return false };
+        let (Some(before), Some(after)) = (before, self.fits.get(&[])) else { return false };
         before.chi_square - after.chi_square > self.same_end(&before)
     }
 
