@@ -70,6 +70,24 @@ fn degrees(heading: f64) -> f64 {
 const HEADING: &str = "[columns]\n\"yaw_deg\" = { signal = \"heading\", unit = \"deg\" }";
 
 #[test]
+fn analytic_a_stretch_begins_and_ends_with_turning_wheels() {
+    // The vehicle is measured to move on while its wheels stand already, as where speeds are averaged.
+    let rows = drive(&[(1.0, 0.0, 0.0), (10.0, SPEED, 0.0), (1.0, 0.0, 0.0)]);
+    let text = csv("yaw_deg,velocity", &rows, |row| vec![degrees(row.heading), SPEED]);
+    let experiment = read(HEADING, &text).unwrap();
+    assert_eq!(experiment.runs.len(), 1);
+    let (time, speed) =
+        (experiment.runs[0].data.column("time").unwrap(), experiment.runs[0].data.column("wheel[1].speed").unwrap());
+    assert_eq!(time.len(), 100);
+    assert!((time[0] - 1.0).abs() < 1e-9 && speed.iter().all(|speed| *speed > 0.0));
+    // Wheels that stand for a moment on the way end no stretch.
+    let on_the_way = drive(&[(5.0, SPEED, 0.0), (0.2, 0.0, 0.0), (5.0, SPEED, 0.0)]);
+    let text = csv("yaw_deg,velocity", &on_the_way, |row| vec![degrees(row.heading), SPEED]);
+    let experiment = read(HEADING, &text).unwrap();
+    assert_eq!(experiment.runs.iter().map(|run| run.data.rows()).collect::<Vec<_>>(), [102]);
+}
+
+#[test]
 fn analytic_a_drive_with_a_corner_becomes_two_runs() {
     let rows = with_a_corner();
     let by_heading = csv("yaw_deg,velocity", &rows, |row| vec![degrees(row.heading), row.speed]);

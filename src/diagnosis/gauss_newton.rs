@@ -6,10 +6,12 @@
 //! more steps than one that ends inside. Directions that change less than [`PROXIMAL`] of chi-square over the width of the bounds
 //! are left where they are (a proximal term, which is zero where the search ends, so that it does not move the result).
 //!
-//! A trial point is evaluated with its derivatives at once: most are accepted, and the next step starts from them.
+//! Derivatives cost as much as six simulations and more, so that they are carried on from step to step: a simulation tells how the
+//! residuals change along the step, and the Jacobian is changed as little as makes it say the same (Broyden 1965). They are computed anew
+//! where what was carried on predicts badly, and before a search ends: it ends by the derivatives of its last point alone.
 
-use super::least_squares::{LeastSquares, Minimum};
-use nalgebra::DMatrix;
+use super::least_squares::{LeastSquares, Minimum, triangle};
+use nalgebra::{DMatrix, DVector};
 
 /// Chi-square that a move over the whole width of a parameter's bounds is charged.
 pub(crate) const PROXIMAL: f64 = 1.0;
@@ -22,6 +24,8 @@ const LEAST: f64 = 1e-5;
 const ACCEPTED: f64 = 1e-3;
 const POOR: f64 = 0.25;
 const GOOD: f64 = 0.75;
+/// Share of the predicted fall below which derivatives that were carried on are computed anew.
+const TELLING: f64 = 0.5;
 /// Factors of the trust region.
 const SHRINK: f64 = 0.25;
 const GROW: f64 = 2.5;
@@ -45,24 +49,37 @@ pub(crate) fn same_end(chi_square: f64, rows: f64) -> f64 {
 /// A search under way.
 pub(crate) struct Descent<'a> {
     problem: &'a LeastSquares<'a>,
-    /// Triangular factor of the residuals, the first column, and their Jacobian at the present point.
+    /// The residuals, the first column, and their Jacobian at the present point.
+    linear: DMatrix<f64>,
+    /// Triangular factor of these.
     triangle: DMatrix<f64>,
+    /// Whether the Jacobian was carried on from other points.
+    carried: bool,
     at: Vec<f64>,
     /// Largest change of a coordinate, as a share of the width of its bounds.
     trust: f64,
-    /// Whether the last trial failed, so that the next one is looked at without derivatives first.
-    failed: bool,
     /// Whether the last trial gained clearly more than was predicted.
     exceeded: bool,
     steps: u64,
 }
 
+/// What became of a trial.
+enum Trial {
+    /// A step was made, or failed.
+    Made,
+    /// The derivatives were computed anew; nothing else has changed.
+    Derived,
+    /// The search ends: whether it has converged.
+    Ended(bool),
+}
+
 impl<'a> Descent<'a> {
     /// Starts at `start`; `None` where the model has no answer there.
     pub fn new(problem: &'a LeastSquares<'a>, start: &[f64]) -> Option<Self> {
-        let triangle = problem.triangle_at(start);
-        let descent =
-            Self { problem, triangle, at: start.to_vec(), trust: FIRST, failed: false, exceeded: false, steps: 0 };
+        let linear = problem.linear_at(start);
+        let triangle = triangle(&linear);
+        let at = start.to_vec();
+        let descent = Self { problem, linear, triangle, carried: false, at, trust: FIRST, exceeded: false, steps: 0 };
         descent.chi_square().is_finite().then_some(descent)
     }
 
@@ -73,52 +90,87 @@ impl<'a> Descent<'a> {
             cost: 0.5 * self.chi_square(),
             steps: self.steps,
             converged,
-            triangle: Some(self.triangle.clone()),
+            triangle: (!self.carried).then(|| self.triangle.clone()),
         }
     }
 
     fn chi_square(&self) -> f64 {
-        self.triangle[(0, 0)].powi(2)
+        self.linear.column(0).norm_squared()
     }
 
     /// Makes one trial; where the search is then, and whether it has ended.
     pub fn step(&mut self) -> (Minimum, bool) {
-        let ended = self.trial();
-        (self.minimum(ended == Some(true)), ended.is_some())
+        loop {
+            match self.trial() {
+                Trial::Made => return (self.minimum(false), false),
+                Trial::Derived => {}
+                Trial::Ended(converged) => return (self.minimum(converged), true),
+            }
+        }
     }
 
-    /// `Some` where the search ends with this trial: whether it has converged.
-    fn trial(&mut self) -> Option<bool> {
+    fn trial(&mut self) -> Trial {
         let (change, fall) = self.linear_step();
         if fall <= same_end(self.chi_square(), self.problem.rows as f64) {
+            if self.carried {
+                return self.derive();
+            }
             // A region that has become small may hide a larger fall.
-            return Some(self.trust >= FIRST * SHRINK * SHRINK);
+            return Trial::Ended(self.trust >= FIRST * SHRINK * SHRINK);
+        }
+        let factor = if self.exceeded { self.worth_going_on(&change) } else { 1.0 };
+        let (next, size) = (self.moved(&change, factor), factor * self.share_of_widths(&change));
+        let residual = DVector::from_vec((self.problem.residual)(&next));
+        // A cost that is no number is no fall.
+        let kept = (self.chi_square() - residual.norm_squared()) / fall;
+        let falls = kept > ACCEPTED;
+        if !falls && self.carried {
+            return self.derive();
         }
         self.steps += 1;
-        let mut next = self.moved(&change, 1.0);
-        let mut size = self.share_of_widths(&change);
-        if self.exceeded {
-            let factor = self.worth_going_on(&change);
-            (next, size) = (self.moved(&change, factor), factor * size);
-        }
-        // A cost that is no number is no better.
-        let better = |chi_square: f64| self.chi_square() - chi_square > ACCEPTED * fall;
-        if self.failed && !better(2.0 * self.problem.cost_at(&next)) {
+        if !falls {
             return self.shrunk(size);
         }
-        let triangle = self.problem.triangle_at(&next);
-        let chi_square = triangle[(0, 0)].powi(2);
-        if !chi_square.is_finite() || !better(chi_square) {
-            return self.shrunk(size);
-        }
-        let kept = (self.chi_square() - chi_square) / fall;
-        if kept < POOR {
+        if kept < POOR && !self.carried {
             self.trust = SHRINK.sqrt() * size;
         } else if kept > GOOD {
             self.trust = self.trust.max(GROW * size).min(1.0);
         }
-        (self.at, self.triangle, self.failed, self.exceeded) = (next, triangle, false, kept > EXCEEDED);
-        None
+        self.exceeded = kept > EXCEEDED;
+        self.carry(next, &residual);
+        if kept < TELLING
+            && let Trial::Ended(converged) = self.derive()
+        {
+            return Trial::Ended(converged);
+        }
+        Trial::Made
+    }
+
+    /// Computes the derivatives at the present point.
+    fn derive(&mut self) -> Trial {
+        let linear = self.problem.linear_at(&self.at);
+        if linear.iter().any(|x| !x.is_finite()) {
+            return Trial::Ended(false);
+        }
+        (self.triangle, self.linear, self.carried) = (triangle(&linear), linear, false);
+        Trial::Derived
+    }
+
+    /// Goes to a point with its residuals; the Jacobian takes up how these have changed (Broyden's first method, a coordinate
+    /// measured by the width of its bounds).
+    fn carry(&mut self, next: Vec<f64>, residual: &DVector<f64>) {
+        let widths: Vec<f64> = (0..next.len()).map(|k| self.width(k)).collect();
+        let change = DVector::from_iterator(next.len(), next.iter().zip(&self.at).map(|(new, old)| new - old));
+        let shares = DVector::from_iterator(next.len(), change.iter().zip(&widths).map(|(d, width)| d / width));
+        let predicted = self.linear.column(0) + self.linear.columns_range(1..) * &change;
+        let missed = residual - predicted;
+        let length = shares.norm_squared();
+        for k in 0..next.len() {
+            let share = shares[k] / (length * widths[k]);
+            self.linear.column_mut(k + 1).axpy(share, &missed, 1.0);
+        }
+        self.linear.set_column(0, residual);
+        (self.triangle, self.carried, self.at) = (triangle(&self.linear), true, next);
     }
 
     /// Where a change leads, made so many times as long, within the bounds.
@@ -144,9 +196,9 @@ impl<'a> Descent<'a> {
     }
 
     /// After a trial of this size that failed.
-    fn shrunk(&mut self, size: f64) -> Option<bool> {
-        (self.trust, self.failed, self.exceeded) = (SHRINK * size, true, false);
-        (self.trust < LEAST).then_some(false)
+    fn shrunk(&mut self, size: f64) -> Trial {
+        (self.trust, self.exceeded) = (SHRINK * size, false);
+        if self.trust < LEAST { Trial::Ended(false) } else { Trial::Made }
     }
 
     fn width(&self, k: usize) -> f64 {
@@ -249,6 +301,7 @@ fn solved(gram: &DMatrix<f64>, along: &[f64], d: &[f64], free: &[bool]) -> Optio
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::atomic::{AtomicU64, Ordering};
 
     /// Rounding of a handful of products.
     const ROUNDING: f64 = 1e-9;
@@ -310,12 +363,39 @@ mod tests {
     }
 
     #[test]
+    fn analytic_a_carried_jacobian_tells_the_step_and_nothing_else() {
+        let true_values = [2.0, 1.3, 0.4];
+        let residual = |x: &[f64]| decay(x, &true_values).0;
+        let linear = |x: &[f64]| {
+            let (residual, slopes) = decay(x, &true_values);
+            DMatrix::from_fn(40, 4, |i, k| if k == 0 { residual[i] } else { slopes[k - 1][i] })
+        };
+        let (lower, upper) = (vec![0.0; 3], vec![5.0, 2.0, 10.0]);
+        let problem = LeastSquares { lower, upper, rows: 40, tolerance: 1e-12, residual: &residual, linear: &linear };
+        let (start, next) = ([0.5, 0.5, 0.0], [1.0, 0.9, 0.2]);
+        let mut descent = Descent::new(&problem, &start).expect("the curve has values everywhere");
+        let before = descent.linear.clone();
+        let there = DVector::from_vec(residual(&next));
+        descent.carry(next.to_vec(), &there);
+        let step = DVector::from_fn(3, |k, _| next[k] - start[k]);
+        let change = descent.linear.columns_range(1..) * step;
+        assert!((before.column(0) + change - &there).amax() < ROUNDING * 100.0, "the step that was made");
+        // At right angles to it, by the widths 5, 2, 10: (0.1, 0.2, 0.02) of them.
+        let across = DVector::from_vec(vec![5.0 * 0.2, -2.0 * 0.1, 0.0]);
+        let [old, new] = [&before, &descent.linear].map(|linear| linear.columns_range(1..) * &across);
+        assert!((old - new).amax() < ROUNDING * 100.0, "any other direction");
+        assert!(descent.carried && descent.minimum(true).triangle.is_none());
+    }
+
+    #[test]
     fn analytic_a_curve_comes_back_inside_and_on_a_bound() {
         for (true_values, upper, expected) in
             [([2.0, 1.3, 0.4], 5.0, Some([2.0, 1.3, 0.4])), ([2.0, 1.3, 0.4], 1.0, None)]
         {
             let residual = |x: &[f64]| decay(x, &true_values).0;
+            let derived = AtomicU64::new(0);
             let linear = |x: &[f64]| {
+                derived.fetch_add(1, Ordering::Relaxed);
                 let (residual, slopes) = decay(x, &true_values);
                 DMatrix::from_fn(40, 4, |i, k| if k == 0 { residual[i] } else { slopes[k - 1][i] })
             };
@@ -332,6 +412,8 @@ mod tests {
             }
             let at = descent.minimum(true);
             assert!(ended && at.steps < 15, "{} steps", at.steps);
+            assert!(derived.load(Ordering::Relaxed) < at.steps, "derivatives are carried on over {} steps", at.steps);
+            assert!(at.triangle.is_some(), "a search ends by the derivatives of its last point");
             match expected {
                 // What a fall of a twentieth of chi-square leaves.
                 Some(values) => assert!(at.x.iter().zip(values).all(|(x, v)| (x - v).abs() < 5e-3), "{:?}", at.x),

@@ -114,6 +114,11 @@ impl Layout {
         row < self.starts[run] || self.unsettled.contains(&(run, row))
     }
 
+    /// Whether the value of a block in a row is one that fits count.
+    pub fn is_fitted(&self, block: &Block, row: usize) -> bool {
+        !self.measured[block.range.start + row].is_nan() && !self.is_unsettled(block.run, row)
+    }
+
     /// Leaves rows (run, row) out of everything that follows.
     pub fn leave_out(&mut self, rows: &[(usize, usize)]) {
         self.left_out.extend_from_slice(rows);
@@ -174,6 +179,14 @@ impl Layout {
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64;
         [variance.sqrt(), mean.abs(), 1.0].into_iter().find(|scale| *scale > 0.0).unwrap_or(1.0)
+    }
+
+    /// Root of the mean square of a signal over the whole experiment, of all values that were measured; infinite where none differs from 0.
+    pub fn size(&self, signal: &str) -> f64 {
+        let blocks = self.blocks.iter().filter(|block| block.signal == signal);
+        let values = blocks.flat_map(|block| &self.recorded[block.range.clone()]).filter(|v| !v.is_nan());
+        let (sum, count) = values.fold((0.0, 0.0), |(sum, count), v| (sum + v * v, count + 1.0));
+        if sum > 0.0 { f64::sqrt(sum / count) } else { f64::INFINITY }
     }
 
     /// Number of values that count.

@@ -109,9 +109,9 @@ impl LeastSquares<'_> {
         0.5 * (self.residual)(x).iter().map(|r| r * r).sum::<f64>()
     }
 
-    /// The triangular factor of residuals and Jacobian; NaN where the model has no answer.
-    pub fn triangle_at(&self, x: &[f64]) -> DMatrix<f64> {
-        triangle((self.linear)(x))
+    /// Residuals, the first column, and their Jacobian; not finite where the model has no answer.
+    pub fn linear_at(&self, x: &[f64]) -> DMatrix<f64> {
+        (self.linear)(x)
     }
 
     /// Searches from each of `starts`, which must have finite costs; where each ended. Empty where the bounds are not an
@@ -257,7 +257,7 @@ impl Jacobian for Borrowed<'_, '_> {
 
     /// The other columns.
     fn jacobian(&self, x: &Vec<f64>) -> Result<DenseMatrix, Infallible> {
-        let triangle = triangle((self.0.linear)(x));
+        let triangle = triangle(&(self.0.linear)(x));
         let columns = triangle.columns_range(1..);
         // Stored by columns, so that the transpose is in the order of rows.
         Ok(DenseMatrix::from_row_slice(columns.nrows(), columns.ncols(), columns.transpose().as_slice()))
@@ -265,11 +265,11 @@ impl Jacobian for Borrowed<'_, '_> {
 }
 
 /// The triangular factor of residuals and Jacobian, its first entry not negative.
-fn triangle(linear: DMatrix<f64>) -> DMatrix<f64> {
+pub(crate) fn triangle(linear: &DMatrix<f64>) -> DMatrix<f64> {
     if linear.iter().any(|x| !x.is_finite()) {
         return DMatrix::from_element(linear.nrows().min(linear.ncols()), linear.ncols(), f64::NAN);
     }
-    linear.qr().r()
+    linear.clone().qr().r()
 }
 
 #[cfg(test)]
@@ -283,7 +283,7 @@ mod tests {
     fn analytic_the_triangular_factor_keeps_cost_gradient_and_curvature() {
         for (rows, columns) in [(200, 5), (5, 5), (3, 5)] {
             let linear = DMatrix::from_fn(rows, columns, |i, k| ((3 * i + 7 * k * k) as f64).sin());
-            let triangle = triangle(linear.clone());
+            let triangle = triangle(&linear);
             assert_eq!(triangle.nrows(), rows.min(columns));
             assert!((triangle[(0, 0)] - linear.column(0).norm()).abs() < ROUNDING);
             assert!(triangle.column(0).iter().skip(1).all(|x| *x == 0.0));

@@ -46,6 +46,7 @@ mod shift;
 mod thresholds;
 mod unanswered;
 mod uncounted;
+mod undetermined;
 mod weighted;
 mod windows;
 mod workbench;

@@ -56,6 +56,14 @@ pub enum PredictionError {
         /// Name of the signal.
         signal: String,
     },
+    /// The simulation hangs on the last digits of its parameters.
+    #[error(
+        "run {run}: what the simulation gives here changes by more than a hundredth where its parameters change by a millionth of their ranges"
+    )]
+    Undetermined {
+        /// Name of the run.
+        run: String,
+    },
     /// The caller asked to end.
     #[error("interrupted")]
     Interrupted,
@@ -79,6 +87,7 @@ impl PredictionError {
             | Self::Ended { run, .. }
             | Self::Wheels { run, .. }
             | Self::Signal { run, .. }
+            | Self::Undetermined { run }
             | Self::Terrain { run, .. } => run,
             Self::Interrupted => "",
         }
@@ -92,6 +101,7 @@ impl PredictionError {
             | Self::Ended { run, .. }
             | Self::Wheels { run, .. }
             | Self::Signal { run, .. }
+            | Self::Undetermined { run }
             | Self::Terrain { run, .. } => name.clone_into(run),
             Self::Interrupted => {}
         }
@@ -114,6 +124,10 @@ impl PredictionError {
             Self::Simulation { source, .. } => source.to_string(),
             Self::Ended { time, event, .. } => format!("at {time} s the rover is {event}"),
             Self::Terrain { source, .. } => format!("terrain: {source}"),
+            Self::Undetermined { .. } => {
+                "it changes by more than a hundredth where the parameters change by a millionth of their ranges"
+                    .to_owned()
+            }
             Self::Wheels { .. } | Self::Signal { .. } | Self::Interrupted => self.to_string(),
         }
     }

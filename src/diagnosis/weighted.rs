@@ -8,6 +8,7 @@ use super::layout::Layout;
 use super::noise::Whitening;
 use super::prediction::{Predict, PredictionError};
 use super::prior_rows::PriorRows;
+use super::undetermined::silence;
 use nalgebra::DMatrix;
 
 /// A weighted least-squares problem over `free`.
@@ -109,7 +110,8 @@ impl Weighted<'_> {
     /// [`PredictionError`] where the model has no answer.
     pub fn sensitivities(&self, u: &[f64]) -> Result<(Vec<f64>, Vec<Vec<f64>>), PredictionError> {
         let values = self.values(u);
-        let (modelled, slopes) = self.predict.slopes_onward(&values)?;
+        let (modelled, mut slopes) = self.predict.slopes_onward(&values)?;
+        silence(self.layout, self.free, &values, &mut slopes);
         let residual = self.whitened(&modelled, &values);
         Ok((residual, self.columns(&slopes, &values)))
     }

@@ -9,7 +9,12 @@ use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::thresholds::LEAST_ANSWERED;
 use crate::diagnosis::unanswered::Unanswered;
+use crate::diagnosis::undetermined::undetermined;
 use crate::simulation::Event;
+
+/// Fits after which rows that hang on the last digits of the parameters are looked for. Others come up wherever the parameters go, and a search
+/// does without the derivatives of these.
+const ROUNDS: usize = 2;
 
 /// The baseline under the final noise, from where the first fit ended and, where that is far, from elsewhere too.
 pub(super) fn refitted(
@@ -55,11 +60,18 @@ pub(super) fn fitted(
     starts: &[Vec<f64>],
     unanswered: &mut Vec<Unanswered>,
 ) -> Result<Calibration, CompareError> {
+    let mut round = 0;
     loop {
         let task = problem.task(&[], starts.to_vec());
         let fit = run_open(problem, noise, &task);
         let missing = match &fit {
-            Some(fit) => modelled(problem, &fit.values())?.missing(&problem.layout),
+            Some(fit) => {
+                let mut missing = modelled(problem, &fit.values())?.missing(&problem.layout);
+                if missing.is_empty() && round < ROUNDS {
+                    missing = undetermined(problem, &fit.values())?;
+                }
+                missing
+            }
             None => without_a_start(problem)?,
         };
         let Some(first) = missing.first() else { return fit.ok_or_else(|| no_start(problem)) };
@@ -80,6 +92,7 @@ pub(super) fn fitted(
             });
         }
         unanswered.extend(missing);
+        round += 1;
     }
 }
 

@@ -23,10 +23,13 @@ pub(super) fn is_coarse(problem: &Problem, noise: &Noise, values: &[f64]) -> Res
     }
     let (ours, theirs) = (modelled(problem, values)?.values, modelled(&finer, values)?.values);
     let changed = minus(&ours, &theirs);
+    let layout = &problem.layout;
     let shows = |signal: &String, model: &NoiseModel| {
-        let blocks = problem.layout.blocks.iter().filter(|block| block.signal == *signal);
-        let present: Vec<f64> =
-            blocks.flat_map(|block| changed[block.range.clone()].iter().copied()).filter(|x| !x.is_nan()).collect();
+        let mut present = Vec::new();
+        for block in layout.blocks.iter().filter(|block| block.signal == *signal) {
+            let rows = (0..block.range.len()).filter(|row| layout.is_fitted(block, *row));
+            present.extend(rows.map(|row| changed[block.range.start + row]).filter(|x| !x.is_nan()));
+        }
         let square = present.iter().map(|x| x * x).sum::<f64>() / present.len().max(1) as f64;
         square.sqrt() > SHOWS * model.deviation
     };

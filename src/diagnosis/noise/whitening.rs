@@ -36,9 +36,8 @@ impl Whitening {
         keep: &dyn Fn(usize, usize) -> bool,
     ) -> Option<Self> {
         let strand = |block: &Block| {
-            let measured = &layout.measured[block.range.clone()];
-            let counts = |row: &usize| !measured[*row].is_nan() && !layout.is_unsettled(block.run, *row);
-            let rows: Vec<usize> = (0..measured.len()).filter(|row| counts(row) && keep(block.run, *row)).collect();
+            let counts = |row: &usize| layout.is_fitted(block, *row) && keep(block.run, *row);
+            let rows: Vec<usize> = (0..block.range.len()).filter(counts).collect();
             let start = block.range.start;
             let of_rows = || rows.iter().filter_map(|row| layout.scale.get(start + row));
             let (scale, weights) = of_rows().map(|scale| (scale.row, scale.weight)).unzip();

@@ -47,9 +47,20 @@ pub(super) struct Straight {
     pub rows: Vec<bool>,
     /// How fast it drives, m/s.
     speeds: Vec<f64>,
+    /// Whether its wheels turn in the row itself.
+    turning_wheels: Vec<bool>,
 }
 
 impl Straight {
+    /// The rows less those at both ends in which the wheels stand. Whether a vehicle drives is told by speeds that are averaged over a
+    /// second, so that a stretch begins and ends with some of these; a wheel that stands while the vehicle moves on slides in the model.
+    pub fn trimmed(&self, rows: Range<usize>) -> Range<usize> {
+        let turns = |row: &usize| self.turning_wheels[*row];
+        let start = rows.clone().find(turns).unwrap_or(rows.end);
+        let end = rows.rev().find(turns).map_or(start, |row| row + 1);
+        start..end
+    }
+
     /// How far it drives over these rows, m.
     pub fn way(&self, time: &[f64], rows: &Range<usize>) -> f64 {
         rows.clone().skip(1).map(|row| self.speeds[row] * (time[row] - time[row - 1])).sum()
@@ -85,7 +96,8 @@ impl Turning<'_> {
             let stands = smooth[row].abs() <= STANDS * usual;
             !turns && !stands
         };
-        Straight { rows: (0..self.time.len()).map(straight).collect(), speeds }
+        let turning_wheels = rims.speed.iter().map(|speed| speed.abs() > STANDS * usual).collect();
+        Straight { rows: (0..self.time.len()).map(straight).collect(), speeds, turning_wheels }
     }
 
     /// Yaw rates, rad/s, row by row: as measured, else by the heading, else by the positions.

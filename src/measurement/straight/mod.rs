@@ -20,7 +20,7 @@ use super::grid::{Grid, GridColumn};
 use super::reading::check_time;
 use super::table::Table;
 use bekker_modeldescription::Unit;
-use curves::{Rims, Turning, USUAL_LEVER};
+use curves::{Rims, Straight, Turning, USUAL_LEVER};
 use route::Route;
 use route_columns::{RouteColumns, refused};
 use std::ops::Range;
@@ -111,7 +111,7 @@ pub(super) fn stretches(
         lever: stated.lever.or(stated.radius.map(|radius| 2.0 * radius)).unwrap_or(USUAL_LEVER),
     };
     let straight = turning.straight(&grid, &rims);
-    let mut pieces = pieces(&time, &straight.rows, stated.least_rows);
+    let mut pieces = pieces(&time, &straight, stated.least_rows);
     pieces.retain(|piece| straight.way(&time, piece) >= LEAST_WAY);
     let x = places(&grid, &time, route.as_ref(), stated, within);
     if x.is_none() && stated.has_ground && pieces.iter().any(|piece| piece.start > 0) {
@@ -157,16 +157,17 @@ fn places(grid: &Grid, time: &[f64], route: Option<&Route>, stated: &Stated, wit
     places.iter().any(|x| x.is_finite()).then_some(places)
 }
 
-/// Straight rows that follow each other for long enough.
-fn pieces(time: &[f64], straight: &[bool], least_rows: usize) -> Vec<Range<usize>> {
+/// Straight rows that follow each other for long enough, from the first to the last in which the wheels turn.
+fn pieces(time: &[f64], straight: &Straight, least_rows: usize) -> Vec<Range<usize>> {
     let mut all = Vec::new();
     let mut from = 0;
-    for row in 0..=straight.len() {
-        if straight.get(row) == Some(&true) {
+    for row in 0..=time.len() {
+        if straight.rows.get(row) == Some(&true) {
             continue;
         }
-        if row >= from + least_rows && time[row - 1] - time[from] >= SHORTEST {
-            all.push(from..row);
+        let piece = straight.trimmed(from..row);
+        if piece.len() >= least_rows.max(1) && time[piece.end - 1] - time[piece.start] >= SHORTEST {
+            all.push(piece);
         }
         from = row + 1;
     }
