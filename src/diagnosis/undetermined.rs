@@ -15,7 +15,7 @@ use super::unanswered::Unanswered;
 use std::collections::BTreeSet;
 
 /// Change of a modelled value, in RMS values of its signal, over the range of a parameter by its derivative, from which that tells nothing.
-/// Soils and motors of drives change a signal by less than a hundred times its size over their whole range.
+/// By argument: over its whole range a parameter of a soil or a motor changes a signal by tens of times its size, hardly by more.
 const ABSURD: f64 = 1e4;
 /// Share of their ranges by which the parameters are changed to see what hangs on them.
 const SHARE: f64 = 1e-6;
