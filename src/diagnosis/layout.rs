@@ -4,7 +4,7 @@ use super::kinds::strategy;
 use super::noise::Scale;
 use super::windows::free::FreeStart;
 use crate::measurement::Experiment;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -181,12 +181,18 @@ impl Layout {
         [variance.sqrt(), mean.abs(), 1.0].into_iter().find(|scale| *scale > 0.0).unwrap_or(1.0)
     }
 
-    /// Root of the mean square of a signal over the whole experiment, of all values that were measured; infinite where none differs from 0.
-    pub fn size(&self, signal: &str) -> f64 {
-        let blocks = self.blocks.iter().filter(|block| block.signal == signal);
-        let values = blocks.flat_map(|block| &self.recorded[block.range.clone()]).filter(|v| !v.is_nan());
-        let (sum, count) = values.fold((0.0, 0.0), |(sum, count), v| (sum + v * v, count + 1.0));
-        if sum > 0.0 { f64::sqrt(sum / count) } else { f64::INFINITY }
+    /// Root of the mean square of each signal over the whole experiment, of all values that were measured; infinite where none differs from 0.
+    pub fn sizes(&self) -> BTreeMap<&str, f64> {
+        let mut sums: BTreeMap<&str, (f64, f64)> = BTreeMap::new();
+        for block in &self.blocks {
+            let (sum, count) = sums.entry(&block.signal).or_default();
+            for value in self.recorded[block.range.clone()].iter().filter(|value| !value.is_nan()) {
+                *sum += value * value;
+                *count += 1.0;
+            }
+        }
+        let size = |(sum, count): (f64, f64)| if sum > 0.0 { (sum / count).sqrt() } else { f64::INFINITY };
+        sums.into_iter().map(|(signal, sums)| (signal, size(sums))).collect()
     }
 
     /// Number of values that count.

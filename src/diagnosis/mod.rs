@@ -5,6 +5,7 @@
 //!
 //! What differs between kinds of experiment stands in `kinds`, every constant of judgement in `thresholds`.
 
+mod bounded_quadratic;
 mod bounds;
 mod calibrate;
 #[cfg(test)]

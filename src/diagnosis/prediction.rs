@@ -7,6 +7,10 @@ use crate::model::RunError;
 use crate::simulation::Event;
 use crate::terrain::SamplesError;
 
+/// What is said of [`PredictionError::Undetermined`].
+const UNDETERMINED: &str = "the simulated value changes by more than a hundredth of its signal's RMS value where the parameters change by a millionth of \
+                            their ranges";
+
 /// Why the model could not compute a measured row.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PredictionError {
@@ -56,10 +60,8 @@ pub enum PredictionError {
         /// Name of the signal.
         signal: String,
     },
-    /// The simulation hangs on the last digits of its parameters.
-    #[error(
-        "run {run}: what the simulation gives here changes by more than a hundredth where its parameters change by a millionth of their ranges"
-    )]
+    /// The result of the simulation depends on the last digits of its parameters.
+    #[error("run {run}: {}", UNDETERMINED)]
     Undetermined {
         /// Name of the run.
         run: String,
@@ -124,10 +126,7 @@ impl PredictionError {
             Self::Simulation { source, .. } => source.to_string(),
             Self::Ended { time, event, .. } => format!("at {time} s the rover is {event}"),
             Self::Terrain { source, .. } => format!("terrain: {source}"),
-            Self::Undetermined { .. } => {
-                "it changes by more than a hundredth where the parameters change by a millionth of their ranges"
-                    .to_owned()
-            }
+            Self::Undetermined { .. } => UNDETERMINED.to_owned(),
             Self::Wheels { .. } | Self::Signal { .. } | Self::Interrupted => self.to_string(),
         }
     }

@@ -58,6 +58,10 @@ pub(crate) const LEAST_ANSWERED: f64 = 0.5;
 /// Largest share of rows without an answer beside which a verdict is given in full: one row in twenty may be odd.
 pub(crate) const MAY_BE_UNANSWERED: f64 = 0.05;
 
+/// Change of a modelled value over the range of a parameter by its derivative, in RMS values of its signal, from which the derivative tells
+/// nothing: over its whole range a parameter of a soil or a motor changes a signal by tens of times its size, hardly by more.
+pub(crate) const ABSURD: f64 = 1e4;
+
 // --- Odd stretches of a drive. Argument. ---
 
 /// Mean square of a whitened residual from which a stretch may be odd, in units of the usual stretch: 100 and more values of

@@ -12,6 +12,8 @@
 //! - **Rows without an answer at the best fit** of the baseline are left out, and the fit is repeated without them, until
 //!   every row that counts has an answer. They are left out of all that follows (noise, errors, effects), are listed, and
 //!   are a caution. From then on a fit that does not answer all rows that count is no fit.
+//!   In windows a row has no answer either where its value depends on the last digits of the parameters
+//!   ([`undetermined`](super::undetermined)); such rows are looked for after the first fits only.
 //! - **Too few are left**, and it is an error, where less than [`LEAST_ANSWERED`](super::thresholds::LEAST_ANSWERED) of the
 //!   measured rows have an answer, or no more measured values than there are free parameters.
 

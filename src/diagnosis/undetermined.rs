@@ -1,4 +1,4 @@
-//! Rows in which a simulation hangs on the last digits of its parameters.
+//! Rows in which the result of a simulation depends on the last digits of its parameters.
 //!
 //! Where a wheel stops on firm ground within a few inner steps, a change of a parameter by a millionth of its range can change what follows
 //! as much as a change by a tenth. A derivative there tells nothing of where to search, but would outweigh those of all other
@@ -10,22 +10,20 @@ use super::free::Free;
 use super::layout::Layout;
 use super::prediction::PredictionError;
 use super::problem::Problem;
-use super::thresholds::MAY_BE_UNANSWERED;
+use super::thresholds::{ABSURD, MAY_BE_UNANSWERED};
 use super::unanswered::Unanswered;
 use std::collections::BTreeSet;
 
-/// Change of a modelled value, in RMS values of its signal, over the range of a parameter by its derivative, from which that tells nothing.
-/// By argument: over its whole range a parameter of a soil or a motor changes a signal by tens of times its size, hardly by more.
-const ABSURD: f64 = 1e4;
-/// Share of their ranges by which the parameters are changed to see what hangs on them.
+/// Share of their ranges by which the parameters are changed to see what depends on their last digits.
 const SHARE: f64 = 1e-6;
 
 /// Takes the derivatives out of the rows in which they are absurd. `slopes`: for each free parameter the change of every value of the layout by
 /// a change of the parameter.
 pub(crate) fn silence(layout: &Layout, free: &[Free], values: &[f64], slopes: &mut [Vec<f64>]) {
     let ranges: Vec<f64> = free.iter().zip(values).map(|(free, value)| range(free, *value)).collect();
+    let sizes = layout.sizes();
     for block in &layout.blocks {
-        let most = ABSURD * layout.size(&block.signal);
+        let most = ABSURD * sizes[&*block.signal];
         for at in block.range.clone() {
             if slopes.iter().zip(&ranges).any(|(slope, range)| (slope[at] * range).abs() > most) {
                 slopes.iter_mut().for_each(|slope| slope[at] = 0.0);
@@ -40,12 +38,12 @@ fn range(free: &Free, value: f64) -> f64 {
     (upper - lower) * free.slope(value)
 }
 
-/// The rows that count in which the baseline at `values` hangs on a millionth of its parameters' ranges. None where runs are not cut into
-/// windows, whose length bounds what may add up, and none where more rows are so than may be left out beside a verdict.
+/// The rows that count in which the baseline depends on a millionth of its parameters' ranges; it gives `here` at `values`. None where runs
+/// are not cut into windows, whose length bounds what may add up, and none where more rows are so than may be left out beside a verdict.
 ///
 /// # Errors
 /// [`CompareError`] where the model has no answer.
-pub(crate) fn undetermined(problem: &Problem, values: &[f64]) -> Result<Vec<Unanswered>, CompareError> {
+pub(crate) fn undetermined(problem: &Problem, values: &[f64], here: &[f64]) -> Result<Vec<Unanswered>, CompareError> {
     if !problem.is_cut() {
         return Ok(Vec::new());
     }
@@ -58,9 +56,8 @@ pub(crate) fn undetermined(problem: &Problem, values: &[f64]) -> Result<Vec<Unan
         free.value(next)
     };
     let near: Vec<f64> = problem.base.iter().zip(values).enumerate().map(moved).collect();
-    let modelled = |values: &[f64]| problem.predict(&problem.base, |predict| predict.answers(values));
-    let (here, there) = (modelled(values)??.values, modelled(&near)??.values);
-    let rows = jumps(layout, &here, &there);
+    let there = problem.predict(&problem.base, |predict| predict.answers(&near))??.values;
+    let rows = jumps(layout, here, &there);
     if rows.len() as f64 > MAY_BE_UNANSWERED * layout.rows().1 as f64 {
         return Ok(Vec::new());
     }
@@ -74,8 +71,9 @@ pub(crate) fn undetermined(problem: &Problem, values: &[f64]) -> Result<Vec<Unan
 /// Rows that count in which the modelled values differ by more than a change of [`SHARE`] can bring about.
 fn jumps(layout: &Layout, here: &[f64], there: &[f64]) -> BTreeSet<(usize, usize)> {
     let mut rows = BTreeSet::new();
+    let sizes = layout.sizes();
     for block in &layout.blocks {
-        let most = ABSURD * SHARE * layout.size(&block.signal);
+        let most = ABSURD * SHARE * sizes[&*block.signal];
         let differs = |row: &usize| {
             let at = block.range.start + row;
             (here[at] - there[at]).abs() > most && layout.is_fitted(block, *row)
@@ -106,7 +104,8 @@ mod tests {
         problem.cut();
         assert!(problem.is_cut());
         let values: Vec<f64> = problem.base.iter().map(|free| free.start).collect();
-        assert!(undetermined(&problem, &values).unwrap().is_empty());
+        let here = problem.predict(&problem.base, |predict| predict.values(&values)).unwrap().unwrap();
+        assert!(undetermined(&problem, &values, &here).unwrap().is_empty());
     }
 
     #[test]
@@ -117,7 +116,7 @@ mod tests {
         let block = layout.blocks.last().unwrap();
         let row = block.range.len() - 3;
         let at = block.range.start + row;
-        let size = layout.size(&block.signal);
+        let size = layout.sizes()[&*block.signal];
         let here = layout.measured.clone();
         for (share, expected) in [(0.9, None), (1.1, Some((block.run, row)))] {
             let mut there = here.clone();

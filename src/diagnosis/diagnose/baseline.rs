@@ -12,8 +12,8 @@ use crate::diagnosis::unanswered::Unanswered;
 use crate::diagnosis::undetermined::undetermined;
 use crate::simulation::Event;
 
-/// Fits after which rows that hang on the last digits of the parameters are looked for. Others come up wherever the parameters go, and a search
-/// does without the derivatives of these.
+/// How many of the first fits are followed by a look for rows that depend on the last digits of the parameters. With other parameters these
+/// are other rows, so that the look would find some again and again; a search does without their derivatives anyway.
 const ROUNDS: usize = 2;
 
 /// The baseline under the final noise, from where the first fit ended and, where that is far, from elsewhere too.
@@ -66,9 +66,10 @@ pub(super) fn fitted(
         let fit = run_open(problem, noise, &task);
         let missing = match &fit {
             Some(fit) => {
-                let mut missing = modelled(problem, &fit.values())?.missing(&problem.layout);
+                let answers = modelled(problem, &fit.values())?;
+                let mut missing = answers.missing(&problem.layout);
                 if missing.is_empty() && round < ROUNDS {
-                    missing = undetermined(problem, &fit.values())?;
+                    missing = undetermined(problem, &fit.values(), &answers.values)?;
                 }
                 missing
             }

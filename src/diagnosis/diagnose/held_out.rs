@@ -11,8 +11,9 @@
 use super::fits::{Noise, Task, run};
 use super::folds::Fold;
 use super::probability::log_density;
+use crate::diagnosis::bounded_quadratic::within;
 use crate::diagnosis::calibrate::Calibration;
-use crate::diagnosis::gauss_newton::{PROXIMAL, within};
+use crate::diagnosis::gauss_newton::PROXIMAL;
 use crate::diagnosis::kinds::LeftOut;
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::thresholds::{LINEAR, UNFELT};
