@@ -43,6 +43,9 @@ export function Opening() {
   const [number, setNumber] = useState(0);
   const [proposal, setProposal] = useState<Proposal | null>(null);
   const [settings, setSettings] = useState("");
+  /** The settings as they are, also between two drawings of the page. */
+  const text = useRef("");
+  const changes = useRef(Promise.resolve());
   const [error, setError] = useState("");
 
   const failed = (reason: unknown) => setError(reason instanceof Error ? reason.message : String(reason));
@@ -80,7 +83,7 @@ export function Opening() {
       const proposed = await post<Proposal>(`api/uploads/${upload}/proposal`);
       if (proposed.ready) return await open(upload, null);
       setProposal(proposed);
-      setSettings(proposed.settings);
+      setSettings((text.current = proposed.settings));
       setState("map");
     } catch (reason) {
       failed(reason);
@@ -88,15 +91,26 @@ export function Opening() {
     }
   };
 
-  const change = async (request: unknown) => {
+  /** Changes go to the server one after the other; the last answer says what the settings are. */
+  const change = (request: unknown) => {
     setError("");
-    try {
-      const proposed = await post<Proposal>(`api/uploads/${number}/proposal`, request);
-      setProposal(proposed);
-      setSettings(proposed.settings);
-    } catch (reason) {
-      failed(reason);
-    }
+    const wanted = (changes.current = changes.current.then(async () => {
+      try {
+        const proposed = await post<Proposal>(`api/uploads/${number}/proposal`, request);
+        setProposal(proposed);
+        if (changes.current === wanted) setSettings((text.current = proposed.settings));
+      } catch (reason) {
+        failed(reason);
+      }
+    }));
+    return wanted;
+  };
+
+  /** Opens with the settings that follow from all changes so far. */
+  const openMapped = async () => {
+    setError("");
+    await changes.current;
+    await open(number, text.current).catch(failed);
   };
 
   useEffect(() => {
@@ -136,8 +150,8 @@ export function Opening() {
           </>
         )}
         {state === "map" && proposal && (
-          <Mapping proposal={proposal} settings={settings} onSettings={setSettings} onChange={change}
-            onOpen={() => { setError(""); open(number, settings).catch(failed); }} />
+          <Mapping proposal={proposal} settings={settings} onSettings={(own) => setSettings((text.current = own))} onChange={change}
+            onOpen={() => void openMapped()} />
         )}
         <button type="button" onClick={() => { dialog.current?.close(); setState("choose"); setError(""); }}>Close</button>
       </dialog>
@@ -159,8 +173,29 @@ function asked(missing: string): { name: string; unit: string } | null {
   return found?.[1] ? { name: found[1], unit: found[2] ?? "" } : null;
 }
 
+interface TypedProperties {
+  value: string;
+  /** Takes what was typed, once the hand leaves the field. */
+  onTyped: (text: string) => Promise<void>;
+  label: string;
+  [attribute: string]: unknown;
+}
+
+/** A text field that keeps what is being typed while answers to other fields come and draw the page again. */
+function Typed({ value, onTyped, label, ...others }: TypedProperties) {
+  const [draft, setDraft] = useState<string | null>(null);
+  const take = async (typed: string) => {
+    await onTyped(typed);
+    setDraft((now) => (now === typed ? null : now));
+  };
+  return (
+    <input {...others} aria-label={label} value={draft ?? value} onInput={(event) => setDraft(event.currentTarget.value)}
+      onChange={(event) => void take(event.currentTarget.value)} />
+  );
+}
+
 function Mapping({ proposal, settings, onSettings, onChange, onOpen }: MappingProperties) {
-  const put = (name: string, meaning: Meaning | null) => void onChange({ columns: { [name]: meaning } });
+  const put = (name: string, meaning: Meaning | null) => onChange({ columns: { [name]: meaning } });
   const open = proposal.missing.map((missing) => ({ missing, number: asked(missing) }));
   return (
     <>
@@ -191,12 +226,12 @@ function Mapping({ proposal, settings, onSettings, onChange, onOpen }: MappingPr
                 <tr key={one.name}>
                   <th scope="row">{one.name}</th>
                   <td class="soft">{one.examples.slice(0, 3).join("; ")}</td>
-                  <td><input list="targets" aria-label={`signal of column ${one.name}`} placeholder="left out" value={meaning.target}
-                    onChange={(event) => put(one.name, event.currentTarget.value.trim() ? { ...meaning, target: event.currentTarget.value.trim() } : null)} /></td>
-                  <td><input aria-label={`unit of column ${one.name}`} class="unit" placeholder="SI" disabled={!one.meaning} value={meaning.unit ?? ""}
-                    onChange={(event) => put(one.name, { ...meaning, unit: event.currentTarget.value.trim() || null })} /></td>
+                  <td><Typed list="targets" label={`signal of column ${one.name}`} placeholder="left out" value={meaning.target}
+                    onTyped={(text) => put(one.name, text.trim() ? { ...meaning, target: text.trim() } : null)} /></td>
+                  <td><Typed label={`unit of column ${one.name}`} class="unit" placeholder="SI" disabled={!one.meaning} value={meaning.unit ?? ""}
+                    onTyped={(text) => put(one.name, { ...meaning, unit: text.trim() || null })} /></td>
                   <td><input type="checkbox" aria-label={`turn the sign of column ${one.name}`} disabled={!one.meaning} checked={meaning.turned}
-                    onChange={(event) => put(one.name, { ...meaning, turned: event.currentTarget.checked })} /></td>
+                    onChange={(event) => void put(one.name, { ...meaning, turned: event.currentTarget.checked })} /></td>
                   <td class="note soft">{one.note}</td>
                 </tr>
               );

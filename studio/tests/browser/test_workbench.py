@@ -112,8 +112,7 @@ def opened(browser: Any, address: str, **options: Any) -> Any:
     """The page with its calibrated model, once the answer of this model is there."""
     page = watched(browser, address, **options)
     page.goto(address)
-    calibrated = "window.bekker?.experiment?.calibration && window.bekker.trial && window.bekker.view.at === 1"
-    until(page, f"{calibrated} && !window.bekker.trials.asking")
+    until_calibrated(page)
     return page
 
 
@@ -128,6 +127,12 @@ def until(page: Any, condition: str) -> None:
     while not page.evaluate(f"Boolean({condition})"):
         assert time.monotonic() < end, condition
         time.sleep(0.05)
+
+
+def until_calibrated(page: Any, further: str = "true") -> None:
+    """Waits for the calibrated model and for its answer: the answer of the model as given stays until the new one comes."""
+    calibrated = "window.bekker?.experiment?.calibration && window.bekker.trial && window.bekker.view.at === 1"
+    until(page, f"{calibrated} && !window.bekker.trials.asking && ({further})")
 
 
 def overall(page: Any) -> float:
@@ -360,7 +365,7 @@ def test_several_experiments_two_models_and_an_fmu(browser: Any, drive: Path, tm
         until(page, "!window.bekker.jobs.has('separate')")
         # The other experiment takes the soil of this one.
         page.locator("header select").select_option(label="a wheel on dry sand")
-        until(page, "window.bekker.experiment?.kind === 'single_wheel' && window.bekker.view.at === 1 && window.bekker.trial")
+        until_calibrated(page, "window.bekker.experiment.kind === 'single_wheel'")
         page.get_by_text("Soil and other calibrated parameters").click()
         page.get_by_label("Take the soil of").select_option(label="a short drive")
         until(page, "Object.keys(window.bekker.view.set).some((name) => name.startsWith('soil.'))")
@@ -490,7 +495,7 @@ def test_a_set_is_put_together_on_the_page(browser: Any, width: int, tmp_path: P
         page.get_by_label("The soil differs from one to the next by").fill("10")
         assert violations(page) == []
         page.get_by_role("button", name="Fit 2 together").click()
-        until(page, "window.bekker.experiment?.calibration && window.bekker.trial && window.bekker.view.at === 1 && window.bekker.part")
+        until_calibrated(page, "window.bekker.part")
         # The numbers are those of the command line.
         assert page.evaluate("window.bekker.trial.rmse") == json.loads((tmp_path / "calibrated.json").read_text())["rmse"]
         assert page.evaluate("window.bekker.listed.experiments.length") == 4
