@@ -40,6 +40,7 @@ struct Payload {
     experiment: Material,
     candidates: Option<Vec<String>>,
     added: Vec<String>,
+    windows: usize,
     noise: Noise,
     task: Task,
 }
@@ -104,6 +105,7 @@ pub fn diagnose<'py>(
     added: Vec<String>,
     max_effects: usize,
     draws: usize,
+    windows: usize,
     spread: Option<Bound<'py, PyAny>>,
     progress: Option<Bound<'py, PyAny>>,
     time_budget: Option<f64>,
@@ -113,7 +115,7 @@ pub fn diagnose<'py>(
     let refused = |_| InputError::new_err("time_budget: expected a positive number of seconds");
     let budget = time_budget.map(Duration::try_from_secs_f64).transpose().map_err(refused)?;
     let (read, material) = experiment.read(py)?;
-    let options = DiagnoseOptions { candidates, added, max_effects, draws };
+    let options = DiagnoseOptions { candidates, added, max_effects, draws, windows };
     let material = spread.as_ref().map(|_| material.portable()).transpose()?;
     let given = given(py, &model, &values, &soil, &together)?;
     let chosen = match &spread {
@@ -230,6 +232,7 @@ impl Caller<'_, '_> {
                 experiment: material.clone(),
                 candidates: self.options.candidates.clone(),
                 added: self.options.added.clone(),
+                windows: self.options.windows,
                 noise: noise.clone(),
                 task: task.clone(),
             };
@@ -271,8 +274,12 @@ fn fitted(payload: &[u8]) -> PyResult<Option<Outcome>> {
     };
     let given = together(given, &payload.together)?;
     let experiment = payload.experiment.read().map_err(|error| InputError::new_err(error.to_string()))?;
-    let options =
-        DiagnoseOptions { candidates: payload.candidates, added: payload.added, ..DiagnoseOptions::default() };
+    let options = DiagnoseOptions {
+        candidates: payload.candidates,
+        added: payload.added,
+        windows: payload.windows,
+        ..DiagnoseOptions::default()
+    };
     core_fit_task(given, &experiment, &options, &payload.noise, &payload.task).map_err(|error| failed(&error))
 }
 

@@ -152,7 +152,7 @@ def test_property_bad_arguments_are_named() -> None:
         bekker.diagnose(SAND, candidates=["slip_sinkag"])
     with pytest.raises(bekker.InputError, match="candidates: expected a list of names"):
         bekker.diagnose(SAND, candidates="slip_sinkage")
-    for options, message in (({"draws": 99}, "draws = 99"), ({"max_effects": -1}, "max_effects = -1")):
+    for options, message in (({"draws": 99}, "draws = 99"), ({"windows": 7}, "windows = 7"), ({"max_effects": -1}, "max_effects = -1")):
         with pytest.raises(bekker.InputError, match=message):
             bekker.diagnose(SAND, **options)
     with pytest.raises(bekker.InputError, match="expected a folder or a bekker.Experiment, found dict"):

@@ -231,12 +231,14 @@ fn calibrated(problem: Problem, given: Result<Answers, PredictionError>) -> Resu
     let mut posed = problem.clone();
     posed.coarsen();
     posed.cut();
+    _ = posed.spare(super::diagnose::WINDOWS);
     let mut prepared = calibrated_baseline(&mut posed)?;
     prepared.cautions.extend(prepared.baseline.parameters.iter().filter_map(left_prior));
     prepared.cautions.extend(moved(posed.joint.as_ref(), &prepared.baseline));
     let experiment = &*problem.experiment;
     let values = prepared.baseline.values();
-    let best = Fit::new(experiment, &posed.layout, &prepared.modelled).in_motion(&posed, &[], &values)?;
+    let modelled = posed.with_spared(&[], &values, prepared.modelled.clone())?;
+    let best = Fit::new(experiment, &posed.layout, &modelled).in_motion(&posed, &[], &values)?;
     let start: Vec<f64> = problem.base.iter().map(|free| free.start).collect();
     let unanswered = given.as_ref().map_or_else(|_| Vec::new(), |given| listed(given.missing(&problem.layout)));
     let information = information(&posed, &prepared.noise, &prepared.baseline);

@@ -39,6 +39,8 @@ pub(crate) struct Layout {
     left_out: Vec<(usize, usize)>,
     /// Rows (run, row) behind a gap, where the motion has not settled yet: no fit counts them either.
     unsettled: BTreeSet<(usize, usize)>,
+    /// Rows (run, row) that take no part in any fit, so that they can judge the final model.
+    spared: BTreeSet<(usize, usize)>,
     /// What is open of the starts of windows, by run.
     pub free_starts: Vec<Arc<FreeStart>>,
 }
@@ -54,6 +56,7 @@ impl Layout {
             starts,
             left_out: Vec::new(),
             unsettled: BTreeSet::new(),
+            spared: BTreeSet::new(),
             free_starts: Vec::new(),
         };
         for (run, data) in experiment.runs.iter().enumerate() {
@@ -87,6 +90,7 @@ impl Layout {
         let place = |(run, row): &(usize, usize)| Some((runs.iter().position(|kept| kept == run)?, *row));
         part.leave_out(&self.left_out.iter().filter_map(place).collect::<Vec<_>>());
         part.unsettled = self.unsettled.iter().filter_map(place).collect();
+        part.spare(self.spared.iter().filter_map(place));
         if !self.scale.is_empty() {
             let own = runs.iter().flat_map(|run| self.of_run(*run));
             part.scale = own.flat_map(|block| self.scale[block.range.clone()].iter().copied()).collect();
@@ -124,10 +128,30 @@ impl Layout {
         self.left_out.extend_from_slice(rows);
         self.left_out.sort_unstable();
         self.left_out.dedup();
-        for block in &self.blocks {
-            for (_, row) in rows.iter().filter(|(run, _)| *run == block.run) {
-                self.measured[block.range.start + row] = f64::NAN;
-            }
+        rows.iter().for_each(|row| self.blank(*row));
+    }
+
+    /// Keeps rows (run, row) out of all fits.
+    pub fn spare(&mut self, rows: impl IntoIterator<Item = (usize, usize)>) {
+        for row in rows {
+            self.spared.insert(row);
+            self.blank(row);
+        }
+    }
+
+    /// Lets the spared rows be simulated; they still do not count.
+    pub fn show_spared(&mut self) {
+        self.spared.clear();
+    }
+
+    /// Whether a row takes no part in any fit, so that it can judge the final model.
+    pub fn is_spared(&self, run: usize, row: usize) -> bool {
+        self.spared.contains(&(run, row))
+    }
+
+    fn blank(&mut self, (run, row): (usize, usize)) {
+        for block in self.blocks.iter().filter(|block| block.run == run) {
+            self.measured[block.range.start + row] = f64::NAN;
         }
     }
 
@@ -136,10 +160,10 @@ impl Layout {
         &self.left_out
     }
 
-    /// Whether rows of a run are left out and none of it counts.
+    /// Whether rows of a run are left out or spared and none of it counts.
     pub fn is_left_out(&self, run: usize) -> bool {
         let counts = |at: std::ops::Range<usize>| self.measured[at].iter().any(|value| !value.is_nan());
-        self.left_out.iter().any(|(other, _)| *other == run)
+        self.left_out.iter().chain(&self.spared).any(|(other, _)| *other == run)
             && !self.of_run(run).any(|block| counts(block.range.clone()))
     }
 
@@ -148,12 +172,13 @@ impl Layout {
         self.of_run(run).any(|block| !self.measured[block.range.start + row].is_nan())
     }
 
-    /// Number of rows that were measured, and how many of them count.
+    /// Number of rows that were measured and are not spared, and how many of them count.
     pub fn rows(&self) -> (usize, usize) {
         let mut all = (0, 0);
         for run in 0..self.starts.len() {
             for row in 0..self.of_run(run).next().map_or(0, |block| block.range.len()) {
-                let measured = self.of_run(run).any(|block| !self.recorded[block.range.start + row].is_nan());
+                let recorded = |block: &Block| !self.recorded[block.range.start + row].is_nan();
+                let measured = !self.is_spared(run, row) && self.of_run(run).any(recorded);
                 all.0 += usize::from(measured);
                 all.1 += usize::from(measured && self.counts(run, row));
             }

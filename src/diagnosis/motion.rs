@@ -43,7 +43,7 @@ pub(crate) fn motions(problem: &Problem, effects: &[String], values: &[f64]) -> 
         return Ok(Vec::new());
     }
     let free = problem.free(effects);
-    let mut shown = problem.clone();
+    let mut shown = problem.shown().into_owned();
     shown.experiment = Cow::Owned(with_signals_of_the_motion(problem));
     shown.layout = Layout::unmeasured(&shown.experiment);
     let answers = match shown.predict(&free, |predict| predict.answers(values))? {

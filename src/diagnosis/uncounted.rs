@@ -19,6 +19,8 @@ pub enum Uncounted {
     Odd,
     /// The calibrated model has no answer there.
     NoAnswer,
+    /// A window that takes no part in the fits, so that it can judge the final model.
+    Spared,
 }
 
 impl Uncounted {
@@ -30,6 +32,7 @@ impl Uncounted {
             Self::Gap => "after a gap",
             Self::Odd => "odd stretch",
             Self::NoAnswer => "no answer",
+            Self::Spared => "spared",
         }
     }
 }
@@ -85,7 +88,8 @@ impl<'a> UncountedGroup<'a> {
         let mut groups: Vec<Self> = Vec::new();
         for rows in all {
             let alike = |group: &&mut Self| {
-                rows.why == Uncounted::Start && group.stretches.iter().all(|other| other.reason == rows.reason)
+                matches!(rows.why, Uncounted::Start | Uncounted::Spared)
+                    && group.stretches.iter().all(|other| other.reason == rows.reason)
             };
             match groups.iter_mut().find(alike) {
                 Some(group) => group.stretches.push(rows),
@@ -145,6 +149,8 @@ const UNKNOWN: &str = "taken for a start from rest, since neither position nor v
                        assumption of the model";
 const IN_MOTION: &str = "start in motion: what came before is not known, and what is quick settles first";
 
+const SPARED: &str = "takes no part in the fits, so that it can judge the final model: the drive is long";
+
 /// All rows that do not count, in the order of the experiment; `odd` (run, row) are odd stretches, `unanswered` the rows in which the
 /// calibrated model has no answer.
 pub(crate) fn uncounted(
@@ -164,6 +170,8 @@ pub(crate) fn uncounted(
                 Uncounted::Start
             } else if problem.layout.is_unsettled(number, row) {
                 Uncounted::Gap
+            } else if problem.layout.is_spared(number, row) {
+                Uncounted::Spared
             } else if without.is_some() {
                 Uncounted::NoAnswer
             } else {
@@ -172,6 +180,7 @@ pub(crate) fn uncounted(
             let reason = match (why, without) {
                 (Uncounted::Start, _) => start(problem.experiment.recorded_run(number)).to_owned(),
                 (Uncounted::Gap, _) => gap(time.unwrap_or_default(), row),
+                (Uncounted::Spared, _) => SPARED.to_owned(),
                 (Uncounted::NoAnswer, Some(rows)) => format!("the model has no answer: {}", rows.reason),
                 _ => "differs from the rest of the drive, and no effect accounts for it".to_owned(),
             };

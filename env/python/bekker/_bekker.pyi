@@ -73,6 +73,7 @@ def diagnose(
     added: list[str],
     max_effects: int,
     draws: int,
+    windows: int,
     spread: Callable[[Sequence[bytes]], list[bytes]] | None,
     progress: Callable[[str, str, float, float, float | None], object] | None,
     time_budget: float | None,

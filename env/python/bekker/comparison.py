@@ -171,7 +171,8 @@ class UncountedRows:
     seconds: tuple[float, float] | None
     """Times of these rows; None where rows have no time."""
     why: str
-    """``start`` of a run, ``gap`` (what follows one), ``odd`` stretch, or ``no_answer`` of the model."""
+    """``start`` of a run, ``gap`` (what follows one), ``odd`` stretch, ``no_answer`` of the model, or ``spared``: a
+    window that takes no part in the fits, so that it can judge the final model."""
     reason: str
     """The same in words."""
 

@@ -311,6 +311,7 @@ def diagnose(
     added: Iterable[str] | None = None,
     max_effects: int = 3,
     draws: int = 399,
+    windows: int = 64,
     executor: Executor | None = None,
     progress: Callable[[Progress], object] | None = None,
     time_budget: float | None = None,
@@ -343,6 +344,8 @@ def diagnose(
         added: ids of effects that are part of the baseline, with free parameters.
         max_effects: most effects that are added.
         draws: bootstrap draws, at least 100; p-values are not below 1/(draws + 1), and to be named takes less than 0.01.
+        windows: different windows of a long drive, at least 8, that take part in the fits, evenly spread. A window has 6 s; the others
+            judge the final model.
         executor: where candidates are fitted: any ``concurrent.futures.Executor``, for example a
             ProcessPoolExecutor, a Dask client's ``get_executor()`` or Ray through a small adapter (see
             ``examples/ray_diagnosis.py``). Each fit takes one core there. The threads of this machine where None.
@@ -363,6 +366,7 @@ def diagnose(
     _whole("max_effects", max_effects, 0)
     # Fewer cannot give a p-value under 0.01, so that nothing would ever be named.
     _whole("draws", draws, 100)
+    _whole("windows", windows, 8)
     native, raised = _bekker.diagnose(
         sources(experiment),
         *given(model, parameters),
@@ -370,6 +374,7 @@ def diagnose(
         names_of("added", added or ()),
         max_effects,
         draws,
+        windows,
         None if executor is None else through(executor),
         None if progress is None else _telling(progress),
         _seconds(time_budget),

@@ -8,6 +8,7 @@ use crate::diagnosis::problem::Problem;
 use crate::diagnosis::thresholds::ODD;
 use crate::diagnosis::unanswered::{UnansweredRows, listed};
 use crate::diagnosis::windows::Window;
+use crate::diagnosis::windows::cut::has_gap;
 use crate::measurement::{Experiment, Kind};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -18,7 +19,7 @@ use std::ops::Range;
 /// where two states are steady, climbing and spinning, it decides between them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WholeDrive {
-    /// Number of windows into which the runs were cut.
+    /// Number of windows that take part in the fits.
     pub windows: usize,
     /// Runs that were driven as a whole.
     pub runs: Vec<String>,
@@ -44,12 +45,12 @@ pub(crate) fn whole_drive(
     if !problem.is_cut() {
         return Ok(None);
     }
-    let without_gap = |run: &usize| {
-        problem.windows[*run].iter().all(|window| window.rows.start == 0 || window.begin < window.rows.start)
-    };
+    let without_gap = |run: &usize| !has_gap(&problem.experiment.runs[*run]);
+    let takes_part = |run: &usize| !problem.layout.is_left_out(*run);
     // Of several experiments some may have been no drives.
     let drives = |run: &usize| problem.experiment.kind_of_run(*run) == Kind::Traverse;
-    let runs: Vec<usize> = (0..problem.experiment.runs.len()).filter(drives).filter(without_gap).collect();
+    let runs: Vec<usize> =
+        (0..problem.experiment.runs.len()).filter(drives).filter(without_gap).filter(takes_part).collect();
     let mut whole = problem.only(&runs);
     whole.windows = runs.iter().map(|run| joined(&problem.windows[*run])).collect();
     whole.halt = Halt::default();

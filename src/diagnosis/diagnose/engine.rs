@@ -10,6 +10,7 @@ use super::odd::odd;
 use super::prepare::{Prepared, prepare, prepare_again};
 use super::result::Diagnosis;
 use super::search::Search;
+use super::spared::{WINDOWS, judge_by_spared};
 use super::stage::{Stage, StageContext};
 use super::untried::{Untried, lines};
 use super::verdict::Judgement;
@@ -32,11 +33,13 @@ pub struct DiagnoseOptions {
     pub max_effects: usize,
     /// Bootstrap draws; p-values are not below 1/(draws + 1), so that fewer than 100 can never name an effect.
     pub draws: usize,
+    /// Different windows of a drive that take part in the fits, evenly spread; the others judge the final model.
+    pub windows: usize,
 }
 
 impl Default for DiagnoseOptions {
     fn default() -> Self {
-        Self { candidates: None, added: Vec::new(), max_effects: 3, draws: 399 }
+        Self { candidates: None, added: Vec::new(), max_effects: 3, draws: 399, windows: WINDOWS }
     }
 }
 
@@ -47,13 +50,23 @@ impl DiagnoseOptions {
         given: impl Into<Given>,
         experiment: &'a Experiment,
     ) -> Result<Problem<'a>, CompareError> {
+        Ok(self.problems(given, experiment)?.0)
+    }
+
+    /// The same, and the same problem over the windows that take no part in the fits.
+    fn problems<'a>(
+        &self,
+        given: impl Into<Given>,
+        experiment: &'a Experiment,
+    ) -> Result<(Problem<'a>, Option<Problem<'a>>), CompareError> {
         let mut problem = Problem::new(given, experiment, &self.added)?;
         if let Some(candidates) = &self.candidates {
             problem.keep_candidates(candidates)?;
         }
         problem.coarsen();
         problem.cut();
-        Ok(problem)
+        let others = problem.spare(self.windows);
+        Ok((problem, others))
     }
 }
 
@@ -75,7 +88,7 @@ pub fn diagnose(
     options: &DiagnoseOptions,
     control: &Control,
 ) -> Result<Diagnosis, CompareError> {
-    let mut problem = options.problem(given, experiment)?;
+    let (mut problem, others) = options.problems(given, experiment)?;
     let watch = Watch::new(control, problem.strategy());
     problem.halt = watch.halt();
     let nothing_yet = |error: CompareError| if watch.stopped() { CompareError::Interrupted } else { error };
@@ -117,6 +130,12 @@ pub fn diagnose(
     let whole = whole_drive(&problem, &prepared.noise, &chosen, &values)?;
     if let Some(whole) = &whole {
         last_check(&mut judgement, whole, &problem.experiment);
+    }
+
+    if let Some(mut others) = others {
+        let found = (chosen.as_slice(), values.as_slice());
+        others.halt = watch.halt();
+        judge_by_spared(&mut judgement, &mut others, (&problem, &prepared.noise), &prepared.baseline.values(), found)?;
     }
 
     let finished = Finished { search: &search, stage: &stage, prepared: &prepared, evidence: &evidence };

@@ -115,7 +115,7 @@ impl Finished<'_> {
     fn given(&self) -> Result<Option<Fit>, CompareError> {
         let problem = self.search.problem;
         let start: Vec<f64> = problem.base.iter().map(|free| free.start).collect();
-        let given = problem.predict(&problem.base, |predict| predict.answers(&start))?;
+        let given = problem.shown().predict(&problem.base, |predict| predict.answers(&start))?;
         let given = given.ok().filter(|given| given.any(&problem.layout));
         let shown = given.map(|given| Fit::new(&problem.experiment, &problem.layout, &given.values));
         Ok(shown.map(|fit| fit.in_motion(problem, &[], &start)).transpose()?)
@@ -194,6 +194,7 @@ fn steps(finished: &Finished, chosen: &[String]) -> Result<Vec<Step>, CompareErr
         let known = effects.is_empty() && search.watch.stopped() && fit.chi_square == stage.fit.chi_square;
         let modelled = if known { Some(stage.modelled.clone()) } else { search.modelled(effects)? };
         let Some(modelled) = modelled else { continue };
+        let modelled = problem.with_spared(effects, &values, modelled)?;
         let shown = Fit::new(&problem.experiment, &problem.layout, &modelled).in_motion(problem, effects, &values)?;
         let left = match count {
             0 => 1.0,

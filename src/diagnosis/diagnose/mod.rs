@@ -45,6 +45,7 @@ mod search;
 mod serialised;
 mod signature;
 mod soil;
+mod spared;
 mod stage;
 mod starts;
 mod untried;
@@ -66,6 +67,7 @@ pub use result::{
     CandidateResult, Diagnosis, FinalParameter, LackOfFit, PairResult, ParameterResult, Share, Step, TriedFit, Verdict,
 };
 pub(crate) use signature::{Sensitivities, prune, sensitivities};
+pub(crate) use spared::WINDOWS;
 pub(crate) use stage::largest_cosine;
 pub(crate) use untried::Untried;
 pub(crate) use views::View;

@@ -58,6 +58,8 @@ pub(crate) struct Problem<'a> {
     own_steps: Vec<f64>,
     /// How runs are cut into windows; empty where they are replayed as a whole.
     pub windows: Windows,
+    /// Windows that take no part in the fits, by run; empty where all do.
+    pub(super) spared: Windows,
     /// Whether rovers are led at the measured velocity, for a first look.
     pub guided: bool,
     /// When simulations end early.
@@ -118,6 +120,7 @@ impl<'a> Problem<'a> {
             steps: Vec::new(),
             own_steps: Vec::new(),
             windows: Windows::new(),
+            spared: Windows::new(),
             guided: false,
             halt: Halt::default(),
             joint,
@@ -141,6 +144,7 @@ impl<'a> Problem<'a> {
             steps: self.steps,
             own_steps: self.own_steps,
             windows: self.windows,
+            spared: self.spared,
             guided: self.guided,
             halt: Halt::default(),
             joint: self.joint,
@@ -293,6 +297,7 @@ impl<'a> Problem<'a> {
             steps: self.steps.clone(),
             own_steps: runs.iter().filter_map(|run| self.own_steps.get(*run).copied()).collect(),
             windows: runs.iter().filter_map(|run| self.windows.get(*run).cloned()).collect(),
+            spared: runs.iter().filter_map(|run| self.spared.get(*run).cloned()).collect(),
             guided: self.guided,
             halt: self.halt,
             models: runs.iter().map(|run| self.models[*run].clone()).collect(),

@@ -10,6 +10,39 @@ use crate::scalar::Scalar;
 use crate::simulation::{Simulation, StepError};
 use std::ops::Range;
 
+/// How warm the windings are along a window.
+struct Heat<S> {
+    /// The rises (K) with which it begins, and the row.
+    first: (Vec<S>, usize),
+    /// The same of the last row that was taken.
+    last: (Vec<S>, usize),
+}
+
+impl<S: Scalar> Heat<S> {
+    fn new(state: &State<S>, row: usize) -> Self {
+        let rises = rises(state);
+        Self { first: (rises.clone(), row), last: (rises, row) }
+    }
+
+    fn take(&mut self, row: usize, state: &State<S>) {
+        self.last = (rises(state), row);
+    }
+
+    /// The rises at a row: where it lies behind the last one that was taken, the power stays what it was in between on average.
+    fn at(self, row: usize, rover: &Rover<S>, time: &[f64]) -> Vec<S> {
+        let ((before, begin), (mut rises, end)) = (self.first, self.last);
+        let Some(law) = rover.effects.warming(S::from(0.0)).filter(|_| begin < end && end < row) else { return rises };
+        for (rise, before) in rises.iter_mut().zip(before) {
+            *rise = law.between(before, *rise, time[end] - time[begin]).after(*rise, time[row] - time[end]);
+        }
+        rises
+    }
+}
+
+fn rises<S: Scalar>(state: &State<S>) -> Vec<S> {
+    state.wheels.iter().map(|wheel| wheel.winding_rise).collect()
+}
+
 impl Recorded {
     /// The traced signals of an open-loop replay window by window, row by row, unless `halt` asks to end. `open` makes the
     /// place and the velocity in which a window begins of their values.
@@ -27,12 +60,11 @@ impl Recorded {
         let mut warm: Vec<S> = Vec::new();
         for (k, window) in self.windows.iter().enumerate() {
             let next = self.windows.get(k + 1).map(|next| next.begin);
-            let mut last = window.rows.start;
             let state = self.state(rover, x0, window, open, &warm).map_err(|error| self.failed(error.into()))?;
+            let mut heat = Heat::new(&state, window.begin);
             let mut record = |row: usize, simulation: &Simulation<S>| {
-                last = row;
-                if Some(row) == next {
-                    warm = simulation.state().wheels.iter().map(|wheel| wheel.winding_rise).collect();
+                if next.is_none_or(|next| row <= next) {
+                    heat.take(row, simulation.state());
                 }
                 if window.rows.contains(&row) {
                     self.read(simulation.signals(), row, &mut trace);
@@ -48,6 +80,9 @@ impl Recorded {
                     self.stay(&mut trace, from..window.rows.end);
                     ended.push((from..window.rows.end, error));
                 }
+            }
+            if let Some(next) = next {
+                warm = heat.at(next, rover, &self.time);
             }
         }
         Ok(Traced { values: trace, ended })

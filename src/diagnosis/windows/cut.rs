@@ -88,6 +88,11 @@ pub(crate) fn unsettled(experiment: &Experiment, windows: &Windows) -> Vec<(usiz
     rows
 }
 
+/// Whether a run is recorded in several pieces, with gaps between them.
+pub(crate) fn has_gap(run: &Run) -> bool {
+    run.data.column("time").is_some_and(|time| pieces(time).len() > 1)
+}
+
 /// Path of a run whose commands are followed as they are.
 fn of_run(run: &Run, model: &Model) -> Option<Path> {
     let speeds = commanded(run);

@@ -10,7 +10,7 @@ mod settable;
 use super::calibrate::Calibration;
 use super::compare::CompareError;
 use super::curves::{Axis, Curves, sketch};
-use super::diagnose::{Noise, Prepared, calibrated_baseline, run_fit};
+use super::diagnose::{Noise, Prepared, WINDOWS, calibrated_baseline, run_fit};
 use super::failure::{Failure, failures};
 use super::fit::Fit;
 use super::free::Free;
@@ -75,6 +75,7 @@ impl Workbench {
         }
         problem.coarsen();
         problem.cut();
+        _ = problem.spare(WINDOWS);
         let opened = Self::new(problem, BTreeMap::new(), None);
         let modelled = opened.modelled(&Values::new())?.1;
         let floors = noise_floors(experiment, &opened.problem.layout, &modelled);
@@ -217,7 +218,7 @@ impl Workbench {
         let missing = answers.missing(&self.problem.layout);
         match missing.first() {
             Some(rows) if !answers.any(&self.problem.layout) => Err(rows.error.clone().into()),
-            _ => Ok((listed(missing), answers.values)),
+            _ => Ok((listed(missing), problem.with_spared(&effects, &all, answers.values)?)),
         }
     }
 

@@ -12,7 +12,8 @@ use crate::report::units::{digits, of_column, spoken};
 use stretch::{Stretch, stretches};
 
 /// Reasons for which rows do not count, in the order in which they are told.
-const REASONS: [Uncounted; 4] = [Uncounted::Start, Uncounted::Gap, Uncounted::Odd, Uncounted::NoAnswer];
+const REASONS: [Uncounted; 5] =
+    [Uncounted::Start, Uncounted::Gap, Uncounted::Odd, Uncounted::NoAnswer, Uncounted::Spared];
 /// A window stands out where a signal misses by this many times its noise: noise that a window has in common seldom reaches it.
 const STANDS_OUT: f64 = 2.0;
 /// Windows that the text names, and rows of the table of what does not count.
@@ -149,6 +150,7 @@ fn not_counted(view: &View) -> String {
             Uncounted::Start => format!("at the start of {}", several("run", "runs")),
             Uncounted::Gap => format!("behind {} in the recording", several("gap", "gaps")),
             Uncounted::Odd => format!("in {}", several("odd stretch", "odd stretches")),
+            Uncounted::Spared => format!("in {} that judge the final model", several("stretch", "stretches")),
             Uncounted::NoAnswer => format!("in {} where the model has no answer", several("stretch", "stretches")),
         };
         (rows > 0).then(|| format!("{rows} {place}"))
