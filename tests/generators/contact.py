@@ -109,12 +109,14 @@ def shear_stress(soil, sigma, grown, column):
     tau = strength * grown
     if "rim_cohesion" in soil:
         cap = column(soil["rim_cohesion"]) + sigma * column(soil["rim_tan"])
-        if "rim_sharpness" in soil:
+        sharp = column(soil["rim_sharpness"])  # of the limit, run by run: infinite is a corner, 0 no limit
+        limited = np.clip(tau, -cap, cap)
+        rounded = (sharp > 0.0) & np.isfinite(sharp)
+        if np.any(rounded):
             # Sticks fully where little is sheared, and reaches the cap where the soil is fully sheared; a rim as rough as
             # the soil changes nothing.
-            sharp = soil["rim_sharpness"]
-            more = np.maximum((np.abs(tau) / np.maximum(cap, 1e-9)) ** sharp - np.abs(grown) ** sharp, 0.0)
-            blunt = tau / (1.0 + more) ** (1.0 / sharp)
-            return np.where(column(soil["rim_on"]) > 0.0, blunt, tau)
-        tau = np.clip(tau, -cap, cap)
+            power = np.where(rounded, sharp, 1.0)
+            more = np.maximum((np.abs(tau) / np.maximum(cap, 1e-9)) ** power - np.abs(grown) ** power, 0.0)
+            limited = np.where(rounded, tau / (1.0 + more) ** (1.0 / power), limited)
+        tau = np.where(sharp > 0.0, limited, tau)
     return tau

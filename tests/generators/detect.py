@@ -97,18 +97,23 @@ class Detector:
         """The strength whose signature is `target` deviations long, and the length reached: less where the bound of the
         form comes first, or the rig no longer runs. `other` is a second effect's signature that may vary freely too.
         """
+        return alone(self.bench, self.finding_strength(form, sign, target, other))
+
+    def finding_strength(self, form, sign, target, other=None):
+        """The same as a search for :func:`side_by_side`."""
         tried = {}
 
         def length(size):
             if size not in tried:
-                signals = self.effect(form, sign * size)
-                tried[size] = float(np.linalg.norm(self.without(self.signature(signals), other)))
+                signals = yield from effect(form, sign * size)
+                signature = yield from self.finding_signature(signals)
+                tried[size] = float(np.linalg.norm(self.without(signature, other)))
             return tried[size]
 
         runs, at = 0.0, form.probe
         limit = form.bound
         for _ in range(SEARCHES):
-            reached = length(at)
+            reached = yield from length(at)
             if not np.isfinite(reached):
                 limit = at  # the rig does not run there
                 at = 0.5 * (runs + at)
@@ -133,20 +138,20 @@ class Detector:
 
     def effect(self, form, strength):
         """Signals with one effect; NaN where the rig does not run."""
-        return self.bench.simulate([{form.key: strength}], coarse=True)[0]
+        return alone(self.bench, effect(form, strength))
 
     def without(self, signature, other):
         if other is None:
             return signature
         return signature - other * (other @ signature) / (other @ other)
 
-    def effects(self, form, strengths):
-        """Signals at several strengths; NaN where the soil no longer carries the wheel."""
-        return self.bench.simulate([{form.key: s} for s in strengths])
-
     def signature(self, signals):
         """What is left of the difference to the clean signals after the soil is refitted to it: damped Gauss-Newton steps
         with the slopes at the true soil while they help, the rest by projection; by projection alone where that says the same."""
+        return alone(self.bench, self.finding_signature(signals))
+
+    def finding_signature(self, signals):
+        """The same as a search for :func:`side_by_side`."""
         left, shift = self.white(signals - self.clean), np.zeros(len(CALIBRATED))
         projected = best = self.free(left)
         if not np.all(np.isfinite(left)):
@@ -155,7 +160,7 @@ class Detector:
             step = np.linalg.lstsq(self.slopes, left, rcond=1e-7)[0]
             if np.max(np.abs(step)) < SMALL_SHIFT:
                 break
-            moved = self.refitted(signals, shift, step, np.linalg.norm(left))
+            moved = yield from self.refitted(signals, shift, step, np.linalg.norm(left))
             if moved is None or np.linalg.norm(moved[1]) > WORTH * np.linalg.norm(left):
                 break
             shift, left = moved
@@ -168,7 +173,7 @@ class Detector:
         for damping in (1.0, 0.5, 0.25):
             there = np.clip(shift + damping * step, *SHIFTS)
             soil = {name: self.bench.soil[name] * (1.0 + s) for name, s in zip(CALIBRATED, there)}
-            left = self.white(signals - self.bench.simulate([soil], coarse=True)[0])
+            left = self.white(signals - (yield soil, True))
             if np.all(np.isfinite(left)) and np.linalg.norm(left) < bar:
                 return there, left
         return None
@@ -182,6 +187,48 @@ class Detector:
             cosine = float(rival @ signature / (size * length)) if size > 0.0 and length > 0.0 else 0.0
             cosines[form.case] = max(cosine, cosines.get(form.case, -1.0))
         return cosines
+
+
+def effect(form, strength):
+    """The search for the signals with one effect: one simulation, NaN where the rig does not run."""
+    return (yield {form.key: strength}, True)
+
+
+def alone(bench, search):
+    """Runs a search; gives its result."""
+    (result,) = side_by_side(bench, [search])
+    if isinstance(result, ValueError):
+        raise result
+    return result
+
+
+def side_by_side(bench, searches):
+    """Runs searches, those simulations of which none needs another's result as one: many small ones take the time of a few.
+
+    A search is a generator: it yields changed parameters and whether coarse steps do, and is sent the signals. Gives the results in
+    order; in the place of one that raised ValueError the error.
+    """
+    results, wanted = [None] * len(searches), {}
+
+    def go_on(k, signals):
+        try:
+            wanted[k] = searches[k].send(signals)
+        except StopIteration as done:
+            results[k] = done.value
+        except ValueError as error:
+            results[k] = error
+
+    for k in range(len(searches)):
+        go_on(k, None)
+    while wanted:
+        asked = dict(wanted)
+        wanted.clear()
+        for coarse in (True, False):
+            members = [k for k, (_, c) in asked.items() if c == coarse]
+            if members:
+                for k, signals in zip(members, bench.simulate([asked[k][0] for k in members], coarse=coarse)):
+                    go_on(k, signals)
+    return results
 
 
 def run_scatter(columns):

@@ -58,15 +58,21 @@ def radius(p, at, soil):
         soil["radius"] = soil["true_radius"] = soil["radius"] * (1.0 + s)
         soil["width"] = soil["width"] * (1.0 + s / 3.0)
     # Deflection f = C W; the arc enters the soil where the round outline does: r* = r (z + f)/z.
+    # Runs with other forms stand beside each other: each form changes its own runs only.
     if (s := on(p, "flexible_wheel.arc")) is not None:
-        soil["deflection"] = s * at["load"]
-        soil["radius"] = soil["radius"] * (1.0 + soil["deflection"] / np.maximum(at["sinkage"], 1e-6))
-    if (s := on(p, "flexible_wheel.axle")) is not None:  # the same, and the arm of the torque stays the wheel's radius
-        soil["deflection"], soil["arm"] = s * at["load"], soil["radius"]
-        soil["radius"] = soil["radius"] * (1.0 + soil["deflection"] / np.maximum(at["sinkage"], 1e-6))
+        deflected(soil, own := s * at["load"], 1.0 + own / np.maximum(at["sinkage"], 1e-6))
     if (s := on(p, "flexible_wheel.load")) is not None:  # an effective radius that grows with the load, s/5 mm a 1e-4 m/N
-        soil["deflection"] = s * at["load"]
-        soil["radius"] = soil["radius"] * (1.0 + 0.5 * soil["deflection"] / 0.005)
+        deflected(soil, own := s * at["load"], 1.0 + 0.5 * own / 0.005)
+    if (s := on(p, "flexible_wheel.axle")) is not None:  # the same, and the arm of the torque stays the wheel's radius
+        own, round_ = s * at["load"], soil["radius"]
+        deflected(soil, own, 1.0 + own / np.maximum(at["sinkage"], 1e-6))
+        soil["arm"] = np.where(np.asarray(s) != 0.0, round_, soil["radius"])
+
+
+def deflected(soil, deflection, growth):
+    """A wheel whose axle descends by `deflection` (m) and whose arc is `growth` times as large."""
+    soil["deflection"] = soil.get("deflection", 0.0) + deflection
+    soil["radius"] = soil["radius"] * growth
 
 
 def slip_sinkage(p, at, soil):
@@ -91,7 +97,7 @@ def lugs(p, at, soil):
     for form in ("lugs", "radius"):
         if (s := on(p, f"grousers.{form}")) is None:
             continue
-        soil["shear_radius"] = soil["radius"] + s
+        soil["shear_radius"] = soil.get("shear_radius", soil["radius"]) + s
         if form == "lugs":  # and along their sides: Bekker's c (1 + 2 h/b), tan phi (1 + 0.64 (h/b) acot(h/b))
             ratio = np.maximum(s, 0.0) / p["width"]
             soil["cohesion"] = soil["cohesion"] * (1.0 + 2.0 * ratio)
@@ -147,18 +153,18 @@ def slope_strength(p, at, angle):
 
 
 def rim_adhesion(p, at, soil):
-    """A rim to which the soil sticks less than to itself: at most (1 - s) of the soil's strength."""
-    for form in ("minimum", "smooth", "round"):
+    """A rim to which the soil sticks less than to itself: at most (1 - s) of the soil's strength, each run in its own form."""
+    for form, sharpness in (("minimum", np.inf), ("smooth", 6.0), ("round", 2.0)):
         s = on(p, f"rim_adhesion.{form}")
         if s is None:
             continue
-        soil["rim_on"] = np.asarray(s) + 0.0 * np.asarray(soil["cohesion"])
+        own = np.asarray(s) + 0.0 * np.asarray(soil["cohesion"])
         # The strength of 1 - s where the effect is on, out of reach where it is off.
-        share = np.where(soil["rim_on"] > 0.0, 1.0 - s, 2.0)
-        soil["rim_cohesion"] = share * soil["cohesion"]
-        soil["rim_tan"] = share * soil["tan_phi"]
-        if form != "minimum":
-            soil["rim_sharpness"] = {"smooth": 6.0, "round": 2.0}[form]
+        share = np.where(own > 0.0, 1.0 - own, 2.0)
+        here = lambda name, value, usual: np.where(own > 0.0, value, soil.get(name, usual))
+        soil["rim_cohesion"] = here("rim_cohesion", share * soil["cohesion"], 2.0 * soil["cohesion"])
+        soil["rim_tan"] = here("rim_tan", share * soil["tan_phi"], 2.0 * soil["tan_phi"])
+        soil["rim_sharpness"] = here("rim_sharpness", sharpness, 0.0)
 
 
 def added_pull(p, at):

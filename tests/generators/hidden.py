@@ -21,7 +21,7 @@ import cases  # noqa: E402
 import conditions  # noqa: E402
 import noise as noises  # noqa: E402
 from bench_wheel import WheelBench  # noqa: E402
-from detect import DETECTABLE, Detector, ties  # noqa: E402
+from detect import DETECTABLE, Detector, alone, effect, side_by_side, ties  # noqa: E402
 
 REPLICATES = 3
 
@@ -42,8 +42,9 @@ def hidden_forms(kind, case, form):
     return [cases.find(kind, name, f or None) for name, f in zip(names, forms)]
 
 
-def choose(detector, forms, rng, multiple):
-    """Strengths of the hidden effects: from 1.5 times the smallest detectable to what is usual, drawn in logarithms."""
+def choosing(detector, forms, rng, multiple=None):
+    """Strengths of the hidden effects: from 1.5 times the smallest detectable to what is usual, drawn in logarithms. A search for
+    `detect.side_by_side`."""
     chosen = []
     for k, form in enumerate(forms):
         sign = float(rng.choice([-1.0, 1.0])) if form.signed else 1.0
@@ -51,21 +52,21 @@ def choose(detector, forms, rng, multiple):
         other = None
         if len(forms) == 2:
             partner = forms[1 - k]
-            other = detector.signature(detector.effect(partner, 0.2 * partner.typical))
+            other = yield from detector.finding_signature((yield from effect(partner, 0.2 * partner.typical)))
         wanted = 1.02 * DETECTABLE * (multiple if multiple else 1.5)  # the search meets it to 2 %
-        strength, reached = detector.strength_at(form, sign, wanted, other)
-        signals, least = detector.effect(form, strength), abs(strength)
+        strength, reached = yield from detector.finding_strength(form, sign, wanted, other)
+        signals, least = (yield from effect(form, strength)), abs(strength)
         if not multiple and least < form.typical:
             share = rng.uniform()
             for _ in range(4):  # weaker where the rig does not run
                 wished = sign * least ** (1.0 - share) * form.typical**share
-                stronger = detector.effect(form, wished)
+                stronger = yield from effect(form, wished)
                 # A rig that is about to get stuck may do so with fine steps only.
-                if np.all(np.isfinite(stronger)) and np.all(np.isfinite(detector.effects(form, [wished]))):
+                if np.all(np.isfinite(stronger)) and np.all(np.isfinite((yield {form.key: wished}, False))):
                     strength, signals = wished, stronger
                     break
                 share *= 0.5
-        signature = detector.signature(signals)
+        signature = yield from detector.finding_signature(signals)
         reached = float(np.linalg.norm(detector.without(signature, other)))
         chosen.append((form, strength, reached, signature))
     return chosen
@@ -92,8 +93,22 @@ def describe(detector, chosen):
     return effects
 
 
-def make(folder, kind, case, form=None, level=0.02, seed=17, multiple=None, size="full", detector=None, under=()):
-    """Writes the experiment and returns the truth; `under` are conditions of a traverse.
+def random_of(seed, case, form, level):
+    """The random numbers of an experiment: first those of its strengths, then those of its noise."""
+    return np.random.default_rng([seed, 2, zlib.crc32(f"{case}/{form}/{level}".encode())])
+
+
+def chosen_side_by_side(detector, experiments):
+    """Effects with their strengths, and the random numbers that follow, of experiments (kind, case, form, seed) at one bench, whose
+    searches go on side by side; in the place of one that finds none its ValueError."""
+    randoms = [random_of(seed, case, form, detector.level) for _, case, form, seed in experiments]
+    forms = [hidden_forms(kind, case, form) for kind, case, form, _ in experiments]
+    found = side_by_side(detector.bench, [choosing(detector, some, rng) for some, rng in zip(forms, randoms)])
+    return [one if isinstance(one, ValueError) else (one, rng) for one, rng in zip(found, randoms)]
+
+
+def make(folder, kind, case, form=None, level=0.02, seed=17, multiple=None, size="full", detector=None, under=(), known=None):
+    """Writes the experiment and returns the truth; `under` are conditions of a traverse, `known` an entry of `chosen_side_by_side`.
 
     `level` 0 gives clean signals: those conditions that disturb the record (soil_scatter, gps, gaps) are then left out.
     """
@@ -101,16 +116,18 @@ def make(folder, kind, case, form=None, level=0.02, seed=17, multiple=None, size
     poor = case == "poor"
     bench = detector.bench if detector else make_bench(kind, seed, size, poor, under)
     replicates = 1 if case in ("noise_half", "noise_double") else REPLICATES if kind == cases.WHEEL else bench.replicates
-    rng = np.random.default_rng([seed, 2, zlib.crc32(f"{case}/{form}/{level}".encode())])
+    if isinstance(known, ValueError):
+        raise known
+    chosen, rng = known or (None, random_of(seed, case, form, level))
     forms = hidden_forms(kind, case, form)
     if any(f.jointed for f in forms) and not bench.jointed:
         raise SystemExit(f"{case}: this rover has no joints; they come with --condition rocker_bogie")
     if case == "poor":
         forms = [cases.find(kind, "slip_sinkage")]
-    chosen, strengths = [], {}
+    strengths = {}
     if forms:
         detector = detector or Detector(bench, level or 0.02, replicates, cases.library(kind, bench.jointed))
-        chosen = choose(detector, forms, rng, multiple)
+        chosen = alone(detector.bench, choosing(detector, forms, rng, multiple)) if chosen is None else chosen
         strengths = {f.key: strength for f, strength, *_ in chosen}
     clean = bench.simulate([strengths])[0]
     if not np.all(np.isfinite(clean)):

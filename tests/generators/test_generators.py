@@ -200,6 +200,36 @@ def test_property_each_form_of_the_rover_is_neutral_at_zero_and_shows(form):
     assert np.max(np.abs(plain - some) / bench.size(plain)) > 1e-6
 
 
+# Runs that are stepped together end each step together, far within its tolerance: a thousandth of what an effect of one probe changes, and
+# ten times the tolerance of a step besides, in RMS values of the signal.
+TOGETHER, ROUNDED = 1e-3, 1e-7
+
+
+@pytest.mark.parametrize("kind", [cases.WHEEL, cases.ROVER])
+def test_property_forms_side_by_side_are_what_each_is_alone(kind):
+    bench = bench_wheel.WheelBench(3) if kind == cases.WHEEL else short_rover(rows=20)
+    forms = [f for f in cases.FORMS if kind in f.kinds and not f.jointed]
+    changes = [{}] + [{f.key: f.probe} for f in forms]
+    plain, *together = bench.simulate(changes, coarse=True)
+    for form, change, signals in zip(forms, changes[1:], together):
+        alone = bench.simulate([change], coarse=True)[0]
+        # A run that gets stuck with a form does so beside others too.
+        assert np.array_equal(np.isnan(signals), np.isnan(alone)), form.key
+        size = np.nanmax(np.abs(alone - plain) / bench.size(plain))
+        assert np.nanmax(np.abs(signals - alone) / bench.size(plain)) <= TOGETHER * size + ROUNDED, form.key
+
+
+def test_property_strengths_found_side_by_side_are_those_found_alone():
+    bench = bench_wheel.WheelBench(5)
+    detector = detect.Detector(bench, 0.02, 3, cases.library(cases.WHEEL))
+    jobs = [(cases.WHEEL, case, None, 5) for case in ("coulomb_friction", "slip_sinkage", "drag+rate")]
+    for (kind, case, form, seed), (found, rng) in zip(jobs, hidden.chosen_side_by_side(detector, jobs)):
+        own = hidden.random_of(seed, case, form, 0.02)
+        alone = detect.alone(bench, hidden.choosing(detector, hidden.hidden_forms(kind, case, form), own))
+        assert [(f.key, strength) for f, strength, *_ in found] == [(f.key, strength) for f, strength, *_ in alone]
+        assert rng.uniform() == own.uniform()
+
+
 def test_property_conditions_come_in_a_fifth_of_the_seeds():
     drawn = [conditions.drawn(seed) for seed in range(2000)]
     for name in conditions.CONDITIONS:
