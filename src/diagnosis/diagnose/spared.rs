@@ -82,6 +82,16 @@ impl Spared {
                     .to_owned(),
             );
         }
+        judgement.cautions.extend(self.hint(&judgement.tied));
+    }
+
+    /// Where a tie stays, the rest of the drive may tell more.
+    fn hint(&self, tied: &[String]) -> Option<String> {
+        let [spared, all] = self.windows;
+        (tied.len() > 1).then(|| {
+            let more = all.min(2 * (all - spared));
+            format!("more windows may decide between {}: let {more} take part (option `windows`)", tied.join(", "))
+        })
     }
 
     /// What a reader is told.
@@ -122,6 +132,7 @@ pub(super) fn judge_by_spared(
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 mod tests {
     use super::*;
 
@@ -143,5 +154,14 @@ mod tests {
         assert_eq!(judged(Verdict::EffectMissing, &spared(1.2, 1.2)), Verdict::Undetermined, "no better there");
         assert_eq!(judged(Verdict::Explained, &spared(1.2, 1.2)), Verdict::Explained);
         assert_eq!(judged(Verdict::Unexplained, &spared(9.0, 9.0)), Verdict::Unexplained);
+    }
+
+    #[test]
+    fn property_a_tie_is_told_how_many_windows_may_decide() {
+        let spared = |windows| Spared { baseline: 2.0, model: 1.0, fitted: 1.0, windows };
+        let tied = ["drag".to_owned(), "payload".to_owned()];
+        assert!(spared([344, 400]).hint(&tied).unwrap().contains("let 112 take part"));
+        assert!(spared([44, 100]).hint(&tied).unwrap().contains("let 100 take part"));
+        assert_eq!(spared([44, 100]).hint(&tied[..1]), None);
     }
 }
