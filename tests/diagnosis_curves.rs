@@ -128,7 +128,8 @@ fn property_places_without_an_answer_are_left_out_of_the_curve() {
     // As given the soil is so soft that the wheel sinks to its axle under the larger loads.
     let mut soft = Model::preset("two_wheeled").unwrap();
     soft.set("soil.k_phi", 2e4).unwrap();
-    let comparison = compared("soft", &rows, "", &CompareOptions { calibrate: true, added: Vec::new() }, &soft);
+    let comparison =
+        compared("soft", &rows, "", &CompareOptions { calibrate: true, ..CompareOptions::default() }, &soft);
     assert!(!comparison.given_unanswered.is_empty());
     for group in over(&comparison.curves, Axis::Load) {
         let given = &group.models[0].signals["sinkage"];

@@ -239,7 +239,7 @@ fn property_a_known_soil_is_a_prior_of_what_any_experiment_tells() {
     let joint = Experiment::joint(vec![plates, shear]).unwrap();
     // With what was hidden in them, so that noise alone is left.
     let added = ["seating", "shear_softening"].map(str::to_owned).to_vec();
-    let options = CompareOptions { calibrate: true, added };
+    let options = CompareOptions { calibrate: true, added, ..CompareOptions::default() };
     let soil = compare(Given::default(), &joint, &options).unwrap().soil.unwrap();
     assert_eq!(soil.parameters.len(), 6);
     let again = compare(Given::default().with_soil(soil, "soil.toml"), &joint, &options).unwrap();

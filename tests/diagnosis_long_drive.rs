@@ -6,8 +6,8 @@
 #[allow(dead_code, reason = "tests use parts of it")]
 mod hill_drive;
 
-use bekker::diagnosis::{Control, DiagnoseOptions, Diagnosis, Uncounted, Verdict, diagnose};
-use bekker::measurement::Experiment;
+use bekker::diagnosis::{CompareOptions, Control, DiagnoseOptions, Diagnosis, Uncounted, Verdict, compare, diagnose};
+use bekker::measurement::{Experiment, Prior};
 use hill_drive::{PLANTED, ROWS, drive, shipped};
 use std::sync::LazyLock;
 
@@ -92,4 +92,16 @@ fn property_a_name_has_to_hold_where_no_fit_looks() {
     assert_eq!(here_only.verdict, Verdict::Undetermined);
     assert!(here_only.effects.is_empty());
     assert!(is_told(&here_only, "no better than the baseline"), "{:?}", here_only.cautions);
+}
+
+#[test]
+fn agreement_a_calibration_uses_the_windows_of_a_diagnosis() {
+    let mut experiment = known(|_, _| ());
+    experiment.priors.insert("soil.cohesion".to_owned(), Prior { mean: 1000.0, deviation: 100.0 });
+    let options = CompareOptions { calibrate: true, windows: WINDOWS, ..CompareOptions::default() };
+    let calibrated = compare(&shipped(), &experiment, &options).unwrap();
+    let diagnosis = diagnosed(&experiment, WINDOWS);
+    assert_eq!(calibrated.fit().rmse, diagnosis.steps[0].rmse);
+    assert_eq!(calibrated.uncounted, diagnosis.uncounted);
+    assert!(calibrated.uncounted.iter().any(|rows| rows.why == Uncounted::Spared));
 }

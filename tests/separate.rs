@@ -394,7 +394,7 @@ fn property_a_standard_error_never_exceeds_the_prior_or_the_bounds() {
     // A prior that the data hardly add to, and a misfit of hundreds of standard deviations by which the error is enlarged.
     planned.priors.insert("soil.c2".to_owned(), Prior { mean: 0.2, deviation: 1e-3 });
     let experiment = measured(&planned, &[("slip_sinkage.n1", 0.4)], &noise);
-    let options = CompareOptions { calibrate: true, added: Vec::new() };
+    let options = CompareOptions { calibrate: true, ..CompareOptions::default() };
     let (calibration, _) = compare(&model(), &experiment, &options).unwrap().calibrated.unwrap();
     assert!(calibration.chi_square > 100.0 * calibration.degrees_of_freedom as f64, "{}", calibration.chi_square);
     let known = calibration.parameters.iter().find(|parameter| parameter.variable.name == "soil.c2").unwrap();

@@ -141,7 +141,7 @@ fn property_only_effects_of_the_test_are_candidates() {
     let refused = compare(
         Given::default(),
         &experiment,
-        &CompareOptions { calibrate: true, added: vec!["slip_sinkage".to_owned()] },
+        &CompareOptions { calibrate: true, added: vec!["slip_sinkage".to_owned()], ..CompareOptions::default() },
     );
     assert!(
         refused.unwrap_err().to_string().contains("no candidate effect `slip_sinkage`; those that can be added are")

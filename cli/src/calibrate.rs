@@ -7,8 +7,9 @@ use crate::output::{check_all_writable, say, write_json};
 use crate::progress::Reporter;
 use crate::saving::{Saving, print_sources};
 use crate::soil_from::{SaveSoil, SoilFrom};
+use crate::windows::Windows;
 use anyhow::{Context, Result};
-use bekker::diagnosis::{Calibration, CompareOptions, Comparison, compare, determined_in_words};
+use bekker::diagnosis::{Calibration, Comparison, compare, determined_in_words};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 
@@ -23,6 +24,8 @@ pub struct Calibrate {
     /// Switch effects on, separated by commas; their parameters are calibrated too.
     #[arg(long, value_delimiter = ',', value_name = "EFFECTS")]
     with: Vec<String>,
+    #[command(flatten)]
+    windows: Windows,
     #[command(flatten)]
     saving: Saving,
     #[command(flatten)]
@@ -40,7 +43,7 @@ impl Calibrate {
         check_all_writable([&self.json])?;
         self.save_soil.prepare()?;
         let reporter = Reporter::start("calibrating the model");
-        let comparison = compare(given, &experiment, &CompareOptions { calibrate: true, added: self.with });
+        let comparison = compare(given, &experiment, &self.windows.options(true, self.with));
         drop(reporter);
         let comparison = comparison?;
         let (calibration, _) = comparison.calibrated.as_ref().context("there was nothing to calibrate")?;

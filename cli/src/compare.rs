@@ -7,10 +7,10 @@ use crate::output::{check_writable, say};
 use crate::progress::Reporter;
 use crate::saving::{Saving, print_sources};
 use crate::soil_from::SoilFrom;
+use crate::windows::Windows;
 use anyhow::{Context, Result};
 use bekker::diagnosis::{
-    Calibration, CompareOptions, Comparison, STANDARD_ERROR, UnansweredRows, Uncounted, UncountedRows, compare,
-    determined_in_words,
+    Calibration, Comparison, STANDARD_ERROR, UnansweredRows, Uncounted, UncountedRows, compare, determined_in_words,
 };
 use bekker::report::{comparison_page, part_page};
 use std::path::{Path, PathBuf};
@@ -33,6 +33,8 @@ pub struct Compare {
     #[arg(long, value_name = "FILE")]
     html: Option<PathBuf>,
     #[command(flatten)]
+    windows: Windows,
+    #[command(flatten)]
     saving: Saving,
 }
 
@@ -45,7 +47,7 @@ impl Compare {
         pages.try_for_each(|path| check_writable(&path))?;
         let calibrate = self.calibrate || !self.with.is_empty();
         let reporter = Reporter::start(if calibrate { "calibrating the model" } else { "running the model" });
-        let comparison = compare(given, &experiment, &CompareOptions { calibrate, added: self.with });
+        let comparison = compare(given, &experiment, &self.windows.options(calibrate, self.with));
         drop(reporter);
         let comparison = comparison?;
         print(&comparison, "")?;

@@ -6,6 +6,7 @@ use crate::output::{check_all_writable, check_writable, write, write_json};
 use crate::progress::Reporter;
 use crate::saving::{Saving, print_sources};
 use crate::soil_from::SoilFrom;
+use crate::windows::Windows;
 use crate::{import, interrupt};
 use anyhow::{Context, Result, bail};
 use bekker::diagnosis::{CompareError, Control, DiagnoseOptions, diagnose};
@@ -33,9 +34,8 @@ pub struct Diagnose {
     /// Draws of the bootstrap: p-values are not below 1/(N + 1).
     #[arg(long, default_value_t = 399, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     draws: u32,
-    /// Different windows of a long drive that take part in the fits, evenly spread. A window has 6 s; the others judge the final model.
-    #[arg(long, default_value_t = 64, value_name = "N", value_parser = clap::value_parser!(u32).range(8..))]
-    windows: u32,
+    #[command(flatten)]
+    windows: Windows,
     /// Threads to work on; all cores if not given. The result does not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     threads: Option<u32>,
@@ -72,7 +72,7 @@ impl Diagnose {
             added: self.with,
             max_effects: self.max_effects,
             draws: self.draws as usize,
-            windows: self.windows as usize,
+            windows: self.windows.count(),
         };
         let reporter = Reporter::start("calibrating the baseline");
         let tell = |at| reporter.tell(at);

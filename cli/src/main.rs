@@ -26,6 +26,7 @@ mod separate;
 mod simulate;
 mod soil_from;
 mod studio;
+mod windows;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;

@@ -93,11 +93,12 @@ pub fn compare(
     values: BTreeMap<String, f64>,
     calibrate: bool,
     added: Vec<String>,
+    windows: usize,
     soil: SoilAsked,
     together: TogetherAsked,
 ) -> PyResult<(String, PyModel, PartModels)> {
     let (experiment, _) = experiment.read(py)?;
-    let options = CompareOptions { calibrate, added };
+    let options = CompareOptions { calibrate, added, windows };
     let given = given(py, &model, &values, &soil, &together)?;
     let comparison = py
         .detach(|| error::fenced(|| core_compare(given, &experiment, &options)))?

@@ -86,6 +86,8 @@ def test_property_bad_folders_are_named(tmp_path: Path) -> None:
         bekker.compare(SAND, parameters={"soil.k_fi": 1.0})
     with pytest.raises(bekker.SimulationError, match="run .*load20.*, row "):
         bekker.compare(SAND, parameters={"soil.k_phi": 1e3, "soil.k_c": 0.0})
+    with pytest.raises(bekker.InputError, match="windows = 7: expected a whole number from 8"):
+        bekker.calibrate(SAND, windows=7)
 
 
 def test_regress_a_row_without_an_answer_is_left_out_and_listed() -> None:

@@ -2,7 +2,7 @@
 
 use super::calibrate::Calibration;
 use super::curves::{Curves, curves_of_calibration};
-use super::diagnose::{calibrated_baseline, information, left_prior};
+use super::diagnose::{WINDOWS, calibrated_baseline, information, left_prior};
 use super::failure::{Failure, failures};
 use super::fit::Fit;
 use super::found_soil::{found_soil, moved};
@@ -22,12 +22,20 @@ use bekker_modeldescription::ParameterError;
 use std::collections::BTreeMap;
 
 /// How to compare.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct CompareOptions {
     /// Whether to calibrate the free parameters first.
     pub calibrate: bool,
     /// Effects switched on: their parameters join those that a calibration moves.
     pub added: Vec<String>,
+    /// Different windows of a drive that a calibration uses, evenly spread.
+    pub windows: usize,
+}
+
+impl Default for CompareOptions {
+    fn default() -> Self {
+        Self { calibrate: false, added: Vec::new(), windows: WINDOWS }
+    }
 }
 
 /// Why a comparison is impossible.
@@ -185,7 +193,7 @@ pub fn compare(
         return Err(CompareError::NothingMeasured);
     }
     let given = as_it_is(&problem)?;
-    if options.calibrate { calibrated(problem, given) } else { as_given(&problem, given?) }
+    if options.calibrate { calibrated(problem, given, options.windows) } else { as_given(&problem, given?) }
 }
 
 /// What the given parameters give, or why they give nothing where something was measured.
@@ -227,11 +235,15 @@ fn as_given(problem: &Problem, given: Answers) -> Result<Comparison, CompareErro
 }
 
 /// The comparison after a calibration.
-fn calibrated(problem: Problem, given: Result<Answers, PredictionError>) -> Result<Comparison, CompareError> {
+fn calibrated(
+    problem: Problem,
+    given: Result<Answers, PredictionError>,
+    windows: usize,
+) -> Result<Comparison, CompareError> {
     let mut posed = problem.clone();
     posed.coarsen();
     posed.cut();
-    _ = posed.spare(super::diagnose::WINDOWS);
+    _ = posed.spare(windows);
     let mut prepared = calibrated_baseline(&mut posed)?;
     prepared.cautions.extend(prepared.baseline.parameters.iter().filter_map(left_prior));
     prepared.cautions.extend(moved(posed.joint.as_ref(), &prepared.baseline));

@@ -61,6 +61,7 @@ def compare(
     values: dict[str, float],
     calibrate: bool,
     added: list[str],
+    windows: int,
     soil: tuple[str, str] | None,
     together: tuple[float | None, list[str] | None],
 ) -> tuple[str, Model, list[tuple[str, Model]]]: ...

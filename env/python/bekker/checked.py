@@ -6,7 +6,7 @@ import numpy as np
 
 from .errors import InputError
 
-__all__ = ["finite", "real"]
+__all__ = ["finite", "real", "whole"]
 
 
 def real(name: str, value: Any) -> float:
@@ -32,3 +32,14 @@ def finite(name: str, value: Any, above: float = -np.inf) -> float:
         more = "" if above == -np.inf else f" above {above:g}"
         raise InputError(f"{name} = {value}: expected a finite number{more}")
     return found
+
+
+def whole(name: str, value: Any, least: int) -> int:
+    """A whole number from ``least``, from Python or numpy.
+
+    Raises:
+        InputError: it is something else; the message has ``name``.
+    """
+    if not isinstance(value, (int, np.integer)) or value < least:
+        raise InputError(f"{name} = {value!r}: expected a whole number from {least}")
+    return int(value)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from . import _bekker
 from ._bekker import Model
+from .checked import whole
 from .curves import Curves
 from .errors import InputError
 from .experiment import ExperimentLike, sources, together_of
@@ -264,6 +265,7 @@ def compare(
     soil_from: SoilLike | None = None,
     soil_scatter: float | None = None,
     share: Iterable[str] | None = None,
+    windows: int = 64,
 ) -> Comparison:
     """Runs a model on the inputs of an experiment and compares it with what was measured.
 
@@ -290,6 +292,7 @@ def compare(
         soil_scatter: of several experiments the relative standard deviation of the soil from one to the next, as in
             :func:`bekker.diagnose`.
         share: of several experiments what they share, as in :func:`bekker.diagnose`.
+        windows: different windows of a long drive, at least 8, that a calibration uses, as in :func:`bekker.diagnose`.
 
     Raises:
         UnknownNameError, ModelError: as :func:`bekker.models.as_model`; a ModelError too where the folder is refused
@@ -301,7 +304,7 @@ def compare(
     effects = names_of("added", added or ())
     if effects and not calibrate:
         raise InputError(f"added = {effects}: expected calibrate=True; an effect is neutral until it is calibrated")
-    arguments = (*given(model, parameters), calibrate, effects, passed(soil_from))
+    arguments = (*given(model, parameters), calibrate, effects, whole("windows", windows, 8), passed(soil_from))
     together = together_of(experiment, soil_scatter, share)
     found, fitted, parts = _bekker.compare(sources(experiment), *arguments, together)
     data = json.loads(found)
@@ -318,6 +321,7 @@ def calibrate(
     soil_from: SoilLike | None = None,
     soil_scatter: float | None = None,
     share: Iterable[str] | None = None,
+    windows: int = 64,
 ) -> Comparison:
     """Finds the soil (and what has a prior, and the parameters of the effects ``added``) that brings a model closest to
     an experiment.
@@ -335,4 +339,5 @@ def calibrate(
         soil_from=soil_from,
         soil_scatter=soil_scatter,
         share=share,
+        windows=windows,
     )

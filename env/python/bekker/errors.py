@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .diagnosis import Diagnosis
+    from .diagnosed import Diagnosis
 
 __all__ = [
     "BekkerError",
