@@ -5,6 +5,7 @@ use super::unanswered::{UnansweredRows, first_and_last};
 use super::windows::cut;
 use crate::measurement::Run;
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::fmt;
 
 /// Why rows do not count.
@@ -108,9 +109,12 @@ impl<'a> UncountedGroup<'a> {
     /// Of which runs: the name of one, or how many.
     #[must_use]
     pub fn runs(&self) -> String {
-        match self.stretches.as_slice() {
-            [one] => one.run.clone(),
-            several => format!("{} runs", several.len()),
+        let runs = self.stretches.iter().map(|rows| &rows.run).collect::<BTreeSet<_>>().len();
+        match (self.stretches.as_slice(), runs) {
+            ([one], _) => one.run.clone(),
+            (several, 1) => format!("{} stretches of run {}", several.len(), several[0].run),
+            (several, runs) if several.len() == runs => format!("{runs} runs"),
+            (several, runs) => format!("{} stretches of {runs} runs", several.len()),
         }
     }
 
@@ -123,6 +127,7 @@ impl<'a> UncountedGroup<'a> {
         match (self.stretches[0].why, self.stretches[0].seconds) {
             (Uncounted::Start, Some(_)) if longest - shortest < 0.05 => format!("the first {longest:.1} s"),
             (Uncounted::Start, Some(_)) => format!("the first {shortest:.1} to {longest:.1} s"),
+            (_, Some(_)) if self.stretches.len() > 1 => format!("{:.0} s in all", lengths.iter().sum::<f64>()),
             (_, Some([from, to])) => format!("{from:.1} to {to:.1} s"),
             (_, None) => format!("rows {} to {}", self.stretches[0].rows.0, self.stretches[0].rows.1),
         }
@@ -221,4 +226,28 @@ fn gap(time: &[f64], row: usize) -> String {
             )
         },
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows(run: &str, why: Uncounted, seconds: [f64; 2]) -> UncountedRows {
+        UncountedRows { run: run.to_owned(), rows: (1, 10), seconds: Some(seconds), why, reason: "why".to_owned() }
+    }
+
+    fn told(all: &[UncountedRows]) -> Vec<String> {
+        UncountedGroup::of(all).iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn property_stretches_of_one_reason_are_told_as_one() {
+        let spared = |run, from| rows(run, Uncounted::Spared, [from, from + 6.0]);
+        assert_eq!(told(&[spared("a", 6.0), spared("a", 18.0)]), ["2 stretches of run a, 12 s in all (20 rows): why"]);
+        let several = [spared("a", 6.0), spared("a", 18.0), spared("b", 6.0)];
+        assert_eq!(told(&several), ["3 stretches of 2 runs, 18 s in all (30 rows): why"]);
+        let starts = [rows("a", Uncounted::Start, [0.0, 0.5]), rows("b", Uncounted::Start, [0.0, 0.9])];
+        assert_eq!(told(&starts), ["2 runs, the first 0.5 to 0.9 s (20 rows): why"]);
+        assert_eq!(told(&[rows("a", Uncounted::Odd, [3.0, 6.0])]), ["run a, 3.0 to 6.0 s (10 rows): why"]);
+    }
 }

@@ -207,7 +207,7 @@ TOGETHER, ROUNDED = 1e-3, 1e-7
 
 @pytest.mark.parametrize("kind", [cases.WHEEL, cases.ROVER])
 def test_property_forms_side_by_side_are_what_each_is_alone(kind):
-    bench = bench_wheel.WheelBench(3) if kind == cases.WHEEL else short_rover(rows=20)
+    bench = bench_wheel.WheelBench(3) if kind == cases.WHEEL else short_rover(rows=12)
     forms = [f for f in cases.FORMS if kind in f.kinds and not f.jointed]
     changes = [{}] + [{f.key: f.probe} for f in forms]
     plain, *together = bench.simulate(changes, coarse=True)

@@ -56,14 +56,15 @@ impl Recorded {
     ) -> Result<Traced<S>, PredictionError> {
         let mut trace = vec![S::from(f64::NAN); self.time.len() * self.traced];
         let mut ended = Vec::new();
-        // How warm the windings are where the next window begins.
+        // How warm the windings are where the next window begins, where they warm up.
         let mut warm: Vec<S> = Vec::new();
+        let warms = rover.effects.warming(S::from(0.0)).is_some();
         for (k, window) in self.windows.iter().enumerate() {
-            let next = self.windows.get(k + 1).map(|next| next.begin);
+            let next = self.windows.get(k + 1).map(|next| next.begin).filter(|_| warms);
             let state = self.state(rover, x0, window, open, &warm).map_err(|error| self.failed(error.into()))?;
             let mut heat = Heat::new(&state, window.begin);
             let mut record = |row: usize, simulation: &Simulation<S>| {
-                if next.is_none_or(|next| row <= next) {
+                if next.is_some_and(|next| row <= next) {
                     heat.take(row, simulation.state());
                 }
                 if window.rows.contains(&row) {
