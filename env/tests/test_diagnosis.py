@@ -51,15 +51,15 @@ def test_property_objects_hold_the_numbers_of_the_json(diagnosis: bekker.Diagnos
 def test_property_objects_have_the_keys_of_the_schema() -> None:
     schema = json.loads((ROOT / "src" / "diagnosis" / "diagnose" / "result.schema.json").read_text())
     places: list[tuple[str, tuple[type, ...]]] = [
-        ("properties", (bekker.Diagnosis, bekker.diagnosis.Share)),
-        ("properties/noise_models/additionalProperties/properties", (bekker.diagnosis.NoiseModel,)),
-        ("properties/pairs/items/properties", (bekker.diagnosis.Pair,)),
-        ("properties/lack_of_fit/properties", (bekker.diagnosis.LackOfFit,)),
-        ("properties/suggestions/items/properties", (bekker.diagnosis.Suggestion,)),
+        ("properties", (bekker.Diagnosis, bekker.findings.Share)),
+        ("properties/noise_models/additionalProperties/properties", (bekker.findings.NoiseModel,)),
+        ("properties/pairs/items/properties", (bekker.findings.Pair,)),
+        ("properties/lack_of_fit/properties", (bekker.findings.LackOfFit,)),
+        ("properties/suggestions/items/properties", (bekker.findings.Suggestion,)),
         ("$defs/rows/items/properties", (bekker.comparison.UnansweredRows,)),
         ("properties/uncounted/items/properties", (bekker.comparison.UncountedRows,)),
-        ("$defs/step/properties", (bekker.diagnosis.Step,)),
-        ("$defs/candidate/properties", (bekker.diagnosis.Candidate,)),
+        ("$defs/step/properties", (bekker.findings.Step,)),
+        ("$defs/candidate/properties", (bekker.findings.Candidate,)),
         ("$defs/curves/properties", (bekker.curves.Curves,)),
         ("$defs/curves/properties/groups/items/properties", (bekker.curves.CurveGroup,)),
     ]

@@ -11,39 +11,11 @@ from .checked import whole
 from .diagnosed import Diagnosis, of_native
 from .errors import DiagnosisInterrupted, InputError
 from .experiment import ExperimentLike, sources, together_of
-from .findings import (
-    Candidate,
-    LackOfFit,
-    NoiseModel,
-    Pair,
-    Parameter,
-    Profile,
-    RunData,
-    Share,
-    Step,
-    Suggestion,
-    WholeDrive,
-)
 from .models import ModelLike, given, names_of
 from .soil import SoilLike, passed
 from .spread import through
 
-__all__ = [
-    "Candidate",
-    "Diagnosis",
-    "LackOfFit",
-    "NoiseModel",
-    "Pair",
-    "Parameter",
-    "Profile",
-    "Progress",
-    "RunData",
-    "Share",
-    "Step",
-    "Suggestion",
-    "WholeDrive",
-    "diagnose",
-]
+__all__ = ["Diagnosis", "Progress", "diagnose"]
 
 
 @dataclass(frozen=True)
