@@ -10,7 +10,7 @@ from ..levels import Floats
 from ..vocabulary import unknown
 
 if TYPE_CHECKING:
-    from ..diagnosis import Diagnosis
+    from ..diagnosed import Diagnosis
 
 # More panels than this no page holds.
 _MOST_SIGNALS = 6

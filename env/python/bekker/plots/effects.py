@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ..diagnosis import Candidate, Diagnosis, Parameter
+    from ..diagnosed import Diagnosis
+    from ..findings import Candidate, Parameter
 
 # 95 % point of chi-square with one degree of freedom: where a profile's interval ends.
 _RISE = 3.841

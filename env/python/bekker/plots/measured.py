@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ..curves import CurveGroup, Curves
-    from ..diagnosis import Diagnosis
+    from ..diagnosed import Diagnosis
 
 # More columns of panels than this no page holds.
 _MOST_COLUMNS = 4

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ..diagnosis import Diagnosis
+    from ..diagnosed import Diagnosis
 
 
 def residuals(diagnosis: "Diagnosis", names: Iterable[str] | None) -> "Figure":

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..diagnosis import Diagnosis
+    from ..diagnosed import Diagnosis
 
 # Of the palette of Okabe and Ito, which people with any colour vision tell apart.
 MEASURED, BEFORE, AFTER, QUIET = "#333333", "#D55E00", "#0072B2", "#9A9A9A"
