@@ -1,11 +1,12 @@
 //! How gentle a curve has to be to count as straight.
 //!
 //! A vehicle that is steered by its sides drags its wheels sideways. On firm ground that takes force in the slightest curve, on loose soil
-//! hardly any. So the log itself tells: as long as the drive needs more in the outer half of what counts as straight than in the inner half, only
+//! hardly any. So the log itself tells: as long as the drive needs more in the outer half of what counts as straight than straight ahead, only
 //! the inner half does.
 
 use super::curves::SLIP_ANGLE;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// What a drive needs in a row.
 pub(super) struct Need {
@@ -34,7 +35,7 @@ pub(super) fn limit(runs: &[Vec<Need>]) -> f64 {
     let mut limit = SLIP_ANGLE;
     for halving in 0..HALVINGS {
         let angle = SLIP_ANGLE * 0.5_f64.powi(halving);
-        let shares = more_in_outer_half(runs, angle);
+        let shares = more_in(runs, 0.5 * angle..angle);
         // Few blocks with a curve neither show that it matters nor that gentler ones do not.
         if shares.len() < BLOCKS {
             continue;
@@ -50,20 +51,23 @@ pub(super) fn limit(runs: &[Vec<Need>]) -> f64 {
     limit
 }
 
-/// By which share the drive needs more with slip angles of over half of `angle`, up to it, than with smaller ones: in each block of
-/// [`BLOCK`] seconds that has both.
-fn more_in_outer_half(runs: &[Vec<Need>], angle: f64) -> Vec<f64> {
+/// By which share the drive needs more with slip angles within `curve` than straight ahead: in each block of [`BLOCK`] seconds that has both.
+fn more_in(runs: &[Vec<Need>], curve: Range<f64>) -> Vec<f64> {
+    let ahead = SLIP_ANGLE * 0.5_f64.powi(HALVINGS);
     let mut shares = Vec::new();
     for needs in runs {
         let mut blocks: BTreeMap<i64, [(f64, usize); 2]> = BTreeMap::new();
-        for need in needs.iter().filter(|need| need.angle <= angle) {
-            let half = usize::from(need.angle > 0.5 * angle);
-            let (sum, count) = &mut blocks.entry((need.time / BLOCK).floor() as i64).or_default()[half];
+        for need in needs {
+            let kind = usize::from(need.angle > ahead);
+            if kind == 1 && !curve.contains(&need.angle) {
+                continue;
+            }
+            let (sum, count) = &mut blocks.entry((need.time / BLOCK).floor() as i64).or_default()[kind];
             *sum += need.size;
             *count += 1;
         }
-        let told = blocks.into_values().filter(|halves| halves.iter().all(|(_, count)| *count >= ROWS));
-        shares.extend(told.map(|[(inner, few), (outer, many)]| outer / many as f64 / (inner / few as f64) - 1.0));
+        let told = blocks.into_values().filter(|kinds| kinds.iter().all(|(_, count)| *count >= ROWS));
+        shares.extend(told.map(|[(ahead, few), (curve, many)]| curve / many as f64 / (ahead / few as f64) - 1.0));
     }
     shares
 }
