@@ -127,6 +127,27 @@ fn analytic_a_wide_curve_is_straight_and_a_tight_one_is_not() {
 }
 
 #[test]
+fn property_gentle_curves_are_turns_where_the_drive_needs_more() {
+    // A slip angle of 0.06 rad at the lever of 0.35 m, every ten seconds for five.
+    let yaw_rate = 0.06 * SPEED / 0.35;
+    let rows = drive(&[[(10.0, SPEED, 0.0), (5.0, SPEED, yaw_rate)]; 12].concat());
+    let curved = |row: &Row| row.time.rem_euclid(15.0) > 10.0 - 0.5 * STEP;
+    let read_with = |in_curves: f64| {
+        let text = csv("yaw_rate,velocity,wheel[1].current,wheel[2].current", &rows, |row| {
+            let current = (if curved(row) { in_curves } else { 2.0 }) + 0.2 * (17.0 * row.time).sin();
+            vec![if curved(row) { yaw_rate } else { 0.0 }, row.speed, current, current]
+        });
+        read("", &text).unwrap()
+    };
+    assert_eq!(read_with(2.0).runs.len(), 1);
+    let cut = read_with(4.0);
+    assert_eq!(cut.runs.len(), 12);
+    let doubts = cut.doubts.join("\n");
+    // 0.35 m over half of 0.1 or less.
+    assert!(doubts.contains("in which its drive needs more than straight ahead"), "{doubts}");
+}
+
+#[test]
 fn analytic_positions_give_the_way_the_corners_and_the_ground() {
     // The ground rises by a tenth of the way.
     let rows = drive(&[(20.0, SPEED, 0.0), (3.0, 0.0, FRAC_PI_2 / 3.0), (20.0, SPEED, 0.0)]);

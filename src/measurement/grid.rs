@@ -8,6 +8,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 /// Signals, inputs and time of one run.
+#[derive(Clone)]
 pub(super) struct Grid {
     pub file: PathBuf,
     pub header_line: u64,
@@ -17,6 +18,7 @@ pub(super) struct Grid {
 }
 
 /// One signal or input.
+#[derive(Clone)]
 pub(super) struct GridColumn {
     /// The signal.
     pub name: String,

@@ -13,7 +13,7 @@ use super::grid::Grid;
 use super::recognise::{names, recognised};
 use super::settings::{RunSettings, Settings};
 use super::sheet::Sheet;
-use super::straight::{LeftOut, Stated, stretches};
+use super::straight::{LeftOut, Stated, slip_angle, stretches};
 use super::suspicion;
 use super::table::Table;
 use crate::wheel::Wheel;
@@ -84,15 +84,14 @@ fn read_file(
     let parts = parts(sheet, &columns, &rows, run)?;
     let several = parts.len() > 1;
     let terrain = run.terrain.as_ref().map(|file| read_terrain(files, file)).transpose()?;
-    let mut runs = Vec::new();
-    let mut left_out = LeftOut::default();
-    for (number, part) in (1..).zip(&parts) {
+    let mut recorded = Vec::new();
+    for part in &parts {
         let mut own = run.parameters.clone();
         own.extend(part.parameters.clone());
         let stated = |name: &str| own.get(name).or_else(|| settings.parameters.get(name)).copied();
         let gravity = stated("gravity").unwrap_or(STANDARD_GRAVITY);
         let mut grid = grid(sheet, &columns, part, run, gravity)?;
-        let (radius, width) = (stated("wheel.radius"), stated("wheel.width"));
+        let radius = stated("wheel.radius");
         let vehicle = Stated {
             radius,
             lever: lever(&settings.parameters, &own),
@@ -106,8 +105,16 @@ fn read_file(
         settings.kind.format().complete(&mut grid, doubts)?;
         let signs = settings.kind.format().look_at_signs(&grid);
         signs.into_iter().for_each(|doubt| doubts.add(&sheet.file, doubt));
+        recorded.push((own, grid, vehicle));
+    }
+    let limit = slip_angle(recorded.iter().map(|(_, grid, vehicle)| (grid, vehicle)));
+    let mut runs = Vec::new();
+    let mut left_out = LeftOut::default();
+    for ((number, part), (own, grid, vehicle)) in (1..).zip(&parts).zip(recorded) {
+        let radius = vehicle.radius;
+        let width = own.get("wheel.width").or_else(|| settings.parameters.get("wheel.width")).copied();
         let all = 0..grid.lines.len();
-        let stretches = stretches(grid, &vehicle, &mut left_out)?;
+        let stretches = stretches(grid, &vehicle, limit, &mut left_out)?;
         let is_cut = stretches.len() != 1 || stretches.iter().any(|stretch| stretch.rows != all);
         if run.group.is_some() && is_cut {
             let message =

@@ -2,6 +2,7 @@
 
 use super::super::around::{filled, means, slopes};
 use super::super::grid::{Grid, GridColumn};
+use super::gentle::Need;
 use super::route::Route;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
@@ -12,7 +13,7 @@ const NEIGHBOURS: f64 = 1.5;
 
 /// Slip angle of the end wheels, rad, from which on a vehicle counts as turning: 6 degrees, reached in a curve whose radius is five times
 /// the distance between the end axles. The value is a judgement, not a measurement.
-const SLIP_ANGLE: f64 = 0.1;
+pub(super) const SLIP_ANGLE: f64 = 0.1;
 
 /// Least speed, m/s, with which a yaw rate is compared: noise of a gyroscope is no turn of a vehicle that hardly moves.
 const SLOWEST: f64 = 0.02;
@@ -40,6 +41,20 @@ pub(super) struct Turning<'a> {
     pub route: Option<&'a Route>,
     /// Distance of an end wheel from the middle, m.
     pub lever: f64,
+    /// Slip angle of the end wheels from which on the vehicle turns, rad.
+    pub limit: f64,
+}
+
+/// How a vehicle moves, row by row.
+struct Motion {
+    /// How fast, m/s, as far as it is known.
+    speeds: Vec<f64>,
+    /// Yaw rate, rad/s.
+    rates: Vec<f64>,
+    /// Whether it stands.
+    stands: Vec<bool>,
+    /// Share [`STANDS`] of the usual speed of the rims.
+    slow: f64,
 }
 
 /// Rows in which a vehicle drives straight.
@@ -70,12 +85,36 @@ impl Straight {
 impl Turning<'_> {
     /// Radius of the tightest curve that counts as straight, m.
     pub fn tightest(&self) -> f64 {
-        self.lever / SLIP_ANGLE
+        self.lever / self.limit
     }
 
     /// The rows in which the vehicle drives straight; `rims` are the speeds of its wheels. A row that nothing tells of counts as
     /// straight.
     pub fn straight(&self, grid: &Grid, rims: &Rims) -> Straight {
+        let Motion { speeds, rates, stands, slow } = self.motion(grid, rims);
+        // Written so that NaN, of which nothing is known, turns nothing.
+        let turns = |row: usize| self.lever * rates[row].abs() > self.limit * speeds[row].max(SLOWEST);
+        let rows = (0..self.time.len()).map(|row| !turns(row) && !stands[row]).collect();
+        let turning_wheels = rims.speed.iter().map(|speed| speed.abs() > slow).collect();
+        Straight { rows, speeds, turning_wheels }
+    }
+
+    /// What the vehicle needs in the rows in which it drives, of which both the slip angle and the need are known.
+    pub fn needs(&self, grid: &Grid, rims: &Rims) -> Vec<Need> {
+        let Motion { speeds, rates, stands, .. } = self.motion(grid, rims);
+        let Some(size) = of_the_drive(grid).map(|sizes| means(self.time, &sizes, self.within)) else {
+            return Vec::new();
+        };
+        let need = |row: usize| Need {
+            time: self.time[row],
+            angle: self.lever * rates[row].abs() / speeds[row].max(SLOWEST),
+            size: size[row],
+        };
+        let known = |need: &Need| need.angle.is_finite() && need.size.is_finite();
+        (0..self.time.len()).filter(|row| !stands[*row]).map(need).filter(known).collect()
+    }
+
+    fn motion(&self, grid: &Grid, rims: &Rims) -> Motion {
         let velocity = grid.values("velocity").map(|values| means(self.time, values, self.within));
         let smooth = means(self.time, &rims.speed, self.within);
         let speed = |row: usize| {
@@ -88,16 +127,9 @@ impl Turning<'_> {
         let speeds: Vec<f64> = (0..self.time.len()).map(speed).collect();
         let mut sorted: Vec<f64> = smooth.iter().map(|v| v.abs()).filter(|v| *v > 0.0).collect();
         sorted.sort_by(f64::total_cmp);
-        let usual = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
-        let rates = self.rates(&speeds);
-        let straight = |row: usize| {
-            // Written so that NaN, of which nothing is known, turns nothing.
-            let turns = self.lever * rates[row].abs() > SLIP_ANGLE * speeds[row].max(SLOWEST);
-            let stands = smooth[row].abs() <= STANDS * usual;
-            !turns && !stands
-        };
-        let turning_wheels = rims.speed.iter().map(|speed| speed.abs() > STANDS * usual).collect();
-        Straight { rows: (0..self.time.len()).map(straight).collect(), speeds, turning_wheels }
+        let slow = STANDS * sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+        let stands = smooth.iter().map(|speed| speed.abs() <= slow).collect();
+        Motion { rates: self.rates(&speeds), speeds, stands, slow }
     }
 
     /// Yaw rates, rad/s, row by row: as measured, else by the heading, else by the positions.
@@ -166,4 +198,14 @@ impl Rims {
         let in_metres = !columns.is_empty() && columns.iter().all(|column| factor(column).is_some());
         Self { speed: filled(time, &speed), in_metres }
     }
+}
+
+/// What the drive needs, row by row: the mean size of the currents or, where there are none, of the torques; `None` without these.
+fn of_the_drive(grid: &Grid) -> Option<Vec<f64>> {
+    let of = |field: &str| -> Vec<&GridColumn> {
+        grid.columns.iter().filter(|c| c.name.starts_with("wheel[") && c.name.ends_with(field)).collect()
+    };
+    let columns = [of("].current"), of("].torque")].into_iter().find(|columns| !columns.is_empty())?;
+    let mean = |row: usize| columns.iter().map(|c| c.values[row].abs()).sum::<f64>() / columns.len() as f64;
+    Some((0..grid.lines.len()).map(mean).collect())
 }

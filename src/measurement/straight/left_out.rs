@@ -13,15 +13,18 @@ pub(in crate::measurement) struct LeftOut {
     of: usize,
     stretches: usize,
     radius: f64,
+    /// Whether the drive needs more in curves that usually count as straight.
+    gentle: bool,
 }
 
 impl LeftOut {
-    /// Counts a run of which `pieces` are left; `radius` is that of the tightest curve that counts as straight, m.
-    pub fn count(&mut self, rows: usize, pieces: &[Range<usize>], radius: f64) {
+    /// Counts a run of which `pieces` are left; `radius` is that of the tightest curve that counts as straight, m, and `usual` the one that
+    /// does where the drive needs no more in curves.
+    pub fn count(&mut self, rows: usize, pieces: &[Range<usize>], [radius, usual]: [f64; 2]) {
         self.of += rows;
         self.rows += rows - pieces.iter().map(Range::len).sum::<usize>();
         self.stretches += pieces.len();
-        self.radius = radius;
+        (self.radius, self.gentle) = (radius, radius > usual);
     }
 
     /// Adds a doubt that counts the rows that are left out, where there are any.
@@ -29,13 +32,19 @@ impl LeftOut {
     /// # Errors
     /// [`ExperimentError`] where nothing is left.
     pub fn say(&self, file: &Path, doubts: &mut Doubts) -> Result<(), ExperimentError> {
-        let Self { rows, of, stretches, radius } = self;
+        let Self { rows, of, stretches, radius, gentle } = self;
+        let curve = match gentle {
+            true => {
+                format!("a curve of a radius under {radius:.0} m, in which its drive needs more than straight ahead")
+            }
+            false => format!("a curve of a radius under {radius:.1} m"),
+        };
         if *rows == 0 {
             return Ok(());
         }
         if *stretches == 0 {
             let message = format!(
-                "the vehicle nowhere drives straight for {SHORTEST} s and {LEAST_WAY} m (in no curve of a radius under {radius:.1} m), and the model is planar"
+                "the vehicle nowhere drives straight for {SHORTEST} s and {LEAST_WAY} m (outside of {curve}), and the model is planar"
             );
             return Err(ExperimentError::in_file(file, Problem::Derived(message)));
         }
@@ -47,7 +56,7 @@ impl LeftOut {
         doubts.add(
             file,
             format!(
-                "{rows} of {of} rows are left out: the vehicle turns there (a curve of a radius under {radius:.1} m), stands, or drives \
+                "{rows} of {of} rows are left out: the vehicle turns there ({curve}), stands, or drives \
                  straight for less than {SHORTEST} s or {LEAST_WAY} m in between, and the model is planar; the others are {runs}"
             ),
         );

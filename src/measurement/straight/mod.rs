@@ -6,6 +6,7 @@
 //! What is left out is said among the doubts.
 
 mod curves;
+mod gentle;
 mod ground;
 mod left_out;
 mod route;
@@ -83,36 +84,94 @@ pub(super) struct Stretch {
     pub ground: Option<Table>,
 }
 
-/// The straight stretches of the rows of one run; all of it where nothing is said of its heading.
+/// What a run records of its way.
+struct Course {
+    recorded: RouteColumns,
+    time: Vec<f64>,
+    rims: Rims,
+    /// Time over which values are averaged, s.
+    within: f64,
+    route: Option<Route>,
+}
+
+impl Course {
+    /// Takes it out of the grid; `None` where nothing is said of the heading.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] where a column of the route lacks what it needs beside it.
+    fn of(grid: &mut Grid, stated: &Stated) -> Result<Option<Self>, ExperimentError> {
+        let (recorded, time) = (RouteColumns::take(grid), grid.values("time").map(<[f64]>::to_vec));
+        let (Some(recorded), Some(time)) = (recorded, time) else { return Ok(None) };
+        check_time(grid)?;
+        let (rims, within) = (Rims::of(grid, &time, stated.radius), curves::within(&time));
+        let positions = recorded.positions(grid)?;
+        let route =
+            positions.map(|(east, north)| Route::new(&time, [&east.values, &north.values], &rims.speed, within));
+        recorded.check(grid, stated, &rims, route.as_ref())?;
+        Ok(Some(Self { recorded, time, rims, within, route }))
+    }
+
+    fn turning(&self, stated: &Stated, limit: f64) -> Turning<'_> {
+        Turning {
+            time: &self.time,
+            within: self.within,
+            yaw_rate: self.recorded.yaw_rate.as_ref(),
+            heading: self.recorded.heading.as_ref(),
+            route: self.route.as_ref(),
+            lever: stated.lever.or(stated.radius.map(|radius| 2.0 * radius)).unwrap_or(USUAL_LEVER),
+            limit,
+        }
+    }
+
+    /// The straight stretches.
+    fn pieces(&self, grid: &Grid, stated: &Stated, limit: f64) -> Vec<Range<usize>> {
+        let straight = self.turning(stated, limit).straight(grid, &self.rims);
+        let mut pieces = pieces(&self.time, &straight, stated.least_rows);
+        pieces.retain(|piece| straight.way(&self.time, piece) >= LEAST_WAY);
+        pieces
+    }
+}
+
+/// Slip angle of the end wheels from which on the vehicle of these runs turns, rad: as gentle as its drive asks for, while straight
+/// stretches are left.
+pub(super) fn slip_angle<'a>(runs: impl Iterator<Item = (&'a Grid, &'a Stated)>) -> f64 {
+    let mut all = Vec::new();
+    for (grid, stated) in runs {
+        let mut own = grid.clone();
+        // What is wrong with a route is said where it is cut.
+        if let Ok(Some(course)) = Course::of(&mut own, stated) {
+            all.push((own, stated, course));
+        }
+    }
+    let needs =
+        all.iter().map(|(grid, stated, course)| course.turning(stated, curves::SLIP_ANGLE).needs(grid, &course.rims));
+    let mut limit = gentle::limit(&needs.collect::<Vec<_>>());
+    let is_left = |limit: f64| all.iter().any(|(grid, stated, course)| !course.pieces(grid, stated, limit).is_empty());
+    while limit < curves::SLIP_ANGLE && !is_left(limit) {
+        limit *= 2.0;
+    }
+    limit
+}
+
+/// The straight stretches of the rows of one run, of a vehicle that turns from a slip angle `limit` (rad) on; all of it where nothing is said
+/// of its heading.
 ///
 /// # Errors
 /// [`ExperimentError`] where a column of the route lacks what it needs beside it.
 pub(super) fn stretches(
     mut grid: Grid,
     stated: &Stated,
+    limit: f64,
     left_out: &mut LeftOut,
 ) -> Result<Vec<Stretch>, ExperimentError> {
-    let (recorded, time) = (RouteColumns::take(&mut grid), grid.values("time").map(<[f64]>::to_vec));
-    let (Some(recorded), Some(time)) = (recorded, time) else {
+    let Some(course) = Course::of(&mut grid, stated)? else {
         let rows = 0..grid.lines.len();
         return Ok(vec![Stretch { grid, rows, x0: stated.x0, ground: None }]);
     };
-    check_time(&grid)?;
+    let mut pieces = course.pieces(&grid, stated, limit);
+    let tightest = [limit, curves::SLIP_ANGLE].map(|limit| course.turning(stated, limit).tightest());
+    let Course { recorded, time, within, route, .. } = course;
     let positions = recorded.positions(&grid)?;
-    let (rims, within) = (Rims::of(&grid, &time, stated.radius), curves::within(&time));
-    let route = positions.map(|(east, north)| Route::new(&time, [&east.values, &north.values], &rims.speed, within));
-    recorded.check(&grid, stated, &rims, route.as_ref())?;
-    let turning = Turning {
-        time: &time,
-        within,
-        yaw_rate: recorded.yaw_rate.as_ref(),
-        heading: recorded.heading.as_ref(),
-        route: route.as_ref(),
-        lever: stated.lever.or(stated.radius.map(|radius| 2.0 * radius)).unwrap_or(USUAL_LEVER),
-    };
-    let straight = turning.straight(&grid, &rims);
-    let mut pieces = pieces(&time, &straight, stated.least_rows);
-    pieces.retain(|piece| straight.way(&time, piece) >= LEAST_WAY);
     let x = places(&grid, &time, route.as_ref(), stated, within);
     if x.is_none() && stated.has_ground && pieces.iter().any(|piece| piece.start > 0) {
         return Err(recorded.without_a_place(&grid));
@@ -122,7 +181,7 @@ pub(super) fn stretches(
         grid.columns.push(GridColumn::plain("x", &east.source, Use::Measured, values));
     }
     pieces.retain(|piece| stated.planned || grid.measures(piece.clone()));
-    left_out.count(time.len(), &pieces, turning.tightest());
+    left_out.count(time.len(), &pieces, tightest);
     let one = |rows: Range<usize>| {
         let heights = recorded.height.as_ref().zip(x.as_ref());
         let ground = heights.map(|(height, x)| under(&grid, &time, x, height, rows.clone())).transpose()?;
