@@ -6,7 +6,7 @@ use bekker::diagnosis::CompareOptions;
 #[derive(clap::Args)]
 pub struct Windows {
     /// Different windows of a long drive that take part in the fits, evenly spread. A window has 6 s; a diagnosis lets the others judge the final model.
-    #[arg(long, default_value_t = 64, value_name = "N", value_parser = clap::value_parser!(u32).range(8..))]
+    #[arg(long, default_value_t = CompareOptions::default().windows as u32, value_name = "N", value_parser = clap::value_parser!(u32).range(8..))]
     windows: u32,
 }
 

@@ -141,6 +141,9 @@ fn search_over(problem: &Problem, noise: &Noise, task: &Task, whole: bool, effor
     })
 }
 
+/// Factor of the priors' deviations with which they say next to nothing.
+pub(super) const NO_PRIORS: f64 = 1e3;
+
 /// Calls `f` with the weighted least-squares problem of a task.
 pub(super) fn with_problem<R>(
     problem: &Problem,

@@ -2,7 +2,7 @@
 
 use super::bootstrap::p_value;
 use super::control::Control;
-use super::fits::{Noise, Outcome, Task, run};
+use super::fits::{NO_PRIORS, Noise, Outcome, Task, run};
 use super::stage::{Stage, StageContext};
 use super::starts::Start;
 use super::untried::{Untried, named};
@@ -295,7 +295,7 @@ impl Search<'_> {
     /// Fits with the priors all but removed.
     pub fn without_priors(&self, effects: &[String]) -> Option<Calibration> {
         let start = self.fits.get(effects)?.values();
-        let task = Task { prior_factor: 1e3, ..self.problem.task(effects, vec![start]) };
+        let task = Task { prior_factor: NO_PRIORS, ..self.problem.task(effects, vec![start]) };
         run(self.problem, self.noise, &task)
     }
 }

@@ -1,7 +1,7 @@
 //! What the windows of a long drive that took no part in any fit say of the final model.
 
 use super::far::costs;
-use super::fits::{Noise, Task};
+use super::fits::{NO_PRIORS, Noise, Task};
 use super::result::Verdict;
 use super::verdict::Judgement;
 use crate::diagnosis::compare::CompareError;
@@ -12,9 +12,6 @@ use crate::diagnosis::thresholds::ODD;
 /// Different windows that take part in the fits, where nothing else is asked for: some six minutes of driving. More of them make every fit
 /// longer; the others judge what was found.
 pub(crate) const WINDOWS: usize = 64;
-
-/// Factor of the priors' deviations beyond which they say nothing.
-const NO_PRIORS: f64 = 1e3;
 
 /// Misfit over the windows that took no part, and over the others.
 pub(crate) struct Spared {
