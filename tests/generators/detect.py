@@ -1,9 +1,9 @@
 """How strong a hidden effect must be to be seen, and what it can be confused with.
 
 The signature of an effect is what it changes in the clean signals. Whitened with the true noise and freed of everything
-that the calibrated soil parameters can take up (their sensitivities by finite differences), its length is the number of
+that the calibrated soil parameters can take up (`refit`), its length is the number of
 standard deviations by which the effect stands out: 5 give 80 % power at p = 0.01 corrected for the candidates, and a test
-asks for at least 1.5 times that. The cosine of two such signatures says how alike two effects are.
+asks for at least 1.5 times that. The cosine of two such signatures at the fitted soil says how alike two effects are.
 """
 
 import copy
@@ -12,18 +12,14 @@ import numpy as np
 
 import conditions
 import noise
+from refit import STEP, finding_fit, free_slopes, soil_at
 from soils import CALIBRATED
 
 DETECTABLE = 5.0  # standard deviations
 TIE = 0.8  # cosine from which two effects are an honest tie
-STEP = 1e-3  # of a soil parameter, relative
+POSSIBLE = 0.4  # cosine from which a weak rival is looked at as strong as the hidden effect too
 DELAY_STEP = 0.02  # s
 SEARCHES = 8  # strengths tried
-REFITS = 8
-SMALL_SHIFT = 0.01  # of a soil parameter, relative, for which the projection is exact enough
-SHIFTS = (-0.9, 2.0)  # of a soil parameter, relative: as far as a calibration may take it
-WORTH = 0.98  # share of what is left from which on a further refit is not worth it
-SHORTER = 0.9  # share of the projection's length below which the refitted signature is taken
 
 
 class Detector:
@@ -32,10 +28,9 @@ class Detector:
     def __init__(self, bench, noise_level, replicates, rivals):
         self.bench, self.rivals, self.level = bench, rivals, noise_level
         soil = [{name: bench.soil[name] * (1.0 + STEP)} for name in CALIBRATED]
-        effects = [{f.key: f.probe} for f in rivals]
         late = [{"body_delay": conditions.DELAY + DELAY_STEP}] if "delay" in bench.conditions else []
         self.nuisances = len(late)
-        clean, *changed = bench.simulate([{}] + soil + effects + late, coarse=True)
+        clean, *changed = bench.simulate([{}] + soil + late, coarse=True)
         self.clean = clean
         self.deviation = noise_level * bench.size(clean)
         self.changed, self.replicates = changed, replicates
@@ -56,12 +51,10 @@ class Detector:
         if "soil_scatter" in self.bench.conditions:
             shares = [conditions.SCATTER.get(name, 0.0) for name in CALIBRATED]
             self.scatter = [run_scatter(columns) for columns in self.by_run(soil, shares)]
-        self.slopes = np.stack([self.white(y) for y in soil], axis=1)
         # A delay that nobody states is free to take up what it can.
         late = [self.white(y - self.clean) for y in self.changed[len(self.changed) - self.nuisances :]]
-        self.basis = orthonormal(np.column_stack([self.slopes, *late]))
-        rivals = self.changed[count : len(self.changed) - self.nuisances]
-        self.signatures = [self.free(self.white(y - self.clean)) for y in rivals]
+        self.nuisance = orthonormal(np.stack(late, axis=1)) if late else None
+        self.slopes = np.stack([self.told(y) for y in soil], axis=1)
 
     def by_run(self, soil, shares):
         """For each run the change of its whitened signals by one standard deviation of each soil parameter's scatter from run
@@ -89,9 +82,19 @@ class Detector:
             white = np.stack([run - u @ (shrink * (u.T @ run)) for run, (u, shrink) in zip(runs, self.scatter)])
         return white.ravel()
 
-    def free(self, signature):
-        """Without what the soil parameters take up."""
-        return signature - self.basis @ (self.basis.T @ signature)
+    def told(self, difference):
+        """The same without what an unstated delay takes up."""
+        white = self.white(difference)
+        return white if self.nuisance is None else white - self.nuisance @ (self.nuisance.T @ white)
+
+    def free(self, signature, fit):
+        """Without what the soil parameters take up at the soil of a fit, as far as their bounds allow it."""
+        basis = orthonormal(free_slopes(self, fit))
+        return signature - basis @ (basis.T @ signature)
+
+    def leaves(self, fit):
+        """What a fit leaves, in deviations, where the soil goes on along its slopes."""
+        return np.linalg.norm(self.free(fit.left, fit))
 
     def strength_at(self, form, sign, target, other=None):
         """The strength whose signature is `target` deviations long, and the length reached: less where the bound of the
@@ -101,13 +104,17 @@ class Detector:
 
     def finding_strength(self, form, sign, target, other=None):
         """The same as a search for :func:`side_by_side`."""
-        tried = {}
+        tried, fits = {}, {}
 
         def length(size):
             if size not in tried:
                 signals = yield from effect(form, sign * size)
-                signature = yield from self.finding_signature(signals)
-                tried[size] = float(np.linalg.norm(self.without(signature, other)))
+                near = min(fits, key=lambda other: abs(np.log(size / other)), default=None)
+                start = (fits[near], size / near) if fits else (None, 1.0)
+                fit = yield from finding_fit(self, signals, *start)
+                tried[size] = float(np.linalg.norm(self.without(self.free(fit.left, fit), other)))
+                if np.isfinite(tried[size]):
+                    fits[size] = fit
             return tried[size]
 
         runs, at = 0.0, form.probe
@@ -146,52 +153,40 @@ class Detector:
         return signature - other * (other @ signature) / (other @ other)
 
     def signature(self, signals):
-        """What is left of the difference to the clean signals after the soil is refitted to it: damped Gauss-Newton steps
-        with the slopes at the true soil while they help, the rest by projection; by projection alone where that says the same."""
+        """What is left of the difference to the clean signals after the soil is refitted to it."""
         return alone(self.bench, self.finding_signature(signals))
 
     def finding_signature(self, signals):
         """The same as a search for :func:`side_by_side`."""
-        left, shift = self.white(signals - self.clean), np.zeros(len(CALIBRATED))
-        projected = best = self.free(left)
-        if not np.all(np.isfinite(left)):
-            return projected
-        for _ in range(REFITS):
-            step = np.linalg.lstsq(self.slopes, left, rcond=1e-7)[0]
-            if np.max(np.abs(step)) < SMALL_SHIFT:
-                break
-            moved = yield from self.refitted(signals, shift, step, np.linalg.norm(left))
-            if moved is None or np.linalg.norm(moved[1]) > WORTH * np.linalg.norm(left):
-                break
-            shift, left = moved
-            best = min(best, self.free(left), key=np.linalg.norm)
-        # A refit turns the signature too: it is taken where the projection alone would be far too long.
-        return best if np.linalg.norm(best) < SHORTER * np.linalg.norm(projected) else projected
+        fit = yield from finding_fit(self, signals)
+        return self.free(fit.left, fit)
 
-    def refitted(self, signals, shift, step, bar):
-        """Shares by which the soil differs after a step, shortened until it leaves less than `bar`, and what is left."""
-        for damping in (1.0, 0.5, 0.25):
-            there = np.clip(shift + damping * step, *SHIFTS)
-            soil = {name: self.bench.soil[name] * (1.0 + s) for name, s in zip(CALIBRATED, there)}
-            left = self.white(signals - (yield soil, True))
-            if np.all(np.isfinite(left)) and np.linalg.norm(left) < bar:
-                return there, left
-        return None
-
-    def alike(self, signature):
-        """Cosine of this signature with that of every rival, {case: cosine}: of its most alike form."""
-        length = np.linalg.norm(signature)
-        cosines = {}
-        for form, rival in zip(self.rivals, self.signatures):
-            size = np.linalg.norm(rival)
-            cosine = float(rival @ signature / (size * length)) if size > 0.0 and length > 0.0 else 0.0
-            cosines[form.case] = max(cosine, cosines.get(form.case, -1.0))
-        return cosines
+    def finding_likeness(self, signals):
+        """The signature of signals, and its cosine with that of every rival at the fitted soil, {case: cosine}: of its most alike form,
+        weak or about as strong as the hidden effect. A search for :func:`side_by_side`."""
+        fit = yield from finding_fit(self, signals)
+        signature = self.free(fit.left, fit)
+        length, soil, cosines = np.linalg.norm(signature), soil_at(self, fit.shift), {}
+        tried = [(form, form.probe) for form in self.rivals]
+        while tried:
+            there = yield [{**soil, form.key: size} for form, size in tried], True
+            stronger = []
+            for (form, size), y in zip(tried, there):
+                rival = self.free(self.told(y - fit.signals), fit)
+                own = np.linalg.norm(rival)
+                cosine = float(rival @ signature / (own * length)) if np.isfinite(own) and own > 0.0 and length > 0.0 else 0.0
+                cosines[form.case] = max(cosine, cosines.get(form.case, -1.0))
+                if size == form.probe and POSSIBLE < cosine < TIE and own < length:
+                    # An effect without a derivative at zero is another one there.
+                    stronger.append((form, min(size * length / own, form.typical)))
+            tried = stronger
+        return signature, cosines
 
 
 def effect(form, strength):
     """The search for the signals with one effect: one simulation, NaN where the rig does not run."""
-    return (yield {form.key: strength}, True)
+    (signals,) = yield [{form.key: strength}], True
+    return signals
 
 
 def alone(bench, search):
@@ -205,8 +200,8 @@ def alone(bench, search):
 def side_by_side(bench, searches):
     """Runs searches, those simulations of which none needs another's result as one: many small ones take the time of a few.
 
-    A search is a generator: it yields changed parameters and whether coarse steps do, and is sent the signals. Gives the results in
-    order; in the place of one that raised ValueError the error.
+    A search is a generator: it yields a list of changed parameters and whether coarse steps do, and is sent the signals of each. Gives
+    the results in order; in the place of one that raised ValueError the error.
     """
     results, wanted = [None] * len(searches), {}
 
@@ -226,8 +221,10 @@ def side_by_side(bench, searches):
         for coarse in (True, False):
             members = [k for k, (_, c) in asked.items() if c == coarse]
             if members:
-                for k, signals in zip(members, bench.simulate([asked[k][0] for k in members], coarse=coarse)):
-                    go_on(k, signals)
+                signals = bench.simulate([change for k in members for change in asked[k][0]], coarse=coarse)
+                ends = np.cumsum([len(asked[k][0]) for k in members])
+                for k, own in zip(members, np.split(signals, ends[:-1])):
+                    go_on(k, own)
     return results
 
 

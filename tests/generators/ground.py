@@ -7,6 +7,8 @@ turns parameters and the place of a contact into what contact.forces sums; `adde
 import numpy as np
 
 RATE_SPEED = 0.01  # m/s, reference speed of the rate laws
+FLEXIBLE = ("arc", "load", "axle")  # forms of a flexible wheel
+ROUNDED = 0.02  # rad, of a slope's size
 GRAVITY_OF_SOIL = 16e3  # N/m^3, unit weight of sand
 
 
@@ -145,8 +147,8 @@ def soft_patch(p, at, soil):
 
 def slope_strength(p, at, angle):
     size = np.abs(at["angle"])
-    if (s := on(p, "slope_strength.linear")) is not None:  # phi - beta |alpha|
-        angle = angle - s * size
+    if (s := on(p, "slope_strength.linear")) is not None:  # phi - beta |alpha|, with the library's rounding at level ground
+        angle = angle - s * (np.hypot(size, ROUNDED) - ROUNDED)
     if (s := on(p, "slope_strength.quadratic")) is not None:
         angle = angle - s * size * size / 0.15
     return angle

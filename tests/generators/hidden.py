@@ -44,7 +44,7 @@ def hidden_forms(kind, case, form):
 
 def choosing(detector, forms, rng, multiple=None):
     """Strengths of the hidden effects: from 1.5 times the smallest detectable to what is usual, drawn in logarithms. A search for
-    `detect.side_by_side`."""
+    `detect.side_by_side`; gives for each its form, strength, length in deviations and cosines."""
     chosen = []
     for k, form in enumerate(forms):
         sign = float(rng.choice([-1.0, 1.0])) if form.signed else 1.0
@@ -62,21 +62,20 @@ def choosing(detector, forms, rng, multiple=None):
                 wished = sign * least ** (1.0 - share) * form.typical**share
                 stronger = yield from effect(form, wished)
                 # A rig that is about to get stuck may do so with fine steps only.
-                if np.all(np.isfinite(stronger)) and np.all(np.isfinite((yield {form.key: wished}, False))):
+                if np.all(np.isfinite(stronger)) and np.all(np.isfinite((yield [{form.key: wished}], False))):
                     strength, signals = wished, stronger
                     break
                 share *= 0.5
-        signature = yield from detector.finding_signature(signals)
+        signature, cosines = yield from detector.finding_likeness(signals)
         reached = float(np.linalg.norm(detector.without(signature, other)))
-        chosen.append((form, strength, reached, signature))
+        chosen.append((form, strength, reached, cosines))
     return chosen
 
 
-def describe(detector, chosen):
+def describe(chosen):
     signed = {f.case for f in cases.FORMS if f.signed}
     effects = []
-    for form, strength, reached, signature in chosen:
-        cosines = detector.alike(signature)
+    for form, strength, reached, cosines in chosen:
         effects.append(
             {
                 "case": form.case,
@@ -145,7 +144,7 @@ def make(folder, kind, case, form=None, level=0.02, seed=17, multiple=None, size
         "size": size,
         "noise": level,
         "seed": seed,
-        "effects": describe(detector, chosen) if chosen else [],
+        "effects": describe(chosen) if chosen else [],
         "soil": {f"soil.{name}": value for name, value in bench.soil.items()},
         "soil_name": bench.soil_name,
         "deviation": dict(zip(bench.signals, map(float, np.hypot(deviation, bench.own_noise)))),

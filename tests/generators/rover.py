@@ -21,6 +21,8 @@ HOLD_TIME = 0.01  # s, damping of a standing contact
 DAMPING_DEPTH = 0.001  # m, over which the normal damping sets in
 ITERATIONS = 25
 TOLERANCE = 1e-8  # m/s and rad/s
+STANDS, STAND_STEPS = 1e-9, 30  # relative change of a sinkage below which a flexible wheel stands, and steps until then
+LEAST_SINKAGE = 0.02  # share of that of the undeformed wheel within which it is looked for
 SLOW = 0.1  # of convergence: a step slower than this renews the Jacobian
 
 
@@ -47,7 +49,11 @@ class Rover:
         self.per_wheel = {name: wheels(value) for name, value in p.items()}
         # What a wheel carries by the data sheet and the mass that there is.
         self.load = shares * wheels(self.linkage.total) * self.per_wheel["gravity"]
+        compliance = sum((self.per_wheel.get(f"flexible_wheel.{form}", 0.0) for form in ground.FLEXIBLE), np.zeros(()))
         self.ones = np.ones_like(np.asarray(p["mass"], float) + 0.0 * profile.slope)
+        # Runs whose wheels flatten.
+        self.compliance = np.broadcast_to(compliance, self.ones.shape + (self.count,))
+        self.flexible = np.flatnonzero(self.compliance[:, 0])
         total = self.linkage.total * self.ones
         self.mass = np.stack([total, total] + [inertia * self.ones for inertia in self.linkage.inertias], axis=-1)
         self.unknowns = self.mass.shape[-1]
@@ -86,22 +92,65 @@ class Rover:
         nominal = contact.slip_of(travel, turn) * length
         passed, lead = self.passed(foot, command, nominal)
         place = ground.place_at(nominal, along, p["radius"] - distance, self.load, angle, foot, passed, lead)
-        soil = ground.local_soil(p, place)
-        if soil["radius"] is not p["radius"]:
-            # A true radius other than the nominal one: sinkage and rim follow it; a flexible wheel descends further.
-            true = soil.get("true_radius", p["radius"])
-            place["sinkage"] = true - distance - soil.get("deflection", 0.0)
-            turn = turn * true / p["radius"]
-            place["slip"] = contact.slip_of(travel, turn) * length
-            soil = ground.local_soil(p, place)
+        if len(self.flexible):
+            place["load"] = self.carried(place, travel, turn, length)
+        soil, place, turn, (normal, pull, torque) = self.contact(p, place, travel, turn, length)
         sinkage = place["sinkage"]
-        normal, pull, torque, carried = contact.forces(soil, sinkage, travel, turn / soil["radius"], length, self.nodes)
-        normal, pull, torque = carried + length * (normal - carried), length * pull, length * torque
         pull = pull + ground.added_pull(p, place) * np.sign(along) * length
         torque = torque + ground.added_torque(p, np.maximum(normal, 0.0), turn) * length
         normal = np.where(sinkage > 0.0, np.maximum(normal - p["damping"] * smooth(sinkage / DAMPING_DEPTH) * up, 0.0), 0.0)
         slip = contact.slip_of(along, soil.get("true_radius", p["radius"]) * spin)
         return normal, pull, torque, (lever_x, lever_z, cos, sin), (memory, sinkage, slip, spin)
+
+    def contact(self, p, place, travel, turn, length):
+        """The soil, the place with the soil's sinkage, the turning of the true rim, and the forces, of contacts at the sinkage of the
+        nominal rim."""
+        soil = ground.local_soil(p, place)
+        if soil["radius"] is not p["radius"]:
+            # A true radius other than the nominal one: sinkage and rim follow it; a flexible wheel descends further.
+            true = soil.get("true_radius", p["radius"])
+            turn = turn * true / p["radius"]
+            sinkage = place["sinkage"] + true - p["radius"] - soil.get("deflection", 0.0)
+            place = {**place, "sinkage": sinkage, "slip": contact.slip_of(travel, turn) * length}
+            soil = ground.local_soil(p, place)
+        normal, pull, torque, carried = contact.forces(soil, place["sinkage"], travel, turn / soil["radius"], length, self.nodes)
+        return soil, place, turn, (carried + length * (normal - carried), length * pull, length * torque)
+
+    def carried(self, place, travel, turn, length):
+        """The load of each wheel from which its deflection follows: of flexible wheels the force of the soil, found by the secant method
+        in the soil's sinkage z = Z - C N, which is that of the undeformed wheel less the deflection; of others the nominal load."""
+        some = self.flexible
+
+        def of(value):
+            """The runs whose wheels flatten; what is the same for all runs stays."""
+            return value if np.ndim(value) < 2 or np.shape(value)[-2] == 1 else np.asarray(value)[..., some, :]
+
+        p, here = ({name: of(value) for name, value in values.items()} for values in (self.per_wheel, place))
+        whole, compliance = np.maximum(here["sinkage"], 0.0), self.compliance[some]
+        apart = np.where(whole > 0.0, whole, 1.0)
+
+        def rest(z):
+            here["load"] = (whole - z) / compliance
+            normal = self.contact(p, here, of(travel), of(turn), of(length))[-1][0]
+            return (z + compliance * np.maximum(normal, 0.0) - whole) / apart
+
+        within = lambda z: np.clip(z, LEAST_SINKAGE * whole, whole)
+        before = within(whole - compliance * of(self.load))
+        left = rest(before)
+        deflection = (left + 1.0) * apart - before
+        # The force grows with about the power 1.5 of the sinkage.
+        z = within(before - left * apart / (1.0 + 1.5 * deflection / np.where(before > 0.0, before, 1.0)))
+        for _ in range(STAND_STEPS):
+            if np.max(np.abs(z - before) / apart, initial=0.0) < STANDS:
+                break
+            now = rest(z)
+            change = z - before
+            slope = np.where(now != left, (now - left) / np.where(change != 0.0, change, 1.0), 1.0 / apart)
+            # The left side grows at least as fast as z itself.
+            before, left, z = z, now, within(z - now / np.maximum(slope, 1.0 / apart))
+        load = np.broadcast_to(self.load, np.broadcast_shapes(np.shape(place["sinkage"]), self.load.shape)).copy()
+        load[..., some, :] = (whole - z) / compliance
+        return load
 
     def passed(self, foot, command, slip):
         """How many wheels have passed the ground under each, and the slip of the nearest one that did.

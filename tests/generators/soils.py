@@ -18,6 +18,16 @@ FIRM = ("dry sand (Wong)", "LETE sand (Wong)", "HIT-LSS1 (Ding)", "simulant (Ish
 
 # The names of the model's parameters that a default calibration frees.
 CALIBRATED = ("cohesion", "friction_angle", "k_phi", "exponent", "shear_modulus", "c1", "c2")
+# How far it takes them (`bekker calibrate` prints its bounds); the lowest cohesion, c1 and c2 are above zero, where a share has no meaning.
+BOUNDS = {
+    "cohesion": (1.0, 5e3),
+    "friction_angle": (0.02, 0.8),
+    "k_phi": (1e4, 1e8),
+    "exponent": (0.3, 1.5),
+    "shear_modulus": (1e-3, 0.1),
+    "c1": (1e-3, 0.6),
+    "c2": (1e-3, 0.5),
+}
 
 
 def draw(rng, width, firm=False):

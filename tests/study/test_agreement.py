@@ -1,0 +1,82 @@
+"""How far the generator and the model agree on each effect of the library: drives without noise, the true soil and strength given.
+
+Where they differ, a study hides something that the library does not have, and its right answer counts as wrong.
+"""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "generators"))
+
+import cases  # noqa: E402
+import hidden  # noqa: E402
+
+bekker = pytest.importorskip("bekker")
+
+# RMS of a difference in RMS values of the signal: a tenth of the least noise of a study, 2 %, is hardly seen beside it.
+AGREES = 2e-3
+# Where the two differ by more, and how much at this strength.
+FARTHER = {
+    "multi_pass.holm": 0.025,  # ground turns from fresh to passed over 5 cm in the model, 2 cm in the generator
+    "bulldozing.passive": 0.02,  # the model turns the resistance with the direction of the rim's motion, and loses 1 % of it
+    # Not explained: with half the generator's steps they differ as much (2.2e-3 and 2.7e-3).
+    "sensor_lag.first_order": 0.003,
+    "suspension_friction.constant": 0.003,
+}
+STRENGTH = 0.5  # of a form's typical one
+SEED = 1005
+# The library's parameters of a form at strength s.
+PARAMETERS = {
+    "slip_sinkage.ding": lambda s: {"slip_sinkage.n1": s},
+    "exit_angle.ishigami": lambda s: {"exit_angle.lambda": s},
+    "multi_pass.holm": lambda s: {"multi_pass.growth": s},
+    "grousers.lugs": lambda s: {"grousers.height": s},
+    "bulldozing.passive": lambda s: {"bulldozing.share": s},
+    "flexible_wheel.arc": lambda s: {"flexible_wheel.compliance": s, "flexible_wheel.arm_share": 1.0},
+    "flexible_wheel.axle": lambda s: {"flexible_wheel.compliance": s},
+    "rate.grahn": lambda s: {"rate.exponent": s},
+    "soft_patch.window": lambda s: {"soft_patch.softening": s, "soft_patch.centre": 1.2, "soft_patch.half_width": 0.3},
+    "slope_strength.linear": lambda s: {"slope_strength.beta": s},
+    "coulomb_friction.constant": lambda s: {"coulomb_friction.torque": s},
+    "viscous_friction.linear": lambda s: {"viscous_friction.coefficient": s},
+    "gear_efficiency.constant": lambda s: {"gear_efficiency.eta": 1.0 - s},
+    "torque_scale.gain": lambda s: {"torque_scale.deviation": 1.0 / (1.0 + s) - 1.0},
+    "winding_heat.loss": lambda s: {"winding_heat.thermal_resistance": s},
+    "radius_scale.scale": lambda s: {"radius_scale.deviation": s},
+    "payload.mass": lambda s: {"payload.mass": s},
+    "centre_of_mass.along": lambda s: {"centre_of_mass.shift": s},
+    "pitch_bias.constant": lambda s: {"pitch_bias.angle": s},
+    "drag.constant": lambda s: {"drag.force": s},
+    "drag.growth": lambda s: {"drag.growth": s},
+    "tether.linear": lambda s: {"tether.stiffness": s},
+    "sensor_lag.first_order": lambda s: {"sensor_lag.time_constant": s},
+    "rim_adhesion.minimum": lambda s: {"rim_adhesion.loss": s},
+    "rim_adhesion.round": lambda s: {"rim_adhesion.loss": s, "rim_adhesion.rounding": 0.5},
+    "rolling_resistance.moment": lambda s: {"rolling_resistance.coefficient": s},
+    "suspension_friction.constant": lambda s: {"suspension_friction.moment": s},
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def drives():
+    """The bench, and the clean signals of each form of the library."""
+    bench = hidden.make_bench(cases.ROVER, SEED, "reduced", False, ("rocker_bogie",))
+    forms = cases.library(cases.ROVER, bench.jointed)
+    return bench, dict(zip([f.key for f in forms], bench.simulate([{f.key: STRENGTH * f.typical} for f in forms])))
+
+
+@pytest.mark.parametrize("form", cases.library(cases.ROVER, True), ids=lambda form: form.key)
+def test_agreement_the_model_drives_as_the_generator_with_each_form_of_the_library(form, drives, tmp_path):
+    bench, signals = drives
+    clean = signals[form.key]
+    lines = bench.write(tmp_path, [(group, 0, own) for group, own in enumerate(clean)])
+    stated = bench.parameters() | {f"soil.{name}": value for name, value in bench.soil.items()}
+    stated |= PARAMETERS[form.key](STRENGTH * form.typical)
+    head = ['name = "agreement"', 'kind = "traverse"', f'model = "{bench.model}"', "[parameters]"]
+    head += [f'"{name}" = {value!r}' for name, value in stated.items()]
+    (tmp_path / "experiment.toml").write_text("\n".join(head + lines) + "\n", encoding="ascii")
+    rmse = bekker.compare(tmp_path).given.rmse
+    apart = {name: rmse[name] / size for name, size in zip(bench.signals, bench.size(clean))}
+    assert max(apart.values()) < FARTHER.get(form.key, AGREES), apart
