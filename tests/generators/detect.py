@@ -12,7 +12,7 @@ import numpy as np
 
 import conditions
 import noise
-from refit import STEP, finding_fit, free_slopes, soil_at
+from refit import STEP, finding_fit, free_slopes, promised, soil_at
 from soils import CALIBRATED
 
 DETECTABLE = 5.0  # standard deviations
@@ -88,13 +88,9 @@ class Detector:
         return white if self.nuisance is None else white - self.nuisance @ (self.nuisance.T @ white)
 
     def free(self, signature, fit):
-        """Without what the soil parameters take up at the soil of a fit, as far as their bounds allow it."""
+        """Without what those soil parameters take up at the soil of a fit that no bound holds."""
         basis = orthonormal(free_slopes(self, fit))
         return signature - basis @ (basis.T @ signature)
-
-    def leaves(self, fit):
-        """What a fit leaves, in deviations, where the soil goes on along its slopes."""
-        return np.linalg.norm(self.free(fit.left, fit))
 
     def strength_at(self, form, sign, target, other=None):
         """The strength whose signature is `target` deviations long, and the length reached: less where the bound of the
@@ -112,7 +108,7 @@ class Detector:
                 near = min(fits, key=lambda other: abs(np.log(size / other)), default=None)
                 start = (fits[near], size / near) if fits else (None, 1.0)
                 fit = yield from finding_fit(self, signals, *start)
-                tried[size] = float(np.linalg.norm(self.without(self.free(fit.left, fit), other)))
+                tried[size] = float(np.linalg.norm(self.without(promised(self, fit), other)))
                 if np.isfinite(tried[size]):
                     fits[size] = fit
             return tried[size]
@@ -159,13 +155,13 @@ class Detector:
     def finding_signature(self, signals):
         """The same as a search for :func:`side_by_side`."""
         fit = yield from finding_fit(self, signals)
-        return self.free(fit.left, fit)
+        return promised(self, fit)
 
     def finding_likeness(self, signals):
         """The signature of signals, and its cosine with that of every rival at the fitted soil, {case: cosine}: of its most alike form,
         weak or about as strong as the hidden effect. A search for :func:`side_by_side`."""
         fit = yield from finding_fit(self, signals)
-        signature = self.free(fit.left, fit)
+        signature = promised(self, fit)
         length, soil, cosines = np.linalg.norm(signature), soil_at(self, fit.shift), {}
         tried = [(form, form.probe) for form in self.rivals]
         while tried:

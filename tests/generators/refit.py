@@ -42,16 +42,16 @@ def finding_fit(detector, signals, start=None, ratio=1.0):
         if leaves_less(near, fit):
             near.slopes = yield from finding_slopes(detector, near)
             fit = near
-    damping, promised = DAMPING, detector.leaves(fit)
+    damping, least = DAMPING, np.linalg.norm(promised(detector, fit))
     for _ in range(STEPS):
-        if np.max(np.abs(step_of(detector, fit, 0.0))) < SMALL_SHIFT:
+        if np.max(np.abs(step_of(detector, fit, 0.0)[0])) < SMALL_SHIFT:
             break
         moved, damping = yield from finding_step(detector, signals, fit, damping)
         if moved is None:
             break
         moved.slopes = yield from finding_slopes(detector, moved)
-        fit, before, promised = moved, promised, detector.leaves(moved)
-        if abs(promised - before) < SAME * before and np.linalg.norm(fit.left) < NEAR * promised:
+        fit, before, least = moved, least, np.linalg.norm(promised(detector, moved))
+        if abs(least - before) < SAME * before and np.linalg.norm(fit.left) < NEAR * least:
             break
     return fit
 
@@ -60,7 +60,7 @@ def finding_step(detector, signals, fit, damping):
     """The fit after the best of three steps, still without slopes, and the damping of the next one; None where none leaves less."""
     while damping <= MOST_DAMPING:
         tried = [damping / FACTOR, damping, damping * FACTOR]
-        there = yield from finding_there(detector, signals, [within(detector, fit.shift + step_of(detector, fit, one)) for one in tried])
+        there = yield from finding_there(detector, signals, [within(detector, fit.shift + step_of(detector, fit, one)[0]) for one in tried])
         better = [(np.linalg.norm(one.left), k) for k, one in enumerate(there) if leaves_less(one, fit)]
         if better:
             _, k = min(better)
@@ -80,10 +80,16 @@ def leaves_less(one, other):
 
 
 def step_of(detector, fit, damping):
-    """Shares by which the soil is to change; none of a parameter that stands on a bound and would leave it."""
-    step = np.zeros(len(CALIBRATED))
-    step[inside(detector, fit)] = damped(free_slopes(detector, fit), fit.left, damping)
-    return step
+    """Shares by which the soil is to change within its bounds, and which parameters no bound then holds."""
+    low, high = bounds(detector) - fit.shift
+    step, free = np.zeros(len(CALIBRATED)), np.ones(len(CALIBRATED), bool)
+    while True:
+        step[free] = damped(fit.slopes[:, free], fit.left - fit.slopes[:, ~free] @ step[~free], damping)
+        beyond = free & ((step < low) | (step > high))
+        if not np.any(beyond):
+            return step, free
+        step[beyond] = np.clip(step, low, high)[beyond]
+        free &= ~beyond
 
 
 def damped(slopes, left, damping):
@@ -91,22 +97,16 @@ def damped(slopes, left, damping):
     return np.linalg.lstsq(np.vstack([slopes, np.diag(size)]), np.concatenate([left, np.zeros(len(size))]), rcond=1e-7)[0]
 
 
+def promised(detector, fit):
+    """What is left where the soil goes on along the slopes as far as its bounds allow it."""
+    step, _ = step_of(detector, fit, 0.0)
+    return fit.left - fit.slopes @ step
+
+
 def free_slopes(detector, fit):
-    """Slopes of the parameters that a bound does not hold."""
-    return fit.slopes[:, inside(detector, fit)]
-
-
-def inside(detector, fit):
-    """Which parameters a bound does not hold."""
-    low, high = bounds(detector)
-    free = np.ones(len(CALIBRATED), bool)
-    while True:
-        step = np.zeros(len(CALIBRATED))
-        step[free] = damped(fit.slopes[:, free], fit.left, 0.0)
-        held = (fit.shift <= low) & (step < 0.0) | (fit.shift >= high) & (step > 0.0)
-        if not np.any(held):
-            return free
-        free &= ~held
+    """Slopes of the parameters that no bound holds."""
+    _, free = step_of(detector, fit, 0.0)
+    return fit.slopes[:, free]
 
 
 def finding_slopes(detector, fit):

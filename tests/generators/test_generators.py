@@ -20,6 +20,7 @@ import detect  # noqa: E402
 import ground  # noqa: E402
 import hidden  # noqa: E402
 import noise  # noqa: E402
+import refit  # noqa: E402
 import rover  # noqa: E402
 import single_wheel  # noqa: E402
 import soils  # noqa: E402
@@ -346,6 +347,34 @@ def test_property_another_soil_leaves_nothing(kind):
     signals = bench.simulate([other], coarse=True)[0]
     whole = np.linalg.norm(detector.told(signals - detector.clean))
     assert np.linalg.norm(detector.signature(signals)) < FITTED * whole
+
+
+# The search stops where a further step promises less than 3 %, and what it leaves is that promise: a valley's floor may bend by some times
+# as much.
+AS_SCIPY = 0.15
+
+
+HARD = [(50001, "exit_angle.ishigami"), (50002, "grousers.lugs"), (50000, "bulldozing.passive"), (50003, "exit_angle.ishigami")]
+
+
+@pytest.mark.parametrize(("seed", "key"), HARD)
+def test_agreement_a_fit_leaves_what_bounded_least_squares_leave(seed, key):
+    # Cases whose soil ends far off or on bounds: slopes at the true soil alone, without bounds, say 0.3 to 0.8 of it.
+    optimize = pytest.importorskip("scipy.optimize")
+    bench = bench_wheel.WheelBench(seed)
+    detector = detect.Detector(bench, 0.02, 3, [])
+    form = next(form for form in cases.FORMS if form.key == key)
+    signals = detector.effect(form, 0.3 * form.typical)
+    fit = detect.alone(bench, refit.finding_fit(detector, signals))
+    low, high = refit.bounds(detector)
+
+    def left(shift):
+        return np.nan_to_num(detector.told(signals - bench.simulate([refit.soil_at(detector, shift)], coarse=True)[0]), nan=1e2)
+
+    starts = (np.zeros(len(low)), np.clip(fit.shift, low + 1e-6, high - 1e-6))
+    found = [optimize.least_squares(left, start, bounds=(low, high), x_scale="jac", diff_step=1e-4, max_nfev=60) for start in starts]
+    least = np.sqrt(2.0 * min(one.cost for one in found))
+    assert np.linalg.norm(refit.promised(detector, fit)) == pytest.approx(least, rel=AS_SCIPY)
 
 
 def test_property_a_flexible_wheel_deflects_by_the_force_that_it_carries():
