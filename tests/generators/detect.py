@@ -163,7 +163,7 @@ class Detector:
         fit = yield from finding_fit(self, signals)
         signature = promised(self, fit)
         length, soil, cosines = np.linalg.norm(signature), soil_at(self, fit.shift), {}
-        tried = [(form, form.probe) for form in self.rivals]
+        tried = [(form, form.probe) for form in self.rivals] if np.isfinite(length) else []
         while tried:
             there = yield [{**soil, form.key: size} for form, size in tried], True
             stronger = []

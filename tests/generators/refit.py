@@ -32,8 +32,8 @@ class Fit:
 
 
 def finding_fit(detector, signals, start=None, ratio=1.0):
-    """The :class:`Fit` of the soil to `signals`, as a search for `detect.side_by_side`. `start`: the fit of a similar effect, the shift of
-    which times `ratio` is tried first."""
+    """The :class:`Fit` of the soil to `signals`, as a search for `detect.side_by_side`; NaN is left where the rig does not run. `start`: the
+    fit of a similar effect, the shift of which times `ratio` is tried first."""
     fit = Fit(detector.told(signals - detector.clean), np.zeros(len(CALIBRATED)), detector.clean, detector.slopes)
     if not np.all(np.isfinite(fit.left)):
         return fit
@@ -98,7 +98,9 @@ def damped(slopes, left, damping):
 
 
 def promised(detector, fit):
-    """What is left where the soil goes on along the slopes as far as its bounds allow it."""
+    """What is left where the soil goes on along the slopes as far as its bounds allow it; NaN where the rig does not run."""
+    if not np.all(np.isfinite(fit.left)):
+        return fit.left
     step, _ = step_of(detector, fit, 0.0)
     return fit.left - fit.slopes @ step
 

@@ -349,6 +349,17 @@ def test_property_another_soil_leaves_nothing(kind):
     assert np.linalg.norm(detector.signature(signals)) < FITTED * whole
 
 
+def test_property_a_strength_is_found_where_stronger_ones_do_not_run():
+    # The rig sinks in from some strength on: what the search tries beyond is NaN, and it comes back.
+    bench = bench_wheel.WheelBench(5)
+    simulate, form = bench.simulate, cases.find(cases.WHEEL, "coulomb_friction")
+    bench.simulate = lambda changes, coarse=False: np.stack(
+        [np.full_like(y, np.nan) if change.get(form.key, 0.0) > 0.3 else y for change, y in zip(changes, simulate(changes, coarse=coarse))]
+    )
+    strength, reached = detect.Detector(bench, 0.02, 3, []).strength_at(form, 1.0, 1e9)
+    assert 0.2 < strength <= 0.3 and np.isfinite(reached)
+
+
 # The search stops where a further step promises less than 3 %, and what it leaves is that promise: a valley's floor may bend by some times
 # as much.
 AS_SCIPY = 0.15
