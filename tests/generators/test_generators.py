@@ -341,7 +341,7 @@ FITTED = 0.01
 def test_property_another_soil_leaves_nothing(kind):
     # Far off, along the valley in which friction, cohesion and shear modulus stand for each other: slopes at the true soil alone leave a
     # large part of it.
-    bench = bench_wheel.WheelBench(5) if kind == cases.WHEEL else short_rover(rows=60)
+    bench = bench_wheel.WheelBench(5) if kind == cases.WHEEL else short_rover(rows=40)
     detector = detect.Detector(bench, 0.02, 3, [])
     other = {name: share * bench.soil[name] for name, share in (("friction_angle", 0.85), ("cohesion", 1.2), ("shear_modulus", 0.6))}
     signals = bench.simulate([other], coarse=True)[0]
@@ -365,12 +365,12 @@ def test_property_a_strength_is_found_where_stronger_ones_do_not_run():
 AS_SCIPY = 0.15
 
 
-HARD = [(50001, "exit_angle.ishigami"), (50002, "grousers.lugs"), (50000, "bulldozing.passive"), (50003, "exit_angle.ishigami")]
+HARD = [(50002, "grousers.lugs"), (50000, "bulldozing.passive"), (50003, "exit_angle.ishigami")]
 
 
 @pytest.mark.parametrize(("seed", "key"), HARD)
 def test_agreement_a_fit_leaves_what_bounded_least_squares_leave(seed, key):
-    # Cases whose soil ends far off or on bounds: slopes at the true soil alone, without bounds, say 0.3 to 0.8 of it.
+    # Cases whose soil ends far off or on bounds: slopes at the true soil alone, without bounds, say 0.4 to 0.8 of it.
     optimize = pytest.importorskip("scipy.optimize")
     bench = bench_wheel.WheelBench(seed)
     detector = detect.Detector(bench, 0.02, 3, [])
