@@ -53,7 +53,7 @@ class Detector:
             self.scatter = [run_scatter(columns) for columns in self.by_run(soil, shares)]
         # A delay that nobody states is free to take up what it can.
         late = [self.white(y - self.clean) for y in self.changed[len(self.changed) - self.nuisances :]]
-        self.nuisance = orthonormal(np.stack(late, axis=1)) if late else None
+        self.late = orthonormal(np.stack(late, axis=1)) if late else None
         self.slopes = np.stack([self.told(y) for y in soil], axis=1)
 
     def by_run(self, soil, shares):
@@ -85,7 +85,7 @@ class Detector:
     def told(self, difference):
         """The same without what an unstated delay takes up."""
         white = self.white(difference)
-        return white if self.nuisance is None else white - self.nuisance @ (self.nuisance.T @ white)
+        return white if self.late is None else white - self.late @ (self.late.T @ white)
 
     def free(self, signature, fit):
         """Without what those soil parameters take up at the soil of a fit that no bound holds."""
@@ -105,7 +105,7 @@ class Detector:
         def length(size):
             if size not in tried:
                 signals = yield from effect(form, sign * size)
-                near = min(fits, key=lambda other: abs(np.log(size / other)), default=None)
+                near = min(fits, key=lambda known: abs(np.log(size / known)), default=None)
                 start = (fits[near], size / near) if fits else (None, 1.0)
                 fit = yield from finding_fit(self, signals, *start)
                 tried[size] = float(np.linalg.norm(self.without(promised(self, fit), other)))

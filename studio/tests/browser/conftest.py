@@ -18,7 +18,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.skip(reason="; ".join(MISSING)))
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def browser() -> Iterator[Any]:
     with sync_api.sync_playwright() as playwright:
         # Containers of a CI have no user namespaces for the sandbox; only our own page is opened.
@@ -29,7 +29,7 @@ def browser() -> Iterator[Any]:
 
 @pytest.fixture(scope="module")
 def address() -> Iterator[str]:
-    """One workbench for all tests: tabs of it share what was found."""
+    """One workbench for the tests of a file: tabs of it share what was found."""
     with serving("--port", 0) as found:
         yield found
 
