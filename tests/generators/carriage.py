@@ -19,6 +19,7 @@ def steady_points(p, load, slip, wheel_speed):
 
     NaN where the wheel sinks to its axle. The slip is what the carriage sets by the nominal radius, V = r omega (1 - i) or r omega/(1 + i) in skid.
     """
+    p = ground.present(p)
     load, slip, wheel_speed = np.broadcast_arrays(*(np.asarray(v, float) for v in (load, slip, wheel_speed)))
     velocity = p["radius"] * wheel_speed * np.where(slip >= 0.0, 1.0 - slip, 1.0 / (1.0 + np.minimum(slip, 0.0)))
     load = true_load(p, load)

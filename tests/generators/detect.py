@@ -96,18 +96,16 @@ class Detector:
         """The strength whose signature is `target` deviations long, and the length reached: less where the bound of the
         form comes first, or the rig no longer runs. `other` is a second effect's signature that may vary freely too.
         """
-        return alone(self.bench, self.finding_strength(form, sign, target, other))
+        return alone(self.bench, self.finding_strength(form, sign, target, other))[:2]
 
     def finding_strength(self, form, sign, target, other=None):
-        """The same as a search for :func:`side_by_side`."""
+        """The same as a search for :func:`side_by_side`, and {size of a strength: its fit}."""
         tried, fits = {}, {}
 
         def length(size):
             if size not in tried:
                 signals = yield from effect(form, sign * size)
-                near = min(fits, key=lambda known: abs(np.log(size / known)), default=None)
-                start = (fits[near], size / near) if fits else (None, 1.0)
-                fit = yield from finding_fit(self, signals, *start)
+                fit = yield from finding_fit(self, signals, *nearest(fits, size))
                 tried[size] = float(np.linalg.norm(self.without(promised(self, fit), other)))
                 if np.isfinite(tried[size]):
                     fits[size] = fit
@@ -128,7 +126,7 @@ class Detector:
         best = min((size for size in tried if np.isfinite(tried[size])), key=lambda size: abs(tried[size] - target), default=None)
         if best is None:
             raise ValueError(f"{form.key}: the rig does not run even with {sign * at:.3g}")
-        return sign * best, tried[best]
+        return sign * best, tried[best], fits
 
     def factor(self, tried, at, reached, target):
         """By how much to change the strength: the length is nearly a power of it."""
@@ -157,10 +155,10 @@ class Detector:
         fit = yield from finding_fit(self, signals)
         return promised(self, fit)
 
-    def finding_likeness(self, signals):
+    def finding_likeness(self, signals, start=None, ratio=1.0):
         """The signature of signals, and its cosine with that of every rival at the fitted soil, {case: cosine}: of its most alike form,
-        weak or about as strong as the hidden effect. A search for :func:`side_by_side`."""
-        fit = yield from finding_fit(self, signals)
+        weak or about as strong as the hidden effect. `start`, `ratio`: as in `refit.finding_fit`. A search for :func:`side_by_side`."""
+        fit = yield from finding_fit(self, signals, start, ratio)
         signature = promised(self, fit)
         length, soil, cosines = np.linalg.norm(signature), soil_at(self, fit.shift), {}
         tried = [(form, form.probe) for form in self.rivals] if np.isfinite(length) else []
@@ -177,6 +175,12 @@ class Detector:
                     stronger.append((form, min(size * length / own, form.typical)))
             tried = stronger
         return signature, cosines
+
+
+def nearest(fits, size):
+    """Of {size of a strength: fit} the fit nearest to a size, and the size's ratio to its own."""
+    near = min(fits, key=lambda known: abs(np.log(size / known)), default=None)
+    return (fits[near], size / near) if fits else (None, 1.0)
 
 
 def effect(form, strength):

@@ -12,10 +12,14 @@ ROUNDED = 0.02  # rad, of a slope's size
 GRAVITY_OF_SOIL = 16e3  # N/m^3, unit weight of sand
 
 
+def present(p):
+    """The parameters without the effects that are off everywhere, so that these cost nothing."""
+    return {name: value for name, value in p.items() if "." not in name or np.any(np.asarray(value) != 0.0)}
+
+
 def on(p, key):
-    """The strength of an effect, None where it is off everywhere."""
-    value = p.get(key)
-    return value if value is not None and np.any(np.asarray(value) != 0.0) else None
+    """The strength of an effect, None where no run has it."""
+    return p.get(key)
 
 
 def place_at(slip, velocity, sinkage, load, angle=0.0, x=0.0, passed=0.0, lead_slip=0.0):

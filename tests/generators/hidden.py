@@ -21,7 +21,7 @@ import cases  # noqa: E402
 import conditions  # noqa: E402
 import noise as noises  # noqa: E402
 from bench_wheel import WheelBench  # noqa: E402
-from detect import DETECTABLE, Detector, alone, effect, side_by_side, ties  # noqa: E402
+from detect import DETECTABLE, Detector, alone, effect, nearest, side_by_side, ties  # noqa: E402
 
 REPLICATES = 3
 
@@ -54,7 +54,7 @@ def choosing(detector, forms, rng, multiple=None):
             partner = forms[1 - k]
             other = yield from detector.finding_signature((yield from effect(partner, 0.2 * partner.typical)))
         wanted = 1.02 * DETECTABLE * (multiple if multiple else 1.5)  # the search meets it to 2 %
-        strength, reached = yield from detector.finding_strength(form, sign, wanted, other)
+        strength, reached, fits = yield from detector.finding_strength(form, sign, wanted, other)
         signals, least = (yield from effect(form, strength)), abs(strength)
         if not multiple and least < form.typical:
             share = rng.uniform()
@@ -66,7 +66,7 @@ def choosing(detector, forms, rng, multiple=None):
                     strength, signals = wished, stronger
                     break
                 share *= 0.5
-        signature, cosines = yield from detector.finding_likeness(signals)
+        signature, cosines = yield from detector.finding_likeness(signals, *nearest(fits, abs(strength)))
         reached = float(np.linalg.norm(detector.without(signature, other)))
         chosen.append((form, strength, reached, cosines))
     return chosen

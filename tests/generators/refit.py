@@ -37,7 +37,10 @@ def finding_fit(detector, signals, start=None, ratio=1.0):
     fit = Fit(detector.told(signals - detector.clean), np.zeros(len(CALIBRATED)), detector.clean, detector.slopes)
     if not np.all(np.isfinite(fit.left)):
         return fit
-    if start is not None and np.any(start.shift):
+    if start is not None and np.any(start.shift) and ratio == 1.0:
+        near = Fit(detector.told(signals - start.signals), start.shift, start.signals, start.slopes)
+        fit = near if leaves_less(near, fit) else fit
+    elif start is not None and np.any(start.shift):
         (near,) = yield from finding_there(detector, signals, [within(detector, ratio * start.shift)])
         if leaves_less(near, fit):
             near.slopes = yield from finding_slopes(detector, near)

@@ -20,10 +20,13 @@ GAMMA = 1.0 - 1.0 / np.sqrt(2.0)
 HOLD_TIME = 0.01  # s, damping of a standing contact
 DAMPING_DEPTH = 0.001  # m, over which the normal damping sets in
 ITERATIONS = 25
+HALVINGS = 3  # of a step
+GIVEN_UP = 30  # smallest steps without a solution, after which a run is stuck: its wheels catch hold and break loose from step to step
 TOLERANCE = 1e-8  # m/s and rad/s
 STANDS, STAND_STEPS = 1e-9, 30  # relative change of a sinkage below which a flexible wheel stands, and steps until then
 LEAST_SINKAGE = 0.02  # share of that of the undeformed wheel within which it is looked for
 SLOW = 0.1  # of convergence: a step slower than this renews the Jacobian
+FEW = 4  # where no more than a FEW-th of the runs is unsolved, these go on alone
 
 
 def wheels(value):
@@ -41,9 +44,9 @@ class Rover:
     """Equations of motion of many runs on their profile; `p` has numbers or arrays over runs."""
 
     def __init__(self, p, profile, nodes=contact.NODES, vehicle=vehicles.TWO_WHEELED):
-        self.profile, self.nodes = profile, nodes
+        self.profile, self.nodes, self.given, self.vehicle = profile, nodes, p, vehicle
         shares = vehicles.shares(Linkage(p, vehicle))
-        p = self.p = loaded(p)
+        p = self.p = loaded(ground.present(p))
         self.linkage = Linkage(p, vehicle)
         self.bodies, self.count = self.linkage.bodies, len(vehicle.wheels)
         self.per_wheel = {name: wheels(value) for name, value in p.items()}
@@ -54,11 +57,20 @@ class Rover:
         # Runs whose wheels flatten.
         self.compliance = np.broadcast_to(compliance, self.ones.shape + (self.count,))
         self.flexible = np.flatnonzero(self.compliance[:, 0])
+        self.of_flexible = ground.present({name: value if value.ndim == 0 else value[self.flexible] for name, value in self.per_wheel.items()})
         total = self.linkage.total * self.ones
         self.mass = np.stack([total, total] + [inertia * self.ones for inertia in self.linkage.inertias], axis=-1)
         self.unknowns = self.mass.shape[-1]
         self.start = np.zeros_like(self.ones)  # x of the reference point at the start
+        self.unsolved = np.zeros(self.ones.shape, int)  # smallest steps without a solution
         self.tracks = np.full(self.ones.shape + (self.count,), np.nan)  # where the tracks of the wheels begin
+
+    def of(self, runs):
+        """A rover of these runs only."""
+        given = {name: value if np.ndim(value) == 0 else np.asarray(value)[runs] for name, value in self.given.items()}
+        some = Rover(given, self.profile.of(runs), self.nodes, self.vehicle)
+        some.start, some.tracks, some.unsolved = self.start[runs], self.tracks[runs], self.unsolved[runs]
+        return some
 
     def geometry(self, q, u):
         """Levers of the reference point and of the wheel centres, (body) and (body, wheel), and velocities of the centres."""
@@ -125,7 +137,7 @@ class Rover:
             """The runs whose wheels flatten; what is the same for all runs stays."""
             return value if np.ndim(value) < 2 or np.shape(value)[-2] == 1 else np.asarray(value)[..., some, :]
 
-        p, here = ({name: of(value) for name, value in values.items()} for values in (self.per_wheel, place))
+        p, here = self.of_flexible, {name: of(value) for name, value in place.items()}
         whole, compliance = np.maximum(here["sinkage"], 0.0), self.compliance[some]
         apart = np.where(whole > 0.0, whole, 1.0)
 
@@ -216,25 +228,42 @@ class Rover:
         self.tracks = q[..., 0:1] + lever_x.sum(-2)
         return q, still, hold
 
-    def step(self, q, u, hold, command, dt, slopes):
-        """One step of two implicit stages. `slopes` holds the factor of the chord method, renewed where it is slow."""
-        span = GAMMA * dt
-        _, first_u, first_a = self.stage(q, u, u, hold, command, span, span, slopes)
+    def step(self, q, u, hold, command, dt, slopes, halved=0):
+        """One step of two implicit stages. `slopes` holds the factor of the chord method, renewed where it is slow. Runs in which
+        a stage has no solution do two half steps; those in which halves do not help either are given up in the end (NaN)."""
+        before, span = (q, u, *hold), GAMMA * dt
+        (_, first_u, first_a), unsolved = self.stage(q, u, u, hold, command, span, span, slopes)
         base_q = q + (dt - span) * first_u
         base_u = u + (dt - span) * first_a
-        q, u, a = self.stage(base_q, base_u, first_u, hold, command, span, dt, slopes)
+        (q, u, a), later = self.stage(base_q, base_u, first_u, hold, command, span, dt, slopes)
         *_, (memory, *_) = self.touch(q, u, hold, command, dt)
+        if len(some := np.union1d(unsolved, later)):
+            if halved < HALVINGS:
+                rover, slopes = self.of(some), {}
+                q_, u_, *hold_ = (value[some] for value in before)
+                for _ in range(2):
+                    q_, u_, a_, hold_ = rover.step(q_, u_, hold_, command[some], 0.5 * dt, slopes, halved + 1)
+                for whole, part in zip((q, u, a, *memory, self.unsolved), (q_, u_, a_, *hold_, rover.unsolved)):
+                    whole[some] = part
+            else:
+                self.unsolved[some] += 1
+                q[self.unsolved > GIVEN_UP] = np.nan
         return q, u, a, memory
 
     def stage(self, base_q, base_u, guess, hold, command, h, since, slopes):
-        """Solves u = base_u + h a(base_q + h u, u), `since` seconds into the step; gives q, u, a."""
+        """Solves u = base_u + h a(base_q + h u, u), `since` seconds into the step; gives q, u, a, and the runs without a solution."""
+        v, unsolved = self.solved(base_q, base_u, guess, hold, command, h, since, slopes)
+        return (base_q + h * v, v, (v - base_u) / h), unsolved
+
+    def solved(self, base_q, base_u, v, hold, command, h, since, slopes, first=0):
+        """The u of a stage from v on, and the runs in which it is not found; a few that need more iterations than the rest go on
+        alone. `first`: iterations before."""
 
         def residual(v):
             return v - base_u - h * self.acceleration(base_q + h * v, v, hold, command, since)
 
-        v, size = guess, np.inf
-        left = residual(v)
-        for _ in range(ITERATIONS):
+        size, left, unsolved = np.inf, residual(v), np.zeros(0, int)
+        for iteration in range(first + 1, ITERATIONS + 1):
             if slopes.get("span") != h:
                 each = np.eye(self.unknowns)[:, None, :]
                 columns = (residual(v + 1e-6 * each) - left) / 1e-6
@@ -247,13 +276,22 @@ class Rover:
             if np.any(worse):
                 v = np.where(worse[..., None], v + 0.5 * change, v)
                 left = residual(v)
-            new = np.nanmax(np.abs(change), initial=0.0)
-            if new < TOLERANCE:
+            error = np.max(np.abs(change), axis=-1)
+            unsolved = np.flatnonzero(error >= TOLERANCE)  # NaN is not: such a run does not go on
+            if not len(unsolved):
                 break
-            if new > SLOW * size or np.any(worse):
+            slow = np.nanmax(error) > SLOW * size or np.any(worse)
+            if FEW * len(unsolved) <= len(error):
+                own = {"inverse": slopes["inverse"][unsolved], "span": None if slow else h}
+                given = (value[unsolved] for value in (base_q, base_u, v))
+                memory = tuple(value[unsolved] for value in hold)
+                v[unsolved], still = self.of(unsolved).solved(*given, memory, command[unsolved], h, since, own, iteration)
+                slopes["inverse"][unsolved] = own["inverse"]
+                return v, unsolved[still]
+            if slow:
                 slopes.pop("span")
-            size = new
-        return base_q + h * v, v, (v - base_u) / h
+            size = np.nanmax(error)
+        return v, unsolved
 
 
 def follow(hold, along, rim, speed, span, distance):

@@ -28,6 +28,7 @@ def drive_runs(p, profile, commands, row_time, parts, nodes, x0=0.0, vehicle=veh
     `parts` are the steps from row to row as shares of the time between them: short ones first, since the slip settles
     within milliseconds after a command. Signals of a row are read before its command acts. NaN from where a run cannot go on.
     """
+    p = ground.present(p)
     rover = Rover(p, profile, nodes, vehicle)
     q, u, hold = rover.settle(x0)
     a = np.zeros_like(u)
