@@ -38,7 +38,7 @@ const DIFFERENCE: f64 = 1e-5;
 const ROUNDING: f64 = 1e-11;
 /// Draws for each effect, and for all effects at once.
 const DRAWS: usize = 4;
-const DRAWS_OF_ALL: usize = 40;
+const DRAWS_OF_ALL: usize = 20;
 
 use Drive::{Imposed, Linked, Torque};
 

@@ -12,7 +12,7 @@ import bekker
 PERIOD = 0.1
 TIME = PERIOD * np.arange(41)
 # What the rover that was "measured" has and the model has not: dry friction of the drives, N m at the wheel.
-HIDDEN = 0.3
+HIDDEN = 0.2
 # Noise of the torques (N m), the pitch (rad) and the sinkages (m).
 NOISE = {"wheel[1].torque": 0.01, "wheel[2].torque": 0.01, "pitch": 0.0005, "wheel[1].sinkage": 1e-4, "wheel[2].sinkage": 1e-4}
 # Sand on which the rover drives at moderate slip; the calibration starts from the thesis's.

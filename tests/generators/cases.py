@@ -66,6 +66,7 @@ FORMS = [
     Form("winding_heat", "loss", 20.0, 30.0, R, library=True),
     Form("winding_heat", "ramp", 20.0, 30.0, R),
     Form("radius_scale", "scale", 0.03, 0.1, BOTH, library=True, signed=True),
+    Form("radius_scale", "odometry", 0.03, 0.1, R, library=True, signed=True),
     Form("radius_scale", "worn", 0.03, 0.1, BOTH, signed=True),
     Form("payload", "mass", 1.0, 3.0, BOTH, library=True),
     Form("payload", "deck", 1.0, 3.0, R),
@@ -95,6 +96,9 @@ FORMS = [
     Form("drift", "order", 5.0, 40.0, W, outside=True, signed=True),
     Form("drift", "time", 1.0, 10.0, R, outside=True, signed=True),
 ]
+
+# Effects of the library that have a parameter for each of their forms, which may therefore act together.
+TOGETHER = ("flexible_wheel", "drag", "radius_scale")
 
 # Cases that hide no effect but mislead: what is stated about the experiment is wrong, or it is too small to tell.
 CAUTION = ("wrong_prior", "noise_half", "noise_double", "poor")

@@ -7,9 +7,11 @@ asks for at least 1.5 times that. The cosine of two such signatures at the fitte
 """
 
 import copy
+import itertools
 
 import numpy as np
 
+import cases
 import conditions
 import noise
 from refit import STEP, finding_fit, free_slopes, promised, soil_at
@@ -157,24 +159,46 @@ class Detector:
 
     def finding_likeness(self, signals, start=None, ratio=1.0):
         """The signature of signals, and its cosine with that of every rival at the fitted soil, {case: cosine}: of its most alike form,
-        weak or about as strong as the hidden effect. `start`, `ratio`: as in `refit.finding_fit`. A search for :func:`side_by_side`."""
+        weak or about as strong as the hidden effect, or of all its forms together where the library has a parameter for each.
+        `start`, `ratio`: as in `refit.finding_fit`. A search for :func:`side_by_side`."""
         fit = yield from finding_fit(self, signals, start, ratio)
         signature = promised(self, fit)
-        length, soil, cosines = np.linalg.norm(signature), soil_at(self, fit.shift), {}
+        length, soil, cosines, weak = np.linalg.norm(signature), soil_at(self, fit.shift), {}, {}
         tried = [(form, form.probe) for form in self.rivals] if np.isfinite(length) else []
         while tried:
             there = yield [{**soil, form.key: size} for form, size in tried], True
             stronger = []
             for (form, size), y in zip(tried, there):
                 rival = self.free(self.told(y - fit.signals), fit)
-                own = np.linalg.norm(rival)
-                cosine = float(rival @ signature / (own * length)) if np.isfinite(own) and own > 0.0 and length > 0.0 else 0.0
+                own, cosine = np.linalg.norm(rival), cosine_of(signature, [rival], [True])
                 cosines[form.case] = max(cosine, cosines.get(form.case, -1.0))
-                if size == form.probe and POSSIBLE < cosine < TIE and own < length:
-                    # An effect without a derivative at zero is another one there.
-                    stronger.append((form, min(size * length / own, form.typical)))
+                if size == form.probe:
+                    weak.setdefault(form.case, []).append((rival, form.signed))
+                    if POSSIBLE < cosine < TIE and own < length:
+                        # An effect without a derivative at zero is another one there.
+                        stronger.append((form, min(size * length / own, form.typical)))
             tried = stronger
+        for case in set(cases.TOGETHER) & set(weak):
+            cosines[case] = max(cosines[case], cosine_of(signature, *zip(*weak[case])))
         return signature, cosines
+
+
+def cosine_of(signature, rivals, signed):
+    """The cosine of a signature with the nearest combination of rivals, each of which has any sign where it is `signed`, otherwise none
+    that is negative; of a single one that is signed the cosine has its sign."""
+    kept = [k for k, rival in enumerate(rivals) if np.all(np.isfinite(rival)) and np.any(rival)]
+    length, best = np.linalg.norm(signature), 0.0
+    if not length > 0.0 or not kept:
+        return 0.0
+    if len(rivals) == 1:
+        return float(rivals[0] @ signature / (np.linalg.norm(rivals[0]) * length))
+    for count in range(1, len(kept) + 1):
+        for some in itertools.combinations(kept, count):
+            columns = np.stack([rivals[k] / np.linalg.norm(rivals[k]) for k in some], axis=1)
+            shares = np.linalg.lstsq(columns, signature, rcond=None)[0]
+            if all(share >= 0.0 or signed[k] for k, share in zip(some, shares)):
+                best = max(best, float(np.linalg.norm(columns @ shares) / length))
+    return best
 
 
 def nearest(fits, size):

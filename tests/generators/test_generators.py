@@ -220,6 +220,17 @@ def test_property_forms_side_by_side_are_what_each_is_alone(kind):
         assert np.nanmax(np.abs(signals - alone) / bench.size(plain)) <= TOGETHER * size + ROUNDED, form.key
 
 
+def test_analytic_parameters_that_act_together_imitate_what_lies_between_them():
+    one, two, both = np.array([1.0, 0.0, 0.0]), np.array([0.0, 2.0, 0.0]), np.array([3.0, 3.0, 3.0])
+    assert detect.cosine_of(both, [one], [False]) == pytest.approx(np.sqrt(1.0 / 3.0))
+    assert detect.cosine_of(both, [one, two], [False, False]) == pytest.approx(np.sqrt(2.0 / 3.0))
+    # Only where both may have the sign that this takes.
+    assert detect.cosine_of(both, [one, -two], [False, False]) == pytest.approx(np.sqrt(1.0 / 3.0))
+    assert detect.cosine_of(both, [one, -two], [False, True]) == pytest.approx(np.sqrt(2.0 / 3.0))
+    assert detect.cosine_of(both, [one, np.nan * two], [False, False]) == pytest.approx(np.sqrt(1.0 / 3.0))
+    assert detect.cosine_of(both, [-one], [True]) == pytest.approx(-np.sqrt(1.0 / 3.0))
+
+
 def test_property_strengths_found_side_by_side_are_those_found_alone():
     bench = bench_wheel.WheelBench(5)
     detector = detect.Detector(bench, 0.02, 3, cases.library(cases.WHEEL))

@@ -84,6 +84,9 @@ def sensors(p, states, time, wheels):
     power = np.sum(p["resistance"] * heat * current**2, axis=-1, keepdims=True)
     if (s := ground.on(per_wheel, "drift.time")) is not None:  # outside the library: the rear torque cell drifts
         shown = shown + s * (clock / time[-1]) * np.eye(wheels)[0]
+    if (s := ground.on(p, "radius_scale.odometry")) is not None:  # of way and speed
+        body[..., 0] += s * (body[..., 0] - body[0, ..., 0])
+        body[..., 2] *= 1.0 + s
     if (s := ground.on(p, "pitch_bias.constant")) is not None:
         body[..., 1] += s
     if (s := ground.on(p, "pitch_bias.drifting")) is not None:  # an inclinometer that also creeps while it warms up

@@ -47,6 +47,7 @@ PARAMETERS = {
     "torque_scale.gain": lambda s: {"torque_scale.deviation": 1.0 / (1.0 + s) - 1.0},
     "winding_heat.loss": lambda s: {"winding_heat.thermal_resistance": s},
     "radius_scale.scale": lambda s: {"radius_scale.deviation": s},
+    "radius_scale.odometry": lambda s: {"radius_scale.odometry": s},
     "payload.mass": lambda s: {"payload.mass": s},
     "centre_of_mass.along": lambda s: {"centre_of_mass.shift": s},
     "pitch_bias.constant": lambda s: {"pitch_bias.angle": s},
