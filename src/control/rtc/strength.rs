@@ -7,7 +7,7 @@
 //!
 //! Neither knows that shear has to be mobilised (2.1): where the patch is not much longer than K, no slip mobilises
 //! it, and a controller that trusts the strength asks for torques that only spin the wheel. On the thesis's own soil,
-//! K = 30 mm, this weighs more than the difference of the two (`tests/control_strength.rs` has figures).
+//! K = 30 mm, this weighs more than the difference of the two (`tests/control/strength.rs` has figures).
 
 use crate::soil::Soil;
 use crate::wheel::Wheel;

@@ -1,0 +1,23 @@
+//! Diagnoses: what they name, what they leave open, and what they rest on.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+
+#[path = "../support/hill_drive.rs"]
+mod hill_drive;
+#[path = "../support/noisy_wheel.rs"]
+mod noisy_wheel;
+#[cfg(feature = "report")]
+#[path = "../support/saved_page.rs"]
+mod saved_page;
+#[path = "../support/schema.rs"]
+mod schema;
+
+mod caution;
+mod curves;
+mod derivatives;
+mod joint;
+mod long_drive;
+mod noise;
+mod report;
+mod share;
+mod single_wheel;
