@@ -39,7 +39,7 @@ cat target/python_package.log
 export BEKKER_FMU_JUDGE="$PWD/target/judge/debug/bekker-fmu-judge"
 # `cargo test` has built the examples with which the Python tests compare.
 BEKKER_EXAMPLES="$PWD/target/debug/examples" .venv/bin/python -m pytest --quiet -rs --no-fold-skipped -n auto env/tests | tee -a "$log"
-.venv/bin/python -m pytest --quiet -rs --no-fold-skipped -n auto tests/generators tests/study | tee -a "$log"
+.venv/bin/python -m pytest --quiet -rs --no-fold-skipped -n auto tests/study tests/generators | tee -a "$log"
 # Beside the tests in a browser, which wait more than they compute.
 .venv/bin/python tests/study/study.py --quick --bekker target/debug/bekker --out target/study-quick >target/study.log 2>&1 &
 studying=$!
