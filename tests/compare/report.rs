@@ -1,11 +1,8 @@
 //! The HTML page of a comparison.
 
-#![allow(clippy::unwrap_used)]
 #![cfg(feature = "report")]
 
 use crate::saved_page::{data, figures, numbers, text};
-#[path = "support/saved_page.rs"]
-#[allow(dead_code, reason = "tests use parts of it")]
 use bekker::diagnosis::{CompareOptions, compare};
 use bekker::measurement::Experiment;
 use bekker::model::Model;

@@ -2,8 +2,6 @@
 //! costs its windows only.
 
 use crate::hill_drive::{PLANTED, drive, shipped};
-#[path = "support/hill_drive.rs"]
-#[allow(dead_code, reason = "tests use parts of it")]
 use bekker::diagnosis::{
     Calibration, CompareOptions, Comparison, Control, DiagnoseOptions, Verdict, compare, diagnose,
 };

@@ -3,8 +3,6 @@
 #![cfg(feature = "report")]
 
 use crate::saved_page::{data, figures, numbers};
-#[path = "support/saved_page.rs"]
-#[allow(dead_code, reason = "tests use parts of it")]
 use bekker::diagnosis::{Axis, CompareOptions, Comparison, CurveGroup, Curves, Rig, compare, steady_point};
 use bekker::measurement::Experiment;
 use bekker::model::Model;

@@ -1,8 +1,6 @@
 //! Long drives: some of their windows take part in the fits, the others judge what was found.
 
 use crate::hill_drive::{PLANTED, ROWS, drive, shipped};
-#[path = "support/hill_drive.rs"]
-#[allow(dead_code, reason = "tests use parts of it")]
 use bekker::diagnosis::{CompareOptions, Control, DiagnoseOptions, Diagnosis, Uncounted, Verdict, compare, diagnose};
 use bekker::measurement::{Experiment, Prior};
 use std::sync::LazyLock;
