@@ -44,7 +44,7 @@ def finding_fit(detector, signals, start=None, ratio=1.0):
         (near,) = yield from finding_there(detector, signals, [within(detector, ratio * start.shift)])
         if leaves_less(near, fit):
             near.slopes = yield from finding_slopes(detector, near)
-            fit = near
+            fit = near if np.all(np.isfinite(near.slopes)) else fit
     damping, least = DAMPING, np.linalg.norm(promised(detector, fit))
     for _ in range(STEPS):
         if np.max(np.abs(step_of(detector, fit, 0.0)[0])) < SMALL_SHIFT:
@@ -53,6 +53,8 @@ def finding_fit(detector, signals, start=None, ratio=1.0):
         if moved is None:
             break
         moved.slopes = yield from finding_slopes(detector, moved)
+        if not np.all(np.isfinite(moved.slopes)):
+            break  # at the edge of where the rig runs
         fit, before, least = moved, least, np.linalg.norm(promised(detector, moved))
         if abs(least - before) < SAME * before and np.linalg.norm(fit.left) < NEAR * least:
             break
