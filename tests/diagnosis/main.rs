@@ -11,6 +11,7 @@ mod noisy_wheel;
 #[path = "../support/saved_page.rs"]
 #[allow(dead_code, reason = "tests use parts of it")]
 mod saved_page;
+#[cfg(feature = "report")]
 #[path = "../support/schema.rs"]
 mod schema;
 

@@ -18,7 +18,7 @@ def present(p):
 
 
 def on(p, key):
-    """The strength of an effect, None where no run has it."""
+    """The strength of an effect in parameters as `present` leaves them; None where no run has it."""
     return p.get(key)
 
 

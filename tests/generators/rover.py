@@ -21,12 +21,12 @@ HOLD_TIME = 0.01  # s, damping of a standing contact
 DAMPING_DEPTH = 0.001  # m, over which the normal damping sets in
 ITERATIONS = 25
 HALVINGS = 3  # of a step
-GIVEN_UP = 30  # smallest steps without a solution, after which a run is stuck: its wheels catch hold and break loose from step to step
+GIVEN_UP = 30  # smallest steps without a solution, after which a run counts as stuck
 TOLERANCE = 1e-8  # m/s and rad/s
 STANDS, STAND_STEPS = 1e-9, 30  # relative change of a sinkage below which a flexible wheel stands, and steps until then
 LEAST_SINKAGE = 0.02  # share of that of the undeformed wheel within which it is looked for
 SLOW = 0.1  # of convergence: a step slower than this renews the Jacobian
-FEW = 4  # where no more than a FEW-th of the runs is unsolved, these go on alone
+ALONE = 0.25  # share of the runs: where no more are unsolved, these go on without the others
 
 
 def wheels(value):
@@ -262,7 +262,7 @@ class Rover:
         def residual(v):
             return v - base_u - h * self.acceleration(base_q + h * v, v, hold, command, since)
 
-        size, left, unsolved = np.inf, residual(v), np.zeros(0, int)
+        size, left, unsolved = np.inf, residual(v), np.arange(len(v))
         for iteration in range(first + 1, ITERATIONS + 1):
             if slopes.get("span") != h:
                 each = np.eye(self.unknowns)[:, None, :]
@@ -281,7 +281,7 @@ class Rover:
             if not len(unsolved):
                 break
             slow = np.nanmax(error) > SLOW * size or np.any(worse)
-            if FEW * len(unsolved) <= len(error):
+            if len(unsolved) <= ALONE * len(error):
                 own = {"inverse": slopes["inverse"][unsolved], "span": None if slow else h}
                 given = (value[unsolved] for value in (base_q, base_u, v))
                 memory = tuple(value[unsolved] for value in hold)
