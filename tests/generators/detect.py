@@ -3,23 +3,22 @@
 The signature of an effect is what it changes in the clean signals. Whitened with the true noise and freed of everything
 that the calibrated soil parameters can take up (`refit`), its length is the number of
 standard deviations by which the effect stands out: 5 give 80 % power at p = 0.01 corrected for the candidates, and a test
-asks for at least 1.5 times that. The cosine of two such signatures at the fitted soil says how alike two effects are.
+asks for at least 1.5 times that. How alike a rival is says a fit in which it takes the hidden effect's place: the cosine of the
+hidden signature with the part of it that the rival accounts for.
 """
 
 import copy
-import itertools
 
 import numpy as np
 
 import cases
 import conditions
 import noise
-from refit import STEP, finding_fit, free_slopes, promised, soil_at
+from refit import STEP, Free, finding_fit, finding_in_place, promised
 from soils import CALIBRATED
 
 DETECTABLE = 5.0  # standard deviations
 TIE = 0.8  # cosine from which two effects are an honest tie
-POSSIBLE = 0.4  # cosine from which a weak rival is looked at as strong as the hidden effect too
 DELAY_STEP = 0.02  # s
 SEARCHES = 8  # strengths tried
 
@@ -29,6 +28,7 @@ class Detector:
 
     def __init__(self, bench, noise_level, replicates, rivals):
         self.bench, self.rivals, self.level = bench, rivals, noise_level
+        self.free = Free(bench.soil)
         soil = [{name: bench.soil[name] * (1.0 + STEP)} for name in CALIBRATED]
         late = [{"body_delay": conditions.DELAY + DELAY_STEP}] if "delay" in bench.conditions else []
         self.nuisances = len(late)
@@ -88,11 +88,6 @@ class Detector:
         """The same without what an unstated delay takes up."""
         white = self.white(difference)
         return white if self.late is None else white - self.late @ (self.late.T @ white)
-
-    def free(self, signature, fit):
-        """Without what those soil parameters take up at the soil of a fit that no bound holds."""
-        basis = orthonormal(free_slopes(self, fit))
-        return signature - basis @ (basis.T @ signature)
 
     def strength_at(self, form, sign, target, other=None):
         """The strength whose signature is `target` deviations long, and the length reached: less where the bound of the
@@ -157,48 +152,39 @@ class Detector:
         fit = yield from finding_fit(self, signals)
         return promised(self, fit)
 
-    def finding_likeness(self, signals, start=None, ratio=1.0):
-        """The signature of signals, and its cosine with that of every rival at the fitted soil, {case: cosine}: of its most alike form,
-        weak or about as strong as the hidden effect, or of all its forms together where the library has a parameter for each.
-        `start`, `ratio`: as in `refit.finding_fit`. A search for :func:`side_by_side`."""
-        fit = yield from finding_fit(self, signals, start, ratio)
-        signature = promised(self, fit)
-        length, soil, cosines, weak = np.linalg.norm(signature), soil_at(self, fit.shift), {}, {}
-        tried = [(form, form.probe) for form in self.rivals] if np.isfinite(length) else []
-        while tried:
-            there = yield [{**soil, form.key: size} for form, size in tried], True
-            stronger = []
-            for (form, size), y in zip(tried, there):
-                rival = self.free(self.told(y - fit.signals), fit)
-                own, cosine = np.linalg.norm(rival), cosine_of(signature, [rival], [True])
-                cosines[form.case] = max(cosine, cosines.get(form.case, -1.0))
-                if size == form.probe:
-                    weak.setdefault(form.case, []).append((rival, form.signed))
-                    if POSSIBLE < cosine < TIE and own < length:
-                        # An effect without a derivative at zero is another one there.
-                        stronger.append((form, min(size * length / own, form.typical)))
-            tried = stronger
-        for case in set(cases.TOGETHER) & set(weak):
-            cosines[case] = max(cosines[case], cosine_of(signature, *zip(*weak[case])))
-        return signature, cosines
+    def cosine_in_place(self, hidden, own, rival):
+        """How alike two effects are to fits: what of an effect's signature a rival accounts for when it is fitted in its place.
+
+        `hidden` {form: strength} is all that acts, `own` the form whose place the case `rival` takes. Its length is what a fit of soil and
+        the other hidden effects leaves; with the rival's forms free too less is left. The cosine belongs to the nearest signature
+        within bounds, with the soil's curvature and the rival's own.
+        """
+        (signals,) = self.bench.simulate([{form.key: strength for form, strength in hidden.items()}], coarse=True)
+        others = [form for form in hidden if form is not own]
+        return alone(self.bench, self.finding_cosine(signals, others, in_place_of(self.rivals, rival)))
+
+    def finding_cosine(self, signals, others, choices):
+        """The same as a search for :func:`side_by_side`; `choices` are sets of the rival's forms, the best of which counts."""
+        soil = yield from finding_fit(self, signals)
+        rest = (yield from finding_in_place(self.with_free(others), signals, soil)) if others else soil
+        length, least = np.linalg.norm(promised(self.with_free(others), rest)), np.inf
+        for forms in choices:
+            detector = self.with_free([*others, *forms])
+            fit = yield from finding_in_place(detector, signals, rest)
+            least = np.fmin(least, np.linalg.norm(promised(detector, fit)))
+        return float(np.sqrt(max(0.0, 1.0 - (least / length) ** 2)))
+
+    def with_free(self, forms):
+        """The same with strengths of effects free besides the soil."""
+        other = copy.copy(self)
+        other.free = Free(self.bench.soil, forms)
+        return other
 
 
-def cosine_of(signature, rivals, signed):
-    """The cosine of a signature with the nearest combination of rivals, each of which has any sign where it is `signed`, otherwise none
-    that is negative; of a single one that is signed the cosine has its sign."""
-    kept = [k for k, rival in enumerate(rivals) if np.all(np.isfinite(rival)) and np.any(rival)]
-    length, best = np.linalg.norm(signature), 0.0
-    if not length > 0.0 or not kept:
-        return 0.0
-    if len(rivals) == 1:
-        return float(rivals[0] @ signature / (np.linalg.norm(rivals[0]) * length))
-    for count in range(1, len(kept) + 1):
-        for some in itertools.combinations(kept, count):
-            columns = np.stack([rivals[k] / np.linalg.norm(rivals[k]) for k in some], axis=1)
-            shares = np.linalg.lstsq(columns, signature, rcond=None)[0]
-            if all(share >= 0.0 or signed[k] for k, share in zip(some, shares)):
-                best = max(best, float(np.linalg.norm(columns @ shares) / length))
-    return best
+def in_place_of(library, case):
+    """Sets of forms that a fit may have free as one effect: all of them where the effect has a parameter for each, else each alone."""
+    forms = [form for form in library if form.case == case]
+    return [forms] if case in cases.TOGETHER else [[form] for form in forms]
 
 
 def nearest(fits, size):
@@ -267,6 +253,6 @@ def orthonormal(columns):
 
 
 def ties(cosines, case, signed):
-    """Cases that count as right when they are named or tied: their signature cannot be told from the hidden one."""
+    """Of {case: cosine} those that count as right when they are tied with the hidden case: their signature is like its own."""
     alike = lambda name, c: abs(c) if name in signed else c
     return sorted(name for name, c in cosines.items() if name != case and alike(name, c) > TIE)

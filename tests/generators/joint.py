@@ -110,6 +110,13 @@ def shared_soil(seed, scatter, drives=False):
     raise RuntimeError("no soil carries all")
 
 
+def detector_of(part, bench, level=NOISE):
+    """What can be seen of an effect in a wheel's part or a drive alone."""
+    kind = kind_of(part)
+    replicates = hidden.REPLICATES if kind == cases.WHEEL else bench.replicates
+    return Detector(bench, level, replicates, cases.library(kind, False))
+
+
 def make(folder, parts, case, place, seed, level=NOISE, multiple=None, form=None, scatter=SCATTER):
     """Writes the folders and returns the truth. `place` is the part with the effect, or `all` for every wheel and drive; `scatter` is how much
     the soil differs from part to part."""
@@ -136,9 +143,7 @@ def make(folder, parts, case, place, seed, level=NOISE, multiple=None, form=None
             soil_tests.write(folder / part, TESTS[part], inside, own, strength=size, ground=ground, noise=level)
             truth["effects"] += [seen | {"part": part}] if hides else []
             continue
-        kind, bench = kind_of(part), benches[part]
-        replicates = hidden.REPLICATES if kind == cases.WHEEL else bench.replicates
-        detector = Detector(bench, level, replicates, cases.library(kind, False))
+        kind, detector = kind_of(part), detector_of(part, benches[part], level)
         inside = case if part in truth["where"] else "clean"
         own_form = form if any(f.case == case and f.form == form and kind in f.kinds for f in cases.FORMS) else None
         if inside != "clean" and strength is not None:

@@ -20,10 +20,44 @@ DAMPING, FACTOR = 1e-3, 10.0  # of the first step, and from one that is tried to
 MOST_DAMPING = 10.0
 
 
+class Free:
+    """What a fit may change: the calibrated parameters of the soil, as shares of their true values, and strengths of effects, in units of
+    their usual strengths.
+
+    Attributes:
+        names: of the parameters as a bench knows them.
+        bounds: least and largest shift of each, (2, parameters).
+    """
+
+    def __init__(self, soil, forms=()):
+        self.names = [*CALIBRATED, *(form.key for form in forms)]
+        true = np.array([soil[name] for name in CALIBRATED])
+        shares = np.array([BOUNDS[name] for name in CALIBRATED]).T / true - 1.0
+        ends = [(-form.bound if form.signed else 0.0, form.bound) for form in forms]
+        self._unit = np.concatenate([true, [form.typical for form in forms]])
+        self._neutral = np.concatenate([true, np.zeros(len(forms))])
+        self._probes = np.array([form.probe / form.typical for form in forms])
+        self.bounds = np.concatenate([shares, np.reshape(ends, (-1, 2)).T / self._unit[len(true) :]], axis=1)
+
+    def changes(self, shift):
+        """The parameters at a shift, {name: value}; of an effect that is off there is none."""
+        values = self._neutral + self._unit * shift
+        return {name: value for name, value, soil in zip(self.names, values, self._neutral) if soil or value}
+
+    def steps(self, shift):
+        """Differences for slopes there."""
+        soil = len(shift) - len(self._probes)
+        return np.concatenate([STEP * (1.0 + shift[:soil]), self._probes])
+
+    def within(self, shift):
+        """The shift as far as the bounds allow it."""
+        return np.clip(shift, *self.bounds)
+
+
 @dataclass
 class Fit:
-    """`left`: the whitened difference at the fitted soil, an unstated delay freed; `shift`: by which shares the soil differs from the
-    true one; `signals`: the clean signals of that soil; `slopes`: whitened, a column for each soil parameter, at that soil."""
+    """`left`: the whitened difference at the fitted parameters, an unstated delay freed; `shift`: by how much they differ from the true soil
+    without effects; `signals`: the clean signals there; `slopes`: whitened, a column for each parameter, there."""
 
     left: np.ndarray
     shift: np.ndarray
@@ -34,17 +68,32 @@ class Fit:
 def finding_fit(detector, signals, start=None, ratio=1.0):
     """The :class:`Fit` of the soil to `signals`, as a search for `detect.side_by_side`; NaN is left where the rig does not run. `start`: the
     fit of a similar effect, the shift of which times `ratio` is tried first."""
-    fit = Fit(detector.told(signals - detector.clean), np.zeros(len(CALIBRATED)), detector.clean, detector.slopes)
+    fit = Fit(detector.told(signals - detector.clean), np.zeros(len(detector.free.names)), detector.clean, detector.slopes)
     if not np.all(np.isfinite(fit.left)):
         return fit
     if start is not None and np.any(start.shift) and ratio == 1.0:
         near = Fit(detector.told(signals - start.signals), start.shift, start.signals, start.slopes)
         fit = near if leaves_less(near, fit) else fit
     elif start is not None and np.any(start.shift):
-        (near,) = yield from finding_there(detector, signals, [within(detector, ratio * start.shift)])
+        (near,) = yield from finding_there(detector, signals, [detector.free.within(ratio * start.shift)])
         if leaves_less(near, fit):
             near.slopes = yield from finding_slopes(detector, near)
             fit = near if np.all(np.isfinite(near.slopes)) else fit
+    return (yield from finding_least(detector, signals, fit))
+
+
+def finding_in_place(detector, signals, fit):
+    """The fit of all that `detector` leaves free, from one of the soil alone; as :func:`finding_fit`."""
+    shift = np.concatenate([fit.shift, np.zeros(len(detector.free.names) - len(fit.shift))])
+    start = Fit(fit.left, shift, fit.signals)
+    start.slopes = yield from finding_slopes(detector, start)
+    if not np.all(np.isfinite(start.slopes)):
+        return Fit(np.full_like(fit.left, np.nan), shift, fit.signals)
+    return (yield from finding_least(detector, signals, start))
+
+
+def finding_least(detector, signals, fit):
+    """Goes from a fit with slopes to the one that leaves least."""
     damping, least = DAMPING, np.linalg.norm(promised(detector, fit))
     for _ in range(STEPS):
         if np.max(np.abs(step_of(detector, fit, 0.0)[0])) < SMALL_SHIFT:
@@ -65,7 +114,7 @@ def finding_step(detector, signals, fit, damping):
     """The fit after the best of three steps, still without slopes, and the damping of the next one; None where none leaves less."""
     while damping <= MOST_DAMPING:
         tried = [damping / FACTOR, damping, damping * FACTOR]
-        there = yield from finding_there(detector, signals, [within(detector, fit.shift + step_of(detector, fit, one)[0]) for one in tried])
+        there = yield from finding_there(detector, signals, [detector.free.within(fit.shift + step_of(detector, fit, one)[0]) for one in tried])
         better = [(np.linalg.norm(one.left), k) for k, one in enumerate(there) if leaves_less(one, fit)]
         if better:
             _, k = min(better)
@@ -75,8 +124,8 @@ def finding_step(detector, signals, fit, damping):
 
 
 def finding_there(detector, signals, shifts):
-    """Fits at these soils, without slopes."""
-    there = yield [soil_at(detector, shift) for shift in shifts], True
+    """Fits at these shifts, without slopes."""
+    there = yield [detector.free.changes(shift) for shift in shifts], True
     return [Fit(detector.told(signals - y), shift, y) for y, shift in zip(there, shifts)]
 
 
@@ -85,9 +134,9 @@ def leaves_less(one, other):
 
 
 def step_of(detector, fit, damping):
-    """Shares by which the soil is to change within its bounds, and which parameters no bound then holds."""
-    low, high = bounds(detector) - fit.shift
-    step, free = np.zeros(len(CALIBRATED)), np.ones(len(CALIBRATED), bool)
+    """By how much the parameters are to change within their bounds, and which of them no bound then holds."""
+    low, high = detector.free.bounds - fit.shift
+    step, free = np.zeros(len(low)), np.ones(len(low), bool)
     while True:
         step[free] = damped(fit.slopes[:, free], fit.left - fit.slopes[:, ~free] @ step[~free], damping)
         beyond = free & ((step < low) | (step > high))
@@ -103,37 +152,17 @@ def damped(slopes, left, damping):
 
 
 def promised(detector, fit):
-    """What is left where the soil goes on along the slopes as far as its bounds allow it; NaN where the rig does not run."""
+    """What is left where the parameters go on along the slopes as far as their bounds allow it; NaN where the rig does not run."""
     if not np.all(np.isfinite(fit.left)):
         return fit.left
     step, _ = step_of(detector, fit, 0.0)
     return fit.left - fit.slopes @ step
 
 
-def free_slopes(detector, fit):
-    """Slopes of the parameters that no bound holds."""
-    _, free = step_of(detector, fit, 0.0)
-    return fit.slopes[:, free]
-
-
 def finding_slopes(detector, fit):
-    """Whitened slopes of the soil parameters at the soil of a fit; backwards at an upper bound."""
-    ends = within(detector, fit.shift + STEP * (1.0 + fit.shift))
-    steps = np.where(ends - fit.shift > 0.5 * STEP * (1.0 + fit.shift), STEP, -STEP) * (1.0 + fit.shift)
-    there = yield [soil_at(detector, fit.shift + step * unit) for step, unit in zip(steps, np.eye(len(steps)))], True
+    """Whitened slopes of the parameters at a fit; backwards at an upper bound."""
+    sizes = detector.free.steps(fit.shift)
+    room = detector.free.within(fit.shift + sizes) - fit.shift
+    steps = np.where(room > 0.5 * sizes, sizes, -sizes)
+    there = yield [detector.free.changes(fit.shift + step * unit) for step, unit in zip(steps, np.eye(len(steps)))], True
     return np.stack([detector.told(y - fit.signals) / step for y, step in zip(there, steps)], axis=1)
-
-
-def soil_at(detector, shift):
-    return {name: detector.bench.soil[name] * (1.0 + s) for name, s in zip(CALIBRATED, shift)}
-
-
-def within(detector, shift):
-    """The shift as far as the bounds allow it."""
-    return np.clip(shift, *bounds(detector))
-
-
-def bounds(detector):
-    """Least and largest shift of each parameter."""
-    true = np.array([detector.bench.soil[name] for name in CALIBRATED])
-    return np.array([BOUNDS[name] for name in CALIBRATED]).T / true - 1.0

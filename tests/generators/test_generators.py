@@ -220,15 +220,39 @@ def test_property_forms_side_by_side_are_what_each_is_alone(kind):
         assert np.nanmax(np.abs(signals - alone) / bench.size(plain)) <= TOGETHER * size + ROUNDED, form.key
 
 
-def test_analytic_parameters_that_act_together_imitate_what_lies_between_them():
-    one, two, both = np.array([1.0, 0.0, 0.0]), np.array([0.0, 2.0, 0.0]), np.array([3.0, 3.0, 3.0])
-    assert detect.cosine_of(both, [one], [False]) == pytest.approx(np.sqrt(1.0 / 3.0))
-    assert detect.cosine_of(both, [one, two], [False, False]) == pytest.approx(np.sqrt(2.0 / 3.0))
-    # Only where both may have the sign that this takes.
-    assert detect.cosine_of(both, [one, -two], [False, False]) == pytest.approx(np.sqrt(1.0 / 3.0))
-    assert detect.cosine_of(both, [one, -two], [False, True]) == pytest.approx(np.sqrt(2.0 / 3.0))
-    assert detect.cosine_of(both, [one, np.nan * two], [False, False]) == pytest.approx(np.sqrt(1.0 / 3.0))
-    assert detect.cosine_of(both, [-one], [True]) == pytest.approx(-np.sqrt(1.0 / 3.0))
+# A fit that ends within a hundredth of its length leaves 1e-4 of its square.
+SAME_EFFECT = 0.9999
+
+
+def test_property_an_effect_fitted_in_its_own_place_is_itself():
+    detector = detect.Detector(bench_wheel.WheelBench(5), 0.02, 3, cases.library(cases.WHEEL))
+    drag, friction, sinkage = (cases.find(cases.WHEEL, name) for name in ("drag", "coulomb_friction", "slip_sinkage"))
+    both = {drag: 6.0, sinkage: 0.3}
+    assert detector.cosine_in_place({sinkage: 0.3}, sinkage, "slip_sinkage") > SAME_EFFECT
+    # Also where the other form of an effect, or another effect, is free beside it.
+    assert detector.cosine_in_place(both, drag, "drag") > SAME_EFFECT
+    assert detector.cosine_in_place(both, sinkage, "slip_sinkage") > SAME_EFFECT
+    # A drag lowers the pull, friction raises the torque.
+    assert detector.cosine_in_place({drag: 6.0}, drag, "coulomb_friction") < 0.5
+    assert detector.cosine_in_place({friction: 0.2}, friction, "drag") < 0.5
+
+
+def test_property_the_nearest_rival_is_the_one_that_scipy_finds():
+    optimize = pytest.importorskip("scipy.optimize")
+    detector = detect.Detector(bench_wheel.WheelBench(5), 0.02, 3, cases.library(cases.WHEEL))
+    own, rival = cases.find(cases.WHEEL, "coulomb_friction"), cases.find(cases.WHEEL, "gear_efficiency")
+    signals = detector.effect(own, 0.2)
+    free = detector.with_free([rival]).free
+
+    def left(shift):
+        there = detector.bench.simulate([free.changes(shift)], coarse=True)[0]
+        return np.nan_to_num(detector.told(signals - there), nan=1e2)
+
+    starts = [np.append(np.zeros(len(soils.CALIBRATED)), size) for size in (0.01, 0.3)]
+    found = [optimize.least_squares(left, start, bounds=tuple(free.bounds), x_scale="jac", diff_step=1e-4, max_nfev=60) for start in starts]
+    least = np.sqrt(2.0 * min(one.cost for one in found)) / np.linalg.norm(detector.signature(signals))
+    cosine = detector.cosine_in_place({own: 0.2}, own, rival.case)
+        assert np.sqrt(1.0 - cosine**2) == pytest.approx(least, rel=AS_SCIPY)
 
 
 def test_property_strengths_found_side_by_side_are_those_found_alone():
@@ -340,7 +364,6 @@ def test_property_strength_is_as_asked(tmp_path):
         truth = hidden.make(tmp_path, cases.WHEEL, name, None, 0.02, 5, multiple=2.0)
         effect = truth["effects"][0]
         assert effect["deviations"] == pytest.approx(10.2, rel=0.03)
-        assert effect["cosines"][name] > 0.99
         assert json.loads((tmp_path / "truth.json").read_text())["effects"] == truth["effects"]
 
 
@@ -386,10 +409,10 @@ def test_agreement_a_fit_leaves_what_bounded_least_squares_leave(seed, key):
     form = next(form for form in cases.FORMS if form.key == key)
     signals = detector.effect(form, 0.3 * form.typical)
     fit = detect.alone(bench, refit.finding_fit(detector, signals))
-    low, high = refit.bounds(detector)
+    low, high = detector.free.bounds
 
     def left(shift):
-        return np.nan_to_num(detector.told(signals - bench.simulate([refit.soil_at(detector, shift)], coarse=True)[0]), nan=1e2)
+        return np.nan_to_num(detector.told(signals - bench.simulate([detector.free.changes(shift)], coarse=True)[0]), nan=1e2)
 
     starts = (np.zeros(len(low)), np.clip(fit.shift, low + 1e-6, high - 1e-6))
     found = [optimize.least_squares(left, start, bounds=(low, high), x_scale="jac", diff_step=1e-4, max_nfev=60) for start in starts]

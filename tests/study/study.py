@@ -29,6 +29,7 @@ import score  # noqa: E402
 import table  # noqa: E402
 
 import cases  # noqa: E402  (plan puts the generators on the path)
+import alike  # noqa: E402
 import attainable  # noqa: E402
 import hidden  # noqa: E402
 from detect import Detector  # noqa: E402
@@ -108,8 +109,10 @@ def run_bench(bench_jobs, arguments):
             continue
         made = time.perf_counter()
         result = diagnose(arguments.bekker, arguments.extra, folder, arguments.threads)
+        spent = round(time.perf_counter() - made, 3)
+        alike.judge(detectors.get(job.noise), job.kind, truth["effects"], alike.beside(truth["effects"], result))
         record = {"name": job.name, "job": asdict(job), "truth": truth, "result": result}
-        record |= {"seconds": round(time.perf_counter() - made, 3), "seconds_made": round(made - started + searching, 3)}
+        record |= {"seconds": spent, "seconds_made": round(made - started + searching, 3)}
         record["attainable"] = attained(job, folder, truth, result)
         table.append_row(arguments.out / "rows.csv", table.row_of(record))
         if arguments.keep:

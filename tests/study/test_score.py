@@ -12,8 +12,7 @@ import table  # noqa: E402
 
 
 def effect(case, ties=(), outside=False, visible=True):
-    cosines = {case: 1.0, **dict.fromkeys(ties, 0.9)}
-    return {"case": case, "allowed_ties": list(ties), "outside": outside, "visible": visible, "cosines": cosines}
+    return {"case": case, "allowed_ties": list(ties), "outside": outside, "visible": visible}
 
 
 def said(verdict, *effects, tied=(), confused=()):

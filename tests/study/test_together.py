@@ -94,3 +94,15 @@ def test_property_sets_of_one_seed_have_noise_of_their_own(tmp_path):
     assert first == again
     # Nothing is hidden in the plates of either set, and the soil is the same.
     assert first != other and first.count("\n") == other.count("\n")
+
+
+def test_property_a_rival_is_like_an_effect_where_its_own_part_says_so(tmp_path):
+    # On a single wheel an efficiency of the gear scales the torque, as a gain of the sensor does; a drag lowers the pull.
+    made = joint.make(tmp_path, ("plates", "wheel"), "gear_efficiency", "wheel", 3100)
+    together.look_alikes(made, said("undetermined", tied=["gear_efficiency in wheel", "torque_scale in wheel", "drag"]))
+    (effect,) = made["effects"]
+    assert set(effect["cosines"]) == {"torque_scale", "drag"}
+    assert effect["allowed_ties"] == ["torque_scale"]
+    # Nothing is asked for where only the truth was said.
+    together.look_alikes(made, said("effect_missing", "gear_efficiency", where=["wheel"]))
+    assert effect["cosines"] == {} and effect["allowed_ties"] == []

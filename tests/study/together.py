@@ -31,7 +31,8 @@ import plan  # noqa: E402
 import score  # noqa: E402
 import table  # noqa: E402
 
-import cases  # noqa: E402  (plan puts the generators on the path)
+import alike  # noqa: E402  (plan puts the generators on the path)
+import cases  # noqa: E402
 import joint  # noqa: E402
 import soil_tests  # noqa: E402
 
@@ -129,6 +130,19 @@ def outcome(truth, result):
     return "missed" if verdict == "explained" else "undecided"
 
 
+def look_alikes(truth, result):
+    """Decides which of what was said is like the hidden effect, in each part that has it by itself (of tests of a soil that is known)."""
+    said = sorted({plain(name) for name in alike.beside([], result)} - {truth["case"]})
+    benches = None
+    for effect in truth["effects"]:
+        if effect["part"] in joint.TESTS:
+            continue
+        if said and benches is None:
+            *_, benches = joint.shared_soil(truth["seed"], truth["scatter"], joint.DRIVE in truth["parts"])
+        detector = joint.detector_of(effect["part"], benches[effect["part"]], truth["noise"]) if said else None
+        alike.judge(detector, joint.kind_of(effect["part"]), [effect], said)
+
+
 def run(bekker, set_name, job, folder, threads):
     parts, case, place, multiple, seed = job
     # The report hides other forms of the literature.
@@ -143,6 +157,7 @@ def run(bekker, set_name, job, folder, threads):
     start = time.monotonic()
     result = diagnosed(bekker, folders, threads, folder / "diagnosis.json")
     seconds = time.monotonic() - start
+    look_alikes(truth, result)
     alone = ""
     if multiple:
         by_itself = diagnosed(bekker, [folder / place], threads, folder / "alone.json")
