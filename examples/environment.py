@@ -44,6 +44,19 @@ commands `setup.action_scale` (N m, rad/s or m/s).
 SI units and are clipped at ten scales. With `measured=True` they are sensor readings (`sensor.*`: noise, bias, resolution,
 period) instead of true signals. `observe` selects other signals, also {extras}.
 
+**The ground ahead.** No sensor of the wheels looks ahead. `ahead=bekker.Ahead(distances, noise, dropout)` is a map of the ground as a
+camera or a laser makes it, with a cell at each distance (m) along x from the body's reference point. `observe` selects `height_ahead`
+(the ground, or an obstacle on it, above the ground at the rover; noise is drawn anew in each step), `seen_ahead` (0 where a cell is missing,
+with the probability `dropout`; all its entries are 0 then) and `soil_ahead` (1 where the soil is another one, such as the loose sand of a
+ditch). The map lies where the rover takes itself to be: a wrong scale of the odometry moves it. `gymnasium.wrappers.FrameStackObservation`
+stacks the last observations; for a teacher that sees more than its student, make a second environment with the same seed and other
+`observe`: what is observed changes nothing in the motion.
+
+```python
+ahead = bekker.Ahead([0.2, 0.4, 0.6, 0.8, 1.0], noise=0.01, dropout=0.05)
+env = gymnasium.make("bekker/DitchCrossing-v0", observe=[*bekker.scales.OBSERVED, "height_ahead", "seen_ahead", "soil_ahead"], ahead=ahead)
+```
+
 **Drives.** A motor gives no more than its supply voltage and its current limit allow: the presets have 24 V, the tasks set the limit
 of the current (`motor.inverse_voltage`, `motor.inverse_current_limit`). The no-load speed is 10.3 rad/s, which is within the scales of
 wheel speed and velocity. Joints have stops (`link[k].stop`, 45 degrees in the presets).

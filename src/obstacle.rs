@@ -76,6 +76,23 @@ impl Obstacle {
         }
     }
 
+    /// Height of its top at `x` above the ground at its own place, m; `None` beside it.
+    #[must_use]
+    pub fn height_at(&self, x: f64) -> Option<f64> {
+        let (from, to) = self.extent();
+        if !(from..=to).contains(&x) {
+            return None;
+        }
+        let ObstacleParameters { height, .. } = self.parameters;
+        Some(match self.kind {
+            ObstacleKind::Block | ObstacleKind::Ledge => height,
+            ObstacleKind::Rock => {
+                let along = (2.0 * x - from - to) / (to - from);
+                height * (1.0 - along * along).max(0.0).sqrt()
+            }
+        })
+    }
+
     /// Outline as a convex polygon, counterclockwise [x, z], m: standing on ground of height `ground` at its `x` and
     /// going down to `bottom`, so that sunk wheels meet its flanks.
     #[must_use]

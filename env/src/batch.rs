@@ -1,9 +1,11 @@
 //! Class `Batch`: many runs stepped together, through arrays that are bound once.
 
+use crate::ahead::PyAhead;
 use crate::error::{self, InputError, SimulationError};
 use crate::observation::PyObservedSignals;
 use crate::run::{PyRun, contiguous, row};
 use bekker::batch::{Batch, BatchError};
+use bekker::sensors::Ahead;
 use bekker::simulation::Status;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -110,6 +112,19 @@ impl PyBatch {
                 observed.show_readings(readings, row);
             }
         }
+        Ok(())
+    }
+
+    /// Reads the ground ahead of each run into a row of `out`: all heights (m), then which cells are there (1 or 0), then which have
+    /// another soil.
+    fn look_ahead(own: &Bound<'_, Self>, ahead: &PyAhead, out: &Bound<'_, PyArray2<f64>>) -> PyResult<()> {
+        let own = seen(own)?;
+        let expected = [own.core.len(), Ahead::ROWS * ahead.core().distances().len()];
+        if out.shape() != expected || !out.is_c_contiguous() {
+            check("out", out.as_any(), &expected)?;
+        }
+        let mut out = out.try_readwrite().map_err(|e| refuse("out", &e))?;
+        own.core.look_ahead(ahead.core(), out.as_slice_mut().map_err(|e| refuse("out", &e))?);
         Ok(())
     }
 

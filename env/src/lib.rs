@@ -4,6 +4,7 @@
 //! A class that wraps a type of the core has its name in Python and the prefix `Py` here: `PyModel` is Python's `Model` and
 //! wraps the core's.
 
+mod ahead;
 mod batch;
 mod check;
 mod compare;
@@ -27,6 +28,8 @@ use pyo3::pymodule;
 /// Native part of the package `bekker`.
 #[pymodule]
 mod _bekker {
+    #[pymodule_export]
+    use super::ahead::PyAhead;
     #[pymodule_export]
     use super::batch::PyBatch;
     #[pymodule_export]

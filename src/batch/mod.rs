@@ -33,6 +33,7 @@ pub(crate) use group::Kind;
 pub use kernel::Kernel;
 
 use crate::model::{Inputs, Run, RunError};
+use crate::sensors::Ahead;
 use crate::signals::{Measurement, Signals};
 use crate::simulation::Status;
 use bekker_modeldescription::Parameters;
@@ -280,6 +281,12 @@ impl Batch {
         let run = &mut self.shards[index / share].slots[index % share].run;
         run.resume();
         self.statuses[index] = run.status();
+    }
+
+    /// Reads the ground ahead of each run, as [`Run::look_ahead`]; `out` holds a row a run.
+    pub fn look_ahead(&self, ahead: &Ahead, out: &mut [f64]) {
+        let rows = out.chunks_exact_mut(Ahead::ROWS * ahead.distances().len());
+        self.slots().zip(rows).for_each(|(slot, row)| slot.run.look_ahead(ahead, row));
     }
 
     /// What the sensors of the run at `index` read last.

@@ -4,10 +4,12 @@ use super::closed_loop::ActiveController;
 use super::origin::Origin;
 use super::{AnyPlant, ControlKind, Inputs, Model, ModelKind};
 use crate::control::{ControlError, Rtc, SpeedRtc};
-use crate::sensors::SensorSuite;
+use crate::obstacle::Obstacle;
+use crate::sensors::{Ahead, ReadingOf, SensorSuite};
 use crate::signals::{Command, Drive, Measurement, Reference, Signals};
 use crate::simulation::{Simulation, Status, StepError, check_command};
 use bekker_modeldescription::{Lookup, ParameterError};
+use std::sync::Arc;
 
 /// A control period must be a whole number of inner steps, to this relative tolerance (a decimal
 /// fraction such as 0.01/0.001 is off by rounding only).
@@ -122,6 +124,9 @@ pub struct Run {
     pub(super) command: Command,
     pub(super) measurement: Measurement,
     pub(super) origin: Origin,
+    /// What stands on the ground, and the seed of all noise: what looks ahead needs them.
+    obstacles: Arc<[Obstacle]>,
+    seed: u64,
 }
 
 impl Run {
@@ -157,6 +162,8 @@ impl Run {
             command,
             measurement: Measurement::default(),
             origin: Origin::new(model),
+            obstacles: model.obstacles.as_slice().into(),
+            seed: u64::from(model.stepping.seed),
         };
         if run.controller.is_some() {
             run.sensors.read(0.0, run.simulation.signals(), &mut run.measurement);
@@ -364,6 +371,13 @@ impl Run {
     #[must_use]
     pub fn status(&self) -> Status {
         self.simulation.status()
+    }
+
+    /// Reads the ground ahead of the rover: all heights, then which cells are there, then which have another soil than the rover's own;
+    /// `out` holds [`Ahead::ROWS`] numbers for each distance.
+    pub fn look_ahead(&self, ahead: &Ahead, out: &mut [f64]) {
+        let at = ReadingOf { seed: self.seed, tick: self.simulation.ticks() };
+        ahead.read(self.simulation.rover(), &self.obstacles, self.signals().body.x, at, out);
     }
 
     /// The plant, which both kinds of it show in the same way.

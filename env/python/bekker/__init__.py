@@ -62,7 +62,7 @@ folder for CSV files in columns and units of their own.
 """
 
 from . import baselines, costs, goals, oracles, randomise, rewards
-from ._bekker import Batch, CheckReport, Model, Run, Script, __version__
+from ._bekker import Ahead, Batch, CheckReport, Model, Run, Script, __version__
 from .arguments import Arguments
 from .checks import check
 from .comparison import Comparison, calibrate, compare
@@ -89,6 +89,7 @@ from .vector_env import RoverVectorEnv
 from .workbench import Studio, studio
 
 __all__ = [
+    "Ahead",
     "Arguments",
     "Batch",
     "BekkerError",

@@ -9,7 +9,7 @@ from typing import Any, TypedDict
 import numpy as np
 from numpy.random import Generator
 
-from ._bekker import Model
+from ._bekker import Ahead, Model
 from .checked import finite, real
 from .costs import Cost, Costs, costs
 from .errors import InputError
@@ -57,6 +57,9 @@ class Arguments(TypedDict, total=False):
     """Signals of the observation; a name such as `wheel.slip` stands for that signal of every wheel."""
     observation_scales: Mapping[str, float]
     """The SI value that an observation of 1 stands for, by the same names."""
+    ahead: Ahead
+    """The map of the ground ahead of which `observe` names `height_ahead`, `seen_ahead` or `soil_ahead`: where its cells are, their noise,
+    how often one is missing (:class:`bekker.Ahead`)."""
     raw: bool
     """Observations in SI units, clipped at ten scales; default false: normalised, within -1 to 1."""
     measured: bool
@@ -109,7 +112,8 @@ class Setup:
         self.action_scale = finite("action_scale", given.get("action_scale", own_scale), above=0.0)
         observed = given.get("observe", self.task.observe)
         scales = given.get("observation_scales", {})
-        self.observer = Observer(self.model, observed, scales, raw=given.get("raw", False))
+        self.ahead = given.get("ahead", self.task.ahead)
+        self.observer = Observer(self.model, observed, scales, raw=given.get("raw", False), ahead=self.ahead)
         self._scatter(given)
         self.level = given.get("level", 1.0)
 

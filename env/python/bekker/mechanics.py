@@ -13,6 +13,7 @@ from .arguments import Options, Setup
 from .errors import InputError, SimulationError
 from .goals import Way
 from .rewards import Step
+from .scales import AHEAD
 from .state import GOAL, STATUSES, MechanicsState, Numbers
 
 __all__ = ["Mechanics", "MechanicsState", "as_array"]
@@ -66,6 +67,8 @@ class Mechanics:
         if setup.measured:
             for name in set(setup.observer.names) & set(names) - set(read):
                 raise InputError(f"observe `{name}`: no sensor reads it; expected {', '.join(sorted(read))}")
+        cells = 0 if setup.ahead is None else len(setup.ahead.distances)
+        self._sight = np.zeros((count, len(AHEAD) * cells))
         self._observed = setup.observer.signals([self.places[name] for name in read])
 
     # Episodes
@@ -255,6 +258,9 @@ class Mechanics:
         left = 1.0 - self.distance / goal if goal > 0.0 else self._zeros
         time = numbers.steps * (self.setup.period / goal) if goal > 0.0 else self._zeros
         time_left = 1.0 - time * numbers.target_velocity
+        if (ahead := self.setup.ahead) is not None:
+            self.batch.look_ahead(ahead, self._sight)
+            observer.add_ahead(seen, self._sight)
         observer.add_extras(seen, target_velocity=numbers.target_velocity, goal_distance=left, time_left=time_left)
         return seen
 

@@ -13,6 +13,7 @@ With mass m, gravity g, wheel radius r, n wheels and distance L between the oute
 | ``wheel.normal_force``, ``wheel.drawbar_pull`` | m g/n, a wheel's share of the weight | 49 N |
 | ``wheel.torque`` | m g r/n | 4.9 N m |
 | ``wheel.current`` | m g r/n over gear ratio and torque constant | 2.1 A |
+| ``height_ahead`` | 0.5 times the farthest distance | as `bekker.Ahead` says |
 | ``power``, ``electrical_power`` | m g sqrt(g r), the weight lifted at a Froude number of one | 97 W |
 
 The supply voltage U bounds the speed of a driven wheel, so wheel speeds and velocities stay within their scales.
@@ -27,7 +28,7 @@ from math import pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from ._bekker import Model, ObservedSignals
+from ._bekker import Ahead, Model, ObservedSignals
 from .checked import finite
 from .errors import InputError
 from .vocabulary import unknown
@@ -38,6 +39,13 @@ OBSERVED = ("pitch", "pitch_rate", "velocity", "wheel.speed", "wheel.torque", "w
 EXTRAS = ("target_velocity", "goal_distance", "time_left")
 """What can be observed besides signals: the speed that the task asks for; what is left of the way to the goal, as a share; and
 what is left of the time that the way takes at the speed asked for, as a share."""
+
+AHEAD = ("height_ahead", "seen_ahead", "soil_ahead")
+"""What can be observed of the ground ahead, an entry for each distance of a `bekker.Ahead`: heights above the ground at the rover, m; 1 where
+the map has a height and 0 where that is missing; 1 where the soil is another one."""
+
+AHEAD_SLOPE = 0.5
+"""Scale of the heights ahead over the farthest distance: slopes that wheels climb in sand (27 degrees at most)."""
 
 RAW_LIMIT = 10.0
 """Bounds of raw observations, in scales."""
@@ -110,8 +118,12 @@ class Observer:
         limit: bound of the entries: 1 where they are normalised, RAW_LIMIT scales in SI where they are not.
     """
 
-    def __init__(self, model: Model, observed: Sequence[str], changed: Mapping[str, float], *, raw: bool) -> None:
-        scales = natural_scales(model) | {name: 1.0 for name in EXTRAS}
+    def __init__(
+        self, model: Model, observed: Sequence[str], changed: Mapping[str, float], *, raw: bool, ahead: Ahead | None = None
+    ) -> None:
+        scales = natural_scales(model) | {name: 1.0 for name in EXTRAS + AHEAD}
+        cells = _cells(observed, ahead)
+        scales["height_ahead"] = AHEAD_SLOPE * max((abs(distance) for distance in cells), default=0.0) or 1.0
         scales["target_velocity"] = scales["velocity"]
         for name, scale in changed.items():
             if name not in scales:
@@ -124,13 +136,15 @@ class Observer:
         for kind in observed:
             if kind not in scales:
                 raise unknown("observable signal", kind, scales)
-            self.names += _entries(kind, model)
+            self.names += _entries(kind, model, len(cells))
             values += [scales[kind]] * (len(self.names) - len(values))
         self.scales = np.array(values)
         self.limit = RAW_LIMIT * self.scales if raw else np.ones(len(values))
         self._raw = raw
         self._extras = {name: k for k, name in enumerate(self.names) if name in EXTRAS}
-        columns = [k for k, name in enumerate(self.names) if name not in EXTRAS]
+        self._ahead = [[k for k, name in enumerate(self.names) if name.startswith(f"{kind}[")] for kind in AHEAD]
+        others = set(self._extras.values()).union(*self._ahead)
+        columns = [k for k in range(len(self.names)) if k not in others]
         self._own = (indices(model, [self.names[k] for k in columns]).tolist(), columns)
 
     def signals(self, readings: Sequence[int] = ()) -> ObservedSignals:
@@ -146,7 +160,33 @@ class Observer:
             observations[:, place] = np.clip(values, -self.limit[place], self.limit[place])
 
 
-def _entries(kind: str, model: Model) -> list[str]:
+    def add_ahead(self, observations: NDArray[np.float32], read: NDArray[np.float64]) -> None:
+        """Writes the entries of the ground ahead; ``read`` is what `Batch.look_ahead` has read, a row a rover."""
+        for columns, values in zip(self._ahead, np.split(read, len(AHEAD), axis=1), strict=True):
+            if columns:
+                scaled = values if self._raw else values / self.scales[columns]
+                observations[:, columns] = np.clip(scaled, -self.limit[columns], self.limit[columns])
+
+
+def _cells(observed: Sequence[str], ahead: Ahead | None) -> list[float]:
+    """Distances of the map of the ground ahead.
+
+    Raises:
+        InputError: what is observed needs a map that is not given, or nothing needs the one that is.
+    """
+    wanted = [kind for kind in observed if kind in AHEAD]
+    if wanted and ahead is None:
+        raise InputError(f"observe `{wanted[0]}`: expected the argument `ahead`, such as ahead=bekker.Ahead([0.2, 0.4])")
+    if ahead is not None and not isinstance(ahead, Ahead):
+        raise InputError(f"ahead = {ahead!r}: expected a bekker.Ahead, such as bekker.Ahead([0.2, 0.4])")
+    if ahead is not None and not wanted:
+        raise InputError(f"ahead = {ahead!r}: nothing of it is observed; expected {', '.join(AHEAD)} in `observe`")
+    return [] if ahead is None else ahead.distances
+
+
+def _entries(kind: str, model: Model, cells: int) -> list[str]:
+    if kind in AHEAD:
+        return [f"{kind}[{k}]" for k in range(1, cells + 1)]
     for group, count in (("wheel", model.wheels), ("link", model.links)):
         if kind.startswith(f"{group}."):
             return [f"{group}[{k}]{kind.removeprefix(group)}" for k in range(1, count + 1)]
