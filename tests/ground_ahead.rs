@@ -44,7 +44,8 @@ fn analytic_an_obstacle_is_as_high_as_it_stands_out() {
     use bekker::obstacle::Obstacle;
     let mut model = Model::preset("two_wheeled").unwrap();
     model.stepping.plant = Plant::RigidBodies;
-    model.obstacles = vec![Obstacle::rock(2.0, 0.1, 0.4), Obstacle::block(3.0, 0.2, 0.1), Obstacle::ledge(4.0, 0.05, 1.0)];
+    model.obstacles =
+        vec![Obstacle::rock(2.0, 0.1, 0.4), Obstacle::block(3.0, 0.2, 0.1), Obstacle::ledge(4.0, 0.05, 1.0)];
     let run = model.start().unwrap();
     let x = run.signals().body.x;
     // The top of the rock, half way down its side, beside it; the block; the ledge's face and top.
@@ -87,11 +88,8 @@ fn property_noise_and_missing_cells_are_as_asked() {
 fn agreement_a_batch_reads_what_each_run_reads() {
     let ahead = Ahead::new(vec![0.1, 0.4, 0.9], 0.01, 0.3).unwrap();
     let grounds = [1, 2, 3].map(|seed| {
-        let mut model = Model::from_toml(
-            "preset = \"two_wheeled\"\n[terrain]\npreset = \"random\"\nseed = 4\n",
-            None,
-        )
-        .unwrap();
+        let mut model =
+            Model::from_toml("preset = \"two_wheeled\"\n[terrain]\npreset = \"random\"\nseed = 4\n", None).unwrap();
         model.stepping.seed = seed;
         model.start().unwrap()
     });

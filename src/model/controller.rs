@@ -3,7 +3,7 @@
 use super::closed_loop::ActiveController;
 use super::inputs::VelocityCommand;
 use super::origin::Origin;
-use super::run::whole_multiple;
+use super::start_checks::whole_multiple;
 use super::{ControlKind, Model, RunError};
 use crate::control::{Rtc, SpeedRtc};
 use crate::signals::{Command, Measurement, Reference, Signals};
