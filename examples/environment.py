@@ -44,13 +44,14 @@ commands `setup.action_scale` (N m, rad/s or m/s).
 SI units and are clipped at ten scales. With `measured=True` they are sensor readings (`sensor.*`: noise, bias, resolution,
 period) instead of true signals. `observe` selects other signals, also {extras}.
 
-**The ground ahead.** No sensor of the wheels looks ahead. `ahead=bekker.Ahead(distances, noise, dropout)` is a map of the ground as a
-camera or a laser makes it, with a cell at each distance (m) along x from the body's reference point. `observe` selects `height_ahead`
-(the ground, or an obstacle on it, above the ground at the rover; noise is drawn anew in each step), `seen_ahead` (0 where a cell is missing,
-with the probability `dropout`; all its entries are 0 then) and `soil_ahead` (1 where the soil is another one, such as the loose sand of a
-ditch). The map lies where the rover takes itself to be: a wrong scale of the odometry moves it. `gymnasium.wrappers.FrameStackObservation`
-stacks the last observations; for a teacher that sees more than its student, make a second environment with the same seed and other
-`observe`: what is observed changes nothing in the motion.
+**The ground ahead.** By default an observation contains nothing of the ground ahead of the wheels. `ahead=bekker.Ahead(distances, noise, dropout)`
+adds an elevation map with a cell at each distance (m) along x from the body's reference point. `observe` selects `height_ahead` (the ground, or an
+obstacle on it, above the ground at the rover, with noise that is drawn in each step), `soil_ahead` (shear strength of the soil over that
+of the model's soil, at the mean ground pressure of the wheels: the loose sand of a ditch has less) and `seen_ahead`. A cell is missing with the
+probability `dropout`; height and strength then read 0, as level ground does, and `seen_ahead` is 0 instead of 1. A height of one is half of the
+farthest distance (`observation_scales` changes it); higher obstacles are clipped. The map is looked up at the recorded `x`, and effects on the soil
+are not on it. For a teacher that sees more than its student, observe all and give the student some of the columns.
+`gymnasium.wrappers.FrameStackObservation` stacks the last observations of a single environment.
 
 ```python
 ahead = bekker.Ahead([0.2, 0.4, 0.6, 0.8, 1.0], noise=0.01, dropout=0.05)

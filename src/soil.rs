@@ -41,6 +41,11 @@ impl<S: Scalar> Soil<S> {
         self.modulus(width) * depth.power(self.exponent)
     }
 
+    /// Shear strength under a normal stress (Mohr-Coulomb): c + sigma tan phi, Pa.
+    pub fn shear_strength(&self, normal_stress: S) -> S {
+        self.cohesion + normal_stress * self.friction_angle.tan()
+    }
+
     /// Multiplies Bekker's moduli k_c and k_phi by `factor`.
     pub(crate) fn scale_moduli(&mut self, factor: S) {
         self.k_c *= factor;

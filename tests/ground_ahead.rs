@@ -17,7 +17,7 @@ fn start(toml: &str) -> Run {
     Model::from_toml(toml, None).unwrap().start().unwrap()
 }
 
-/// Heights, which cells are there, which have another soil.
+/// Heights, which cells are there, strengths.
 fn read(run: &Run, ahead: &Ahead) -> [Vec<f64>; 3] {
     let count = ahead.distances().len();
     let mut out = vec![f64::NAN; Ahead::ROWS * count];
@@ -29,12 +29,12 @@ fn read(run: &Run, ahead: &Ahead) -> [Vec<f64>; 3] {
 fn analytic_heights_are_those_of_the_ground() {
     let ahead = Ahead::new(vec![-0.5, 0.0, 0.3, 2.0], 0.0, 0.0).unwrap();
     let run = start("preset = \"two_wheeled\"\n[terrain]\npreset = \"slope\"\nslope = 0.2\n");
-    let [heights, there, other] = read(&run, &ahead);
+    let [heights, there, strength] = read(&run, &ahead);
     for (height, distance) in heights.iter().zip(ahead.distances()) {
         // The slope is an angle, rad.
         assert!((height - 0.2_f64.tan() * distance).abs() < ROUNDING, "{height} at {distance}");
     }
-    assert_eq!((there, other), (vec![1.0; 4], vec![0.0; 4]));
+    assert_eq!((there, strength), (vec![1.0; 4], vec![1.0; 4]));
 }
 
 #[cfg(feature = "rigid")]
@@ -58,7 +58,7 @@ fn analytic_an_obstacle_is_as_high_as_it_stands_out() {
 }
 
 #[test]
-fn property_another_soil_is_seen_where_the_table_has_it() {
+fn analytic_strength_is_that_of_the_table_over_that_of_the_model() {
     use bekker::terrain::{Profile, SoilColumn, SoilTable, Terrain};
     let mut model = Model::preset("two_wheeled").unwrap();
     let column = SoilColumn { name: "cohesion_factor".to_owned(), values: vec![1.0, 0.5, 0.5, 1.0] };
@@ -67,7 +67,13 @@ fn property_another_soil_is_seen_where_the_table_has_it() {
     let run = model.start().unwrap();
     let x = run.signals().body.x;
     let ahead = Ahead::new([0.9, 1.05, 1.5, 2.2].map(|place| place - x).to_vec(), 0.0, 0.0).unwrap();
-    assert_eq!(read(&run, &ahead)[2], [0.0, 1.0, 1.0, 0.0]);
+    let (rover, soil) = (&model.rover, &model.rover.soil);
+    let pressure = rover.total_mass() * rover.environment.gravity / (2.0 * rover.wheel.radius * rover.wheel.width);
+    let friction = pressure * soil.friction_angle.tan();
+    for (strength, factor) in read(&run, &ahead)[2].iter().zip([1.0, 0.75, 0.5, 1.0]) {
+        let expected = (factor * soil.cohesion + friction) / (soil.cohesion + friction);
+        assert!((strength - expected).abs() < ROUNDING, "{strength} instead of {expected}");
+    }
 }
 
 #[test]
@@ -87,15 +93,14 @@ fn property_noise_and_missing_cells_are_as_asked() {
 #[test]
 fn agreement_a_batch_reads_what_each_run_reads() {
     let ahead = Ahead::new(vec![0.1, 0.4, 0.9], 0.01, 0.3).unwrap();
-    let grounds = [1, 2, 3].map(|seed| {
+    let runs = [1, 2, 3].map(|seed| {
         let mut model =
             Model::from_toml("preset = \"two_wheeled\"\n[terrain]\npreset = \"random\"\nseed = 4\n", None).unwrap();
         model.stepping.seed = seed;
         model.start().unwrap()
     });
-    let mut batch = Batch::new(grounds.to_vec(), 2).unwrap();
+    let mut batch = Batch::new(runs.to_vec(), 2).unwrap();
     let mut out = vec![0.0; 3 * Ahead::ROWS * 3];
-    let mut readings = Vec::new();
     for _ in 0..3 {
         batch.step(&[0.8; 6], 10, None).unwrap();
         batch.look_ahead(&ahead, &mut out);
@@ -104,11 +109,46 @@ fn agreement_a_batch_reads_what_each_run_reads() {
             assert_eq!(row, read(&alone, &ahead).concat());
             assert_eq!(row, read(&alone, &ahead).concat(), "a second look in one step");
         }
-        readings.push(out.clone());
     }
-    assert!(readings[0] != readings[1] && readings[1] != readings[2], "noise is drawn anew in each step");
-    let rows: Vec<&[f64]> = readings[0].chunks(Ahead::ROWS * 3).collect();
-    assert!(rows[0] != rows[1], "each seed has noise of its own");
+}
+
+#[test]
+fn property_each_seed_and_each_step_has_noise_of_its_own() {
+    let ahead = Ahead::new(vec![0.2; 20], 0.01, 0.5).unwrap();
+    let mut readings = Vec::new();
+    for seed in [1, 2] {
+        let mut model = Model::preset("two_wheeled").unwrap();
+        model.stepping.seed = seed;
+        let mut run = model.start().unwrap();
+        for _ in 0..3 {
+            // Level ground: nothing but noise differs.
+            readings.push(read(&run, &ahead));
+            run.advance(1).unwrap();
+        }
+    }
+    for (k, one) in readings.iter().enumerate() {
+        assert!(readings[..k].iter().all(|other| other[0] != one[0] && other[1] != one[1]));
+    }
+}
+
+#[test]
+fn property_the_map_is_looked_up_at_the_recorded_place() {
+    let mut model = Model::from_toml(
+        "preset = \"two_wheeled\"\n[terrain]\npreset = \"waves\"\namplitude = 0.05\nwavelength = 2.0\n",
+        None,
+    )
+    .unwrap();
+    model.rover.effects.radius_scale.odometry = 0.1;
+    let mut run = model.start().unwrap();
+    run.inputs_mut().set_all(&[2.0, 2.0]).unwrap();
+    run.advance(1000).unwrap();
+    let ground = |x: f64| model.rover.terrain.at(x).height;
+    let recorded = run.signals().body.x;
+    let ahead = Ahead::new(vec![0.4], 0.0, 0.0).unwrap();
+    let height = read(&run, &ahead)[0][0];
+    assert!((height - (ground(recorded + 0.4) - ground(recorded))).abs() < ROUNDING, "{height}");
+    let place = run.simulation().state().position[0];
+    assert!((recorded - place).abs() > 0.01, "the scale of the odometry shows: {recorded}, {place}");
 }
 
 #[test]

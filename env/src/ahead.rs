@@ -4,13 +4,16 @@ use crate::error::InputError;
 use bekker::sensors::Ahead;
 use pyo3::prelude::*;
 
-/// A map of the ground ahead of the rover, as a camera or a laser makes it: what the environment shows of it are
-/// `height_ahead`, `seen_ahead` and `soil_ahead`, an entry for each distance.
+/// A map of the ground ahead of the rover, which an environment shows as `height_ahead`, `seen_ahead` and `soil_ahead`, an entry for
+/// each of the `distances` along x from the body's reference point, m (negative: behind it).
 ///
-/// `distances` are those of its cells along x from the body's reference point, m (negative: behind it). A height is that of the ground,
-/// or of an obstacle on it, above the ground at the reference point, m, with `noise` as standard deviation, drawn anew at each reading.
-/// A cell is missing with the probability `dropout` and then reads 0 everywhere; `seen_ahead` is 1 where it is there. `soil_ahead` is
-/// 1 where the soil differs from the rover's own, such as the loose sand of a ditch.
+/// `height_ahead` is the height of the ground, or of an obstacle on it, above the ground at the reference point, m, with `noise` (m) as
+/// standard deviation, drawn in each step. `soil_ahead` is the shear strength of the soil over that of the model's own soil, both at the
+/// mean ground pressure of the wheels. A cell is missing with the probability `dropout`: both then read 0, and so does `seen_ahead`,
+/// which is 1 otherwise. The map is looked up at the recorded `x`, which the scale of the odometry and a lag change where these effects
+/// are on; effects on the soil are not on the map.
+///
+/// Raises InputError where there is no distance, one is not finite, `noise` is negative or `dropout` is not within 0 to 1.
 #[pyclass(module = "bekker", name = "Ahead", frozen, eq)]
 #[derive(Debug, PartialEq)]
 pub struct PyAhead {

@@ -115,8 +115,8 @@ impl PyBatch {
         Ok(())
     }
 
-    /// Reads the ground ahead of each run into a row of `out`: all heights (m), then which cells are there (1 or 0), then which have
-    /// another soil.
+    /// Reads the ground ahead of each run into a row of `out`: all heights (m), then which cells are there (1 or 0), then the
+    /// relative strengths of the soil.
     fn look_ahead(own: &Bound<'_, Self>, ahead: &PyAhead, out: &Bound<'_, PyArray2<f64>>) -> PyResult<()> {
         let own = seen(own)?;
         let expected = [own.core.len(), Ahead::ROWS * ahead.core().distances().len()];

@@ -25,7 +25,9 @@ def test_analytic_heights_follow_the_slope() -> None:
     assert names[1:4] == ["height_ahead[1]", "height_ahead[2]", "height_ahead[3]"] and names[-1] == "target_velocity"
     # A height of one is half of the farthest distance.
     assert observation[1:4] == pytest.approx(np.tan(0.2) * np.array(distances) / 1.0, abs=ROUNDING)
-    assert observation[4:7].tolist() == [1.0] * 3 and observation[7:10].tolist() == [0.0] * 3
+    assert observation[4:7].tolist() == [1.0] * 3 and observation[7:10].tolist() == [1.0] * 3
+    doubled = single(terrain=SLOPE, observe=OBSERVE, ahead=bekker.Ahead(distances), observation_scales={"height_ahead": 2.0})
+    assert doubled.reset(seed=1)[0][1:4] == pytest.approx(observation[1:4] / 2.0, abs=ROUNDING)
     raw = single(terrain=SLOPE, observe=OBSERVE, ahead=bekker.Ahead(distances), raw=True)
     assert raw.reset(seed=1)[0][1:4] == pytest.approx(np.tan(0.2) * np.array(distances), abs=ROUNDING)
 
@@ -44,7 +46,11 @@ def test_property_the_loose_sand_of_a_ditch_is_seen() -> None:
     ahead = bekker.Ahead(np.linspace(0.0, 4.0, 81))
     env = single("bekker/DitchCrossing-v0", observe=["soil_ahead"], ahead=ahead)
     other = env.reset(seed=1)[0]
-    assert other[0] == 0.0 and 0 < other.sum() < len(other)
+    # Another cohesion of the model's soil does not make the ground outside another one: the table of this ground has its own.
+    firmer = single("bekker/DitchCrossing-v0", observe=["soil_ahead"], ahead=ahead, parameters={"soil.cohesion": 1100.0})
+    for seen in (other, firmer.reset(seed=1)[0]):
+        loose = seen < 0.7
+        assert not loose[0] and 0 < loose.sum() < len(seen) and np.all(seen[~loose][[0, -1]] > 0.9)
 
 
 def test_agreement_single_and_vector_environments_look_alike() -> None:
@@ -66,6 +72,20 @@ def test_agreement_single_and_vector_environments_look_alike() -> None:
     assert missing.any() and not missing.all() and np.all(values[missing] == 0.0)
 
 
+def test_property_the_last_look_of_an_episode_is_kept() -> None:
+    arguments: dict[str, Any] = {"observe": OBSERVE, "ahead": bekker.Ahead([0.3, 0.6], noise=0.02, dropout=0.2), "measured": True}
+    env, many = single(**arguments), vector(num_envs=2, autoreset_mode="SameStep", max_episode_steps=3, **arguments)
+    first = env.reset(seed=4)[0]
+    assert_same(many.reset(seed=[4, 9])[0][0], first)
+    for _ in range(3):
+        alone = env.step([0.5, 0.5])[0]
+        seen, _, _, truncated, infos = many.step(np.full((2, 2), 0.5, np.float32))
+    assert truncated.all()
+    assert_same(infos["final_obs"][0], alone)
+    # The next episode begins with noise of its own.
+    assert not np.array_equal(seen[0], first)
+
+
 def test_property_copies_look_alike() -> None:
     env = single(observe=OBSERVE, ahead=bekker.Ahead([0.3, 0.6], noise=0.02, dropout=0.2))
     env.reset(seed=3)
@@ -84,6 +104,7 @@ def test_property_copies_look_alike() -> None:
         ({"observe": ["height_ahead"]}, r"observe `height_ahead`: expected the argument `ahead`, such as ahead=bekker.Ahead\("),
         ({"ahead": bekker.Ahead([0.1])}, r"nothing of it is observed; expected height_ahead, seen_ahead, soil_ahead in `observe`"),
         ({"ahead": [0.1], "observe": ["height_ahead"]}, r"ahead = \[0.1\]: expected a bekker.Ahead"),
+        ({"observe": ["height_ahead"] * 2, "ahead": bekker.Ahead([0.1])}, "observe: `height_ahead` stands there twice"),
         ({"observe": ["heigt_ahead"]}, "unknown observable signal `heigt_ahead`; did you mean height_ahead"),
     ],
 )

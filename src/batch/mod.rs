@@ -283,8 +283,12 @@ impl Batch {
         self.statuses[index] = run.status();
     }
 
-    /// Reads the ground ahead of each run, as [`Run::look_ahead`]; `out` holds a row a run.
+    /// Reads the ground ahead of each run, as [`Run::look_ahead`], a row a run.
+    ///
+    /// # Panics
+    /// If `out` does not hold [`Ahead::ROWS`] numbers for each distance of each run.
     pub fn look_ahead(&self, ahead: &Ahead, out: &mut [f64]) {
+        assert_eq!(out.len(), self.len() * Ahead::ROWS * ahead.distances().len(), "a row a run");
         let rows = out.chunks_exact_mut(Ahead::ROWS * ahead.distances().len());
         self.slots().zip(rows).for_each(|(slot, row)| slot.run.look_ahead(ahead, row));
     }

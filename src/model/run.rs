@@ -5,11 +5,9 @@ use super::origin::Origin;
 use super::start_checks::whole_multiple;
 use super::{AnyPlant, ControlKind, Inputs, Model, RunError};
 use crate::control::{Rtc, SpeedRtc};
-use crate::obstacle::Obstacle;
 use crate::sensors::{Ahead, ReadingOf, SensorSuite};
 use crate::signals::{Command, Drive, Measurement, Reference, Signals};
 use crate::simulation::{Simulation, Status, check_command};
-use std::sync::Arc;
 
 /// A model in motion. Cloning it is a snapshot: the clone goes on to the same bits.
 #[derive(Clone, Debug)]
@@ -26,9 +24,6 @@ pub struct Run {
     pub(super) command: Command,
     pub(super) measurement: Measurement,
     pub(super) origin: Origin,
-    /// What stands on the ground, and the seed of all noise: what looks ahead needs them.
-    obstacles: Arc<[Obstacle]>,
-    seed: u64,
 }
 
 impl Run {
@@ -64,8 +59,6 @@ impl Run {
             command,
             measurement: Measurement::default(),
             origin: Origin::new(model),
-            obstacles: model.obstacles.as_slice().into(),
-            seed: u64::from(model.stepping.seed),
         };
         if run.controller.is_some() {
             run.sensors.read(0.0, run.simulation.signals(), &mut run.measurement);
@@ -275,11 +268,15 @@ impl Run {
         self.simulation.status()
     }
 
-    /// Reads the ground ahead of the rover: all heights, then which cells are there, then which have another soil than the rover's own;
-    /// `out` holds [`Ahead::ROWS`] numbers for each distance.
+    /// Reads the ground ahead of the rover: all heights (m), then which cells are there (1 or 0), then the relative strengths of the soil.
+    ///
+    /// # Panics
+    /// If `out` does not hold [`Ahead::ROWS`] numbers for each distance.
     pub fn look_ahead(&self, ahead: &Ahead, out: &mut [f64]) {
-        let at = ReadingOf { seed: self.seed, tick: self.simulation.ticks() };
-        ahead.read(self.simulation.rover(), &self.obstacles, self.signals().body.x, at, out);
+        assert_eq!(out.len(), Ahead::ROWS * ahead.distances().len(), "a reading has three numbers for each distance");
+        let model = self.origin.model();
+        let at = ReadingOf { seed: u64::from(model.stepping.seed), tick: self.simulation.ticks() };
+        ahead.read(self.simulation.rover(), &model.obstacles, self.signals().body.x, at, out);
     }
 
     /// The plant, which both kinds of it show in the same way.

@@ -153,11 +153,11 @@ class Detector:
         return promised(self, fit)
 
     def cosine_in_place(self, hidden, own, rival):
-        """How alike two effects are to fits: what of an effect's signature a rival accounts for when it is fitted in its place.
+        """How alike two effects are where the rival is fitted in the place of one: sqrt(1 - d^2/l^2), with l what a fit of the soil and of the
+        other hidden effects leaves, in standard deviations, and d what is left where the rival is fitted too.
 
-        `hidden` {form: strength} is all that acts, `own` the form whose place the case `rival` takes. Its length is what a fit of soil and
-        the other hidden effects leaves; with the rival's forms free too less is left. The cosine belongs to the nearest signature
-        within bounds, with the soil's curvature and the rival's own.
+        `hidden` {form: strength} is all that acts, `own` the form whose place the case `rival` takes. Where the signals are linear in all
+        parameters and no bound is met this is the cosine of the two signatures. NaN where the rig does not run.
         """
         (signals,) = self.bench.simulate([{form.key: strength for form, strength in hidden.items()}], coarse=True)
         others = [form for form in hidden if form is not own]
@@ -172,7 +172,7 @@ class Detector:
             detector = self.with_free([*others, *forms])
             fit = yield from finding_in_place(detector, signals, rest)
             least = np.fmin(least, np.linalg.norm(promised(detector, fit)))
-        return float(np.sqrt(max(0.0, 1.0 - (least / length) ** 2)))
+        return float(np.sqrt(np.maximum(0.0, 1.0 - (least / length) ** 2)))
 
     def with_free(self, forms):
         """The same with strengths of effects free besides the soil."""
@@ -252,7 +252,6 @@ def orthonormal(columns):
     return left[:, values > 1e-7 * values[0]]
 
 
-def ties(cosines, case, signed):
+def ties(cosines, case):
     """Of {case: cosine} those that count as right when they are tied with the hidden case: their signature is like its own."""
-    alike = lambda name, c: abs(c) if name in signed else c
-    return sorted(name for name, c in cosines.items() if name != case and alike(name, c) > TIE)
+    return sorted(name for name, cosine in cosines.items() if name != case and cosine > TIE)

@@ -124,8 +124,9 @@ def make(folder, kind, case, form=None, level=0.02, seed=17, multiple=None, size
         detector = detector or Detector(bench, level or 0.02, replicates, cases.library(kind, bench.jointed))
         chosen = alone(detector.bench, choosing(detector, forms, rng, multiple)) if chosen is None else chosen
         strengths = {f.key: strength for f, strength, _ in chosen}
-    nothing_hidden, clean = bench.simulate([{}, strengths])
-    if not np.all(np.isfinite(clean)):
+    nothing_hidden, *hiding = bench.simulate([{}, strengths] if strengths else [{}])
+    clean = hiding[0] if hiding else nothing_hidden
+    if not np.all(np.isfinite(nothing_hidden)) or not np.all(np.isfinite(clean)):
         raise ValueError(f"{case}: the rig does not run with {strengths}")
     # The noise of the sensors does not depend on what is hidden: what an effect adds to a signal makes it no noisier.
     deviation = level * bench.size(nothing_hidden)

@@ -13,7 +13,7 @@ from soils import BOUNDS, CALIBRATED
 
 STEP = 1e-3  # of a soil parameter, relative
 STEPS = 12  # at most
-SMALL_SHIFT = 0.01  # of a soil parameter, relative, for which the projection is exact enough
+SMALL_SHIFT = 0.01  # of a soil parameter, relative, or of a usual strength, for which the projection is exact enough
 # Further steps tell nothing new where what the slopes promise changes relatively by less than SAME and what is left is near it.
 SAME, NEAR = 0.03, 1.2
 DAMPING, FACTOR = 1e-3, 10.0  # of the first step, and from one that is tried to the next
@@ -83,7 +83,7 @@ def finding_fit(detector, signals, start=None, ratio=1.0):
 
 
 def finding_in_place(detector, signals, fit):
-    """The fit of all that `detector` leaves free, from one of the soil alone; as :func:`finding_fit`."""
+    """The fit of all that `detector` leaves free, from one in which the last of them were off; as :func:`finding_fit`."""
     shift = np.concatenate([fit.shift, np.zeros(len(detector.free.names) - len(fit.shift))])
     start = Fit(fit.left, shift, fit.signals)
     start.slopes = yield from finding_slopes(detector, start)

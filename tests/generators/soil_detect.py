@@ -148,6 +148,6 @@ class Detector:
         true = LIBRARY.get(case, case)
         return {
             "case": true, "form": None, "strength": at, "deviations": reached, "visible": bool(reached >= CLEAR * 0.999),
-            "allowed_ties": ties(cosines, true, ()),
+            "allowed_ties": ties(cosines, true),
             "cosines": {name: round(cosine, 4) for name, cosine in sorted(cosines.items(), key=lambda kv: -abs(kv[1]))},
         }  # fmt: skip

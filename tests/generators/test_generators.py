@@ -359,6 +359,12 @@ def test_property_noise_has_its_covariance():
     assert np.cov(white.T) == pytest.approx(np.eye(4), abs=0.03)
 
 
+def test_property_noise_does_not_depend_on_what_is_hidden(tmp_path):
+    # Friction makes torques larger.
+    made = [hidden.make(tmp_path / name, cases.WHEEL, name, None, 0.02, 5, multiple=2.0) for name in ("clean", "coulomb_friction")]
+    assert made[0]["deviation"] == made[1]["deviation"]
+
+
 def test_property_strength_is_as_asked(tmp_path):
     for name in ("coulomb_friction", "slip_sinkage"):
         truth = hidden.make(tmp_path, cases.WHEEL, name, None, 0.02, 5, multiple=2.0)

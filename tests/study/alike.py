@@ -1,7 +1,7 @@
 """Which effects that a diagnosis leaves possible, or names, are like the hidden ones: decided by the generator's own fits.
 
-How alike two effects are depends on where the soil moves to make up for them, so that a rival is fitted in the place of the hidden effect
-(`Detector.cosine_in_place`). That takes half a minute, and only what was said beside the truth is asked for.
+A rival is fitted in the place of the hidden effect, together with the soil (`Detector.cosine_in_place`). That takes 20 to 90 s on a
+traverse, so that it is done for those effects only that the diagnosis names or leaves possible.
 """
 
 import cases
@@ -23,4 +23,4 @@ def judge(detector, kind, effects, said):
     for effect, own in zip(effects, hidden):
         known = set() if effect["outside"] or not said else {form.case for form in detector.rivals} & set(said)
         effect["cosines"] = {rival: round(detector.cosine_in_place(hidden, own, rival), 4) for rival in sorted(known)}
-        effect["allowed_ties"] = ties(effect["cosines"], effect["case"], ())
+        effect["allowed_ties"] = ties(effect["cosines"], effect["case"])

@@ -7,8 +7,14 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
+import plan  # noqa: E402, F401  (puts the generators on the path)
 import score  # noqa: E402
 import table  # noqa: E402
+
+import alike  # noqa: E402
+import bench_wheel  # noqa: E402
+import cases  # noqa: E402
+import detect  # noqa: E402
 
 
 def effect(case, ties=(), outside=False, visible=True):
@@ -82,3 +88,23 @@ def test_analytic_removed_share():
 def test_published_wilson_interval():
     # Newcombe 1998, Statistics in Medicine 17: 81 of 263 gives 0.2553 .. 0.3662.
     assert table.wilson(81, 263) == pytest.approx((0.2553, 0.3662), abs=5e-5)
+
+
+def test_property_what_was_said_beside_the_truth_is_judged_where_that_counts():
+    detector = detect.Detector(bench_wheel.WheelBench(5), 0.02, 3, cases.library(cases.WHEEL))
+    hidden = lambda case, form, outside=False: {"case": case, "form": form, "strength": 0.2, "outside": outside}
+    effects = [hidden("gear_efficiency", "constant")]
+    result = said("undetermined", tied=("gear_efficiency", "torque_scale", "tether"))
+    assert alike.beside(effects, result) == ["tether", "torque_scale"]
+    alike.judge(detector, cases.WHEEL, effects, alike.beside(effects, result))
+    # A tether is no effect of a wheel on a carriage.
+    assert set(effects[0]["cosines"]) == {"torque_scale"} and effects[0]["allowed_ties"] == ["torque_scale"]
+    # Of a pair each has its own look-alikes.
+    pair = [hidden("gear_efficiency", "constant"), hidden("slip_sinkage", "ding")]
+    alike.judge(detector, cases.WHEEL, pair, ["torque_scale"])
+    assert pair[0]["allowed_ties"] == ["torque_scale"] and pair[1]["allowed_ties"] == []
+    # An outsider has none, and where nothing was said no fit is made.
+    outside = [hidden("hump", "slip", outside=True)]
+    alike.judge(None, cases.WHEEL, outside, ["drag"])
+    alike.judge(None, cases.WHEEL, effects, alike.beside(effects, {"error": "stopped"}))
+    assert outside[0]["allowed_ties"] == effects[0]["allowed_ties"] == []

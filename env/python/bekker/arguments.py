@@ -59,7 +59,7 @@ class Arguments(TypedDict, total=False):
     """The SI value that an observation of 1 stands for, by the same names."""
     ahead: Ahead
     """The map of the ground ahead of which `observe` names `height_ahead`, `seen_ahead` or `soil_ahead`: where its cells are, their noise,
-    how often one is missing (:class:`bekker.Ahead`)."""
+    how often one is missing (`bekker.Ahead`)."""
     raw: bool
     """Observations in SI units, clipped at ten scales; default false: normalised, within -1 to 1."""
     measured: bool
@@ -112,7 +112,7 @@ class Setup:
         self.action_scale = finite("action_scale", given.get("action_scale", own_scale), above=0.0)
         observed = given.get("observe", self.task.observe)
         scales = given.get("observation_scales", {})
-        self.ahead = given.get("ahead", self.task.ahead)
+        self.ahead = given.get("ahead")
         self.observer = Observer(self.model, observed, scales, raw=given.get("raw", False), ahead=self.ahead)
         self._scatter(given)
         self.level = given.get("level", 1.0)

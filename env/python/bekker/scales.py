@@ -13,7 +13,7 @@ With mass m, gravity g, wheel radius r, n wheels and distance L between the oute
 | ``wheel.normal_force``, ``wheel.drawbar_pull`` | m g/n, a wheel's share of the weight | 49 N |
 | ``wheel.torque`` | m g r/n | 4.9 N m |
 | ``wheel.current`` | m g r/n over gear ratio and torque constant | 2.1 A |
-| ``height_ahead`` | 0.5 times the farthest distance | as `bekker.Ahead` says |
+| ``height_ahead`` | half of the farthest distance of the `bekker.Ahead` | 0.5 m if that is 1 m |
 | ``power``, ``electrical_power`` | m g sqrt(g r), the weight lifted at a Froude number of one | 97 W |
 
 The supply voltage U bounds the speed of a driven wheel, so wheel speeds and velocities stay within their scales.
@@ -42,7 +42,7 @@ what is left of the time that the way takes at the speed asked for, as a share."
 
 AHEAD = ("height_ahead", "seen_ahead", "soil_ahead")
 """What can be observed of the ground ahead, an entry for each distance of a `bekker.Ahead`: heights above the ground at the rover, m; 1 where
-the map has a height and 0 where that is missing; 1 where the soil is another one."""
+the cell is there and 0 where it is missing; the shear strength of the soil over that of the model's soil."""
 
 AHEAD_SLOPE = 0.5
 """Scale of the heights ahead over the farthest distance: slopes that wheels climb in sand (27 degrees at most)."""
@@ -133,9 +133,11 @@ class Observer:
             raise InputError("observe: expected at least one signal")
         self.names: list[str] = []
         values: list[float] = []
-        for kind in observed:
+        for place, kind in enumerate(observed):
             if kind not in scales:
                 raise unknown("observable signal", kind, scales)
+            if kind in observed[:place]:
+                raise InputError(f"observe: `{kind}` stands there twice; expected each signal once")
             self.names += _entries(kind, model, len(cells))
             values += [scales[kind]] * (len(self.names) - len(values))
         self.scales = np.array(values)

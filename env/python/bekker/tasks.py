@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 from math import pi, radians, tan
 from typing import Any
 
-from ._bekker import Ahead
 from .errors import InputError
 from .goals import Goal, Hold, Open, ReachOnSchedule, ReachWithinSlip, ReachWithinSpeed
 from .randomise import Distribution, LogUniform, Uniform
@@ -59,8 +58,6 @@ class Task:
     """Speed that the task asks for, m/s; 0 for none."""
     slip_limit: float = 0.3
     observe: tuple[str, ...] = OBSERVED
-    ahead: Ahead | None = None
-    """The map of the ground ahead, where it is observed."""
     randomise: Mapping[str, Distribution] = field(default_factory=dict)
     """What is drawn at every reset."""
     grades: Mapping[str, tuple[float, float]] = field(default_factory=dict)
