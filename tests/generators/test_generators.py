@@ -252,7 +252,7 @@ def test_property_the_nearest_rival_is_the_one_that_scipy_finds():
     found = [optimize.least_squares(left, start, bounds=tuple(free.bounds), x_scale="jac", diff_step=1e-4, max_nfev=60) for start in starts]
     least = np.sqrt(2.0 * min(one.cost for one in found)) / np.linalg.norm(detector.signature(signals))
     cosine = detector.cosine_in_place({own: 0.2}, own, rival.case)
-        assert np.sqrt(1.0 - cosine**2) == pytest.approx(least, rel=AS_SCIPY)
+    assert np.sqrt(1.0 - cosine**2) == pytest.approx(least, rel=AS_SCIPY)
 
 
 def test_property_strengths_found_side_by_side_are_those_found_alone():
