@@ -3,8 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
 use bekker::batch::Batch;
-use bekker::model::{Model, Run};
-use bekker::sensors::{Ahead, AheadError};
+use bekker::model::{Ahead, AheadError, Model, Run};
 
 /// Rounding of differences of heights of some metres.
 const ROUNDING: f64 = 1e-12;

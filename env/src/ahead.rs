@@ -1,7 +1,7 @@
 //! Class `Ahead`: the ground ahead as an elevation map has it.
 
 use crate::error::InputError;
-use bekker::sensors::Ahead;
+use bekker::model::Ahead;
 use pyo3::prelude::*;
 
 /// A map of the ground ahead of the rover, which an environment shows as `height_ahead`, `seen_ahead` and `soil_ahead`, an entry for

@@ -5,7 +5,7 @@ use crate::error::{self, InputError, SimulationError};
 use crate::observation::PyObservedSignals;
 use crate::run::{PyRun, contiguous, row};
 use bekker::batch::{Batch, BatchError};
-use bekker::sensors::Ahead;
+use bekker::model::Ahead;
 use bekker::simulation::Status;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;

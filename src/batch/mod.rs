@@ -32,8 +32,7 @@ pub use error::BatchError;
 pub(crate) use group::Kind;
 pub use kernel::Kernel;
 
-use crate::model::{Inputs, Run, RunError};
-use crate::sensors::Ahead;
+use crate::model::{Ahead, Inputs, Run, RunError};
 use crate::signals::{Measurement, Signals};
 use crate::simulation::Status;
 use bekker_modeldescription::Parameters;

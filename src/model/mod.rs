@@ -1,5 +1,6 @@
 //! A model: everything that a run needs, in one value that TOML, FMU, Python and command line share.
 
+mod ahead;
 mod closed_loop;
 mod controller;
 mod effects;
@@ -27,6 +28,7 @@ mod summary;
 mod tuning;
 mod variation;
 
+pub use ahead::{Ahead, AheadError};
 pub use closed_loop::{Control, ControlKind, RtcTiming, nominal};
 pub use controller::ControllerRun;
 pub use error::ModelError;

@@ -1,11 +1,12 @@
 //! A model in motion: simulation, sensors and controller on one clock.
 
+use super::ahead::{Ahead, ReadingOf};
 use super::closed_loop::ActiveController;
 use super::origin::Origin;
 use super::start_checks::whole_multiple;
 use super::{AnyPlant, ControlKind, Inputs, Model, RunError};
 use crate::control::{Rtc, SpeedRtc};
-use crate::sensors::{Ahead, ReadingOf, SensorSuite};
+use crate::sensors::SensorSuite;
 use crate::signals::{Command, Drive, Measurement, Reference, Signals};
 use crate::simulation::{Simulation, Status, check_command};
 

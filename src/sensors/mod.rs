@@ -10,13 +10,10 @@
 //! A sample is taken at the first reading of each sample period, so a period that is no whole number of control periods
 //! is met on average only. With every parameter at 0 a reading is the signal itself.
 
-mod ahead;
 mod channel;
 mod parameters;
 mod suite;
 
-pub(crate) use ahead::ReadingOf;
-pub use ahead::{Ahead, AheadError};
 pub use parameters::{BodySensors, CurrentSensor, Encoder, Gyroscope, JointSensors};
 pub use suite::SensorSuite;
 
