@@ -19,7 +19,7 @@ class Form:
     library: bool = False
     outside: bool = False
     signed: bool = False  # may be negative as well
-    rival: float = 0.0  # strength that tells its first slope; 0: a twentieth of the typical one
+    rival: float = 0.0  # strength at which its difference quotients are taken; 0: a twentieth of the typical one
     jointed: bool = False  # only where the vehicle has joints (condition rocker_bogie)
 
     @property

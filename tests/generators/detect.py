@@ -3,8 +3,8 @@
 The signature of an effect is what it changes in the clean signals. Whitened with the true noise and freed of everything
 that the calibrated soil parameters can take up (`refit`), its length is the number of
 standard deviations by which the effect stands out: 5 give 80 % power at p = 0.01 corrected for the candidates, and a test
-asks for at least 1.5 times that. How alike a rival is says a fit in which it takes the hidden effect's place: the cosine of the
-hidden signature with the part of it that the rival accounts for.
+asks for at least 1.5 times that. How alike a rival is to the hidden effect follows from a fit with the rival in its place
+(`Detector.cosine_in_place`).
 """
 
 import copy
@@ -165,9 +165,9 @@ class Detector:
 
     def finding_cosine(self, signals, others, choices):
         """The same as a search for :func:`side_by_side`; `choices` are sets of the rival's forms, the best of which counts."""
-        soil = yield from finding_fit(self, signals)
-        rest = (yield from finding_in_place(self.with_free(others), signals, soil)) if others else soil
-        length, least = np.linalg.norm(promised(self.with_free(others), rest)), np.inf
+        soil, without = (yield from finding_fit(self, signals)), self.with_free(others)
+        rest = (yield from finding_in_place(without, signals, soil)) if others else soil
+        length, least = np.linalg.norm(promised(without, rest)), np.nan
         for forms in choices:
             detector = self.with_free([*others, *forms])
             fit = yield from finding_in_place(detector, signals, rest)

@@ -104,6 +104,7 @@ def export_fmu(
 def record(
     model: Model, inputs: NDArray[np.float64], steps: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], str, str | None]: ...
+
 @final
 class Ahead:
     def __new__(cls, distances: Sequence[float] | NDArray[np.float64], noise: float = 0.0, dropout: float = 0.0) -> Ahead: ...

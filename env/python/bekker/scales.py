@@ -45,7 +45,7 @@ AHEAD = ("height_ahead", "seen_ahead", "soil_ahead")
 the cell is there and 0 where it is missing; the shear strength of the soil over that of the model's soil."""
 
 AHEAD_SLOPE = 0.5
-"""Scale of the heights ahead over the farthest distance: slopes that wheels climb in sand (27 degrees at most)."""
+"""Scale of the heights ahead over the farthest distance: a slope of 27 degrees all the way."""
 
 RAW_LIMIT = 10.0
 """Bounds of raw observations, in scales."""
@@ -160,7 +160,6 @@ class Observer:
         for name, place in self._extras.items():
             values = extras[name] if self._raw else extras[name] / self.scales[place]
             observations[:, place] = np.clip(values, -self.limit[place], self.limit[place])
-
 
     def add_ahead(self, observations: NDArray[np.float32], read: NDArray[np.float64]) -> None:
         """Writes the entries of the ground ahead; ``read`` is what `Batch.look_ahead` has read, a row a rover."""
