@@ -20,7 +20,7 @@ import numpy as np
 import bekker
 from bekker import baselines, oracles
 
-TASKS = ("SpeedHold", "SlopeClimb", "DitchCrossing", "EnergyTraverse", "SlipLimited")
+TASKS = ("SpeedHold", "SlopeClimb", "BlindSlope", "DitchCrossing", "EnergyTraverse", "SlipLimited")
 SEEDS = range(20_000, 20_050)
 ROWS = Path(__file__).with_name("training") / "sweep.csv"
 PAGE = Path(__file__).with_name("training.md")

@@ -61,7 +61,7 @@ folder for CSV files in columns and units of their own.
 :class:`~bekker.errors.BekkerError` that names the thing and what was expected.
 """
 
-from . import baselines, costs, goals, oracles, randomise, rewards
+from . import adaptation, baselines, costs, goals, learners, oracles, randomise, rewards, worlds
 from ._bekker import Ahead, Batch, CheckReport, Model, Run, Script, __version__
 from .arguments import Arguments
 from .checks import check
@@ -119,6 +119,7 @@ __all__ = [
     "Task",
     "UnknownNameError",
     "__version__",
+    "adaptation",
     "baselines",
     "calibrate",
     "check",
@@ -129,6 +130,7 @@ __all__ = [
     "costs",
     "goals",
     "import_experiment",
+    "learners",
     "oracles",
     "plan",
     "planning_settings",
@@ -140,6 +142,7 @@ __all__ = [
     "simulate",
     "steady_points",
     "studio",
+    "worlds",
 ]
 
 register()

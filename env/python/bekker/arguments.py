@@ -2,7 +2,7 @@
 
 import json
 import pickle
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypedDict
 
@@ -22,6 +22,7 @@ from .scales import Observer, action_scale
 from .simulation import whole
 from .tasks import PERIOD, TARGET, TERRAIN_SEED, Task, task_of
 from .vocabulary import unknown
+from .worlds import Split, split_of
 
 __all__ = ["Arguments", "Draw", "Levelled", "Options", "Setup", "assign"]
 
@@ -45,6 +46,9 @@ class Arguments(TypedDict, total=False):
     randomise: Randomise
     """Distributions by name, drawn at every reset; they replace the task's. ``"soil"`` names a known soil (:class:`bekker.Soil`, or the
     path of its file), whose parameters are drawn together."""
+    worlds: str | Split
+    """A split of worlds (`bekker.worlds.SPLITS`) by its name, or as a `bekker.worlds.Split`: every reset draws another of its worlds, whose
+    soil and effect take the place of what the task draws of them. The level of the curriculum does not change them."""
     level: float
     """Level of the curriculum, 0 to 1; default 1."""
     target_velocity: float
@@ -154,6 +158,13 @@ class Setup:
         else:
             self.soil = None
             self.randomise = {name: d for name, d in self.task.randomise.items() if kept(name)}
+        self.worlds = split_of(given["worlds"]) if "worlds" in given else None
+        if self.worlds is not None:
+            of_worlds = {name for name, _ in self.worlds.distributions}
+            for name in of_worlds & (set_by_user | set(given.get("randomise", ()))):
+                raise InputError(f"`{name}` is drawn with the worlds `{self.worlds.name}`: expected it not to be given besides")
+            self.randomise = {name: d for name, d in self.randomise.items() if name not in of_worlds}
+            self._check_values(self.worlds.distributions)
         trial = self.model.copy()
         for name, ends in self.grades.items():
             for value in ends:
@@ -162,8 +173,11 @@ class Setup:
 
     def check_ends(self, randomise: Mapping[str, Distribution]) -> None:
         """Refuses distributions whose values the model does not take."""
+        self._check_values(randomise.items())
+
+    def _check_values(self, scattered: Iterable[tuple[str, Distribution]]) -> None:
         trial = self.model.copy()
-        for name, scatter in randomise.items():
+        for name, scatter in scattered:
             for value in scatter.ends():
                 if name != TARGET:
                     assign(trial, name, value)
@@ -187,6 +201,8 @@ class Setup:
             assign(model, name, nominal[name])
         soil = options.soil or self.soil
         drawn = {} if soil is None else soil.draw(random, model, level)
+        if self.worlds is not None:
+            drawn |= self.worlds.world(int(random.integers(_SEEDS))).parameters
         for name, scatter in randomise.items():
             if name != TERRAIN_SEED:
                 own = nominal.get(name)

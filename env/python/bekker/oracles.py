@@ -19,6 +19,9 @@ from .errors import InputError
 
 __all__ = ["OnSchedule", "drivers", "evaluate"]
 
+ON_SCHEDULE = ("SlopeClimb", "BlindSlope", "EnergyTraverse")
+"""Tasks whose oracle is :class:`OnSchedule`."""
+
 _FIRST_RATIO = 1.25
 """Speed of the rims over that of the rover before it has been seen to move: 20 % slip."""
 
@@ -75,7 +78,7 @@ def drivers(env: gymnasium.Env[Any, Any]) -> list[Policy]:
         InputError: the task has none.
     """
     task = rover_of(env).setup.task.name
-    if task in ("SlopeClimb", "EnergyTraverse"):
+    if task in ON_SCHEDULE:
         return [OnSchedule(env)]
     kinds: dict[str, Sequence[tuple[str, float]]] = {
         # The speed is the target's there.
@@ -84,7 +87,7 @@ def drivers(env: gymnasium.Env[Any, Any]) -> list[Policy]:
         "SlipLimited": (("slip", 0.25), ("velocity", 0.25), ("velocity", 0.15)),
     }
     if task not in kinds:
-        raise InputError(f"task {task!r} has no oracle; expected one of {', '.join((*kinds, 'SlopeClimb', 'EnergyTraverse'))}")
+        raise InputError(f"task {task!r} has no oracle; expected one of {', '.join((*kinds, *ON_SCHEDULE))}")
     return [ControllerPolicy(env, kind, speed) for kind, speed in kinds[task]]
 
 

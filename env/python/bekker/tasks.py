@@ -153,6 +153,27 @@ TASKS: dict[str, Task] = {
             grades={"terrain.slope": (0.0, radians(6.0))},
         ),
         Task(
+            name="BlindSlope",
+            purpose="Come three metres up or down a sand slope on schedule without a sensor of the speed over ground. Only knowledge of the "
+            "soil, or of former drives on it, tells how much faster the wheels have to turn than they would without slip: a task for "
+            "policies that adapt from episode to episode (`bekker.adaptation`) to soils and effects that they are not told "
+            "(`bekker.worlds`).",
+            physics="The rover, drives and sand of SlopeClimb on slopes from 8 degrees down to 8 degrees up. With a model of the soil the "
+            "wheel speed can be computed before the drive; each hidden effect changes it in its own way with slope, speed and distance.",
+            success="The rover has moved three metres along x, which ends the episode, after 95 to 105 % of the time that the way takes "
+            "at the speed asked for.",
+            goal=ReachOnSchedule(3.0, early=0.95, late=1.05),
+            seconds=30.0,
+            control="speed_loop",
+            rewards=_weighted(progress=1.0, energy=0.1, end=3.0, goal=3.0),
+            terrain={"preset": "slope", "slope": 0.0},
+            parameters=SAND,
+            drive=_HEAVY,
+            target_velocity=0.2,
+            observe=(TARGET, "time_left", "pitch", "pitch_rate", "wheel.speed", "wheel.torque"),
+            randomise={TARGET: Uniform(0.12, 0.25), **SANDS, "terrain.slope": Uniform(radians(-8.0), radians(8.0))},
+        ),
+        Task(
             name="DitchCrossing",
             purpose="Cross a ditch of loose sand with six wheels, and slowly. Full torque crosses it with a run-up; at a speed at which "
             "cameras and joints are safe, the policy has to distribute the torque among wheels whose loads change throughout the crossing.",

@@ -1,0 +1,199 @@
+"""How fast policies adapt to soils and hidden effects that they have not met, as rows and as a page.
+
+    python examples/leaderboard.py                      # drives what is missing of the rows, writes the page
+    python examples/leaderboard.py --check 2            # drives some episodes again and compares with the file
+    python examples/leaderboard.py --split validation --out my.csv   # rows of another split, no page
+
+Each policy drives some episodes of `bekker/BlindSlope-v0` in each world of the split, with the same soils, effects, slopes, speeds and noise
+as the others (`bekker.adaptation`). Rows are written as they come; what is there is not driven again, so that a run that was cut off goes
+on. A policy of one's own is a class of two methods, see `bekker.learners`; `--policy module:Class` adds it.
+"""
+
+import argparse
+import csv
+import importlib
+import sys
+from pathlib import Path
+
+import gymnasium
+import numpy as np
+
+import bekker
+from bekker import adaptation, learners
+from bekker.worlds import SPLITS, World
+
+TASK = "BlindSlope"
+EPISODES = 4
+WORLDS = {"train": 24, "validation": 24, "test": 42}
+ROWS = Path(__file__).with_name("training") / "adaptation.csv"
+PAGE = Path(__file__).with_name("adaptation.md")
+COLUMNS = ("policy", "split", "world", "soil", "effect", "episode", "success", "return", "seconds", "note")
+DIGITS = 6
+
+POLICIES = {
+    "data sheet": learners.Nominal,
+    "robust over the training worlds": learners.Robust,
+    "rescaled by former arrivals": learners.Rescaling,
+    "rescaled by a line over the slope": learners.SlipCurve,
+    "calibrated between episodes": learners.Calibrating,
+    "diagnosed between episodes": learners.Diagnosing,
+    "oracle, told the world": learners.Informed,
+}
+
+# Quick enough to be driven again in a test.
+CHECKED = ("data sheet", "rescaled by former arrivals", "oracle, told the world")
+
+
+def drive(policy: str, world: World) -> list[dict[str, str]]:
+    """The rows of one policy in one world."""
+    env = gymnasium.make(f"bekker/{TASK}-v0", disable_env_checker=True)
+    found = adaptation.evaluate(env, POLICIES[policy], [world], EPISODES)
+    return [
+        {
+            "policy": policy,
+            "split": world.split,
+            "world": str(world.number),
+            "soil": world.soil,
+            "effect": world.effect,
+            "episode": str(k + 1),
+            "success": str(int(found.success[0, k])),
+            "return": f"{found.returns[0, k]:.{DIGITS}g}",
+            "seconds": f"{found.seconds[0, k]:.{DIGITS}g}",
+            "note": found.notes[0][k],
+        }
+        for k in range(EPISODES)
+    ]
+
+
+def read(path: Path = ROWS) -> list[dict[str, str]]:
+    if not path.exists():
+        return []
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def add(path: Path, rows: list[dict[str, str]]) -> None:
+    new = not path.exists()
+    with path.open("a", newline="") as file:
+        table = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        if new:
+            table.writeheader()
+        table.writerows(rows)
+
+
+def results(rows: list[dict[str, str]], policy: str, split: str) -> adaptation.Adaptation:
+    """The rows of a policy as what :func:`bekker.adaptation.evaluate` gives."""
+    own = [row for row in rows if row["policy"] == policy and row["split"] == split]
+    numbers = list(dict.fromkeys(int(row["world"]) for row in own))
+    table = {name: np.array([float(row[name]) for row in own]).reshape(len(numbers), EPISODES) for name in ("return", "success", "seconds")}
+    notes = [[row["note"] for row in own[k : k + EPISODES]] for k in range(0, len(own), EPISODES)]
+    worlds = [SPLITS[split].world(number) for number in numbers]
+    return adaptation.Adaptation(worlds, table["return"], table["success"].astype(bool), table["seconds"], notes)
+
+
+def table(rows: list[dict[str, str]], split: str) -> str:
+    """One line a policy, the highest return of the first episodes first."""
+    found = {name: results(rows, name, split) for name in dict.fromkeys(row["policy"] for row in rows)}
+    heads = [f"success in episode {k + 1}" for k in range(EPISODES)]
+    lines = [f"| policy | return of the first {EPISODES} episodes | 95 % | {' | '.join(heads)} |", "|---|---|---|" + "---|" * EPISODES]
+    order = sorted(found, key=lambda name: -adaptation.interquartile_mean(found[name].first(EPISODES)))
+    for name in order:
+        result = found[name]
+        mean = float(adaptation.interquartile_mean(result.first(EPISODES)))
+        low, high = result.interval(result.first(EPISODES))
+        shares = " | ".join(f"{share:.0%}".replace("%", " %") for share in result.success.mean(axis=0))
+        lines.append(f"| {name} | {mean:.2f} | {low:.2f} to {high:.2f} | {shares} |")
+    return "\n".join(lines)
+
+
+def worlds_of(rows: list[dict[str, str]]) -> dict[str, set[str]]:
+    """Numbers of the worlds that each policy has driven."""
+    return {name: {row["world"] for row in rows if row["policy"] == name} for name in dict.fromkeys(row["policy"] for row in rows)}
+
+
+def leaderboard(rows: list[dict[str, str]], split: str) -> str:
+    """All policies over the worlds that all of them have driven, and those that have driven more over theirs."""
+    rows = [row for row in rows if row["split"] == split]
+    driven = worlds_of(rows)
+    common = set.intersection(*driven.values())
+    parts = [f"Over the {len(common)} worlds that all policies have driven:\n", table([r for r in rows if r["world"] in common], split)]
+    most = max(driven.values(), key=len)
+    more = [row for row in rows if driven[row["policy"]] == most]
+    if len(most) > len(common):
+        parts += [f"\nOver {len(most)} worlds, for those that have driven all of these:\n", table(more, split)]
+    return "\n".join(parts)
+
+
+def by_effect(rows: list[dict[str, str]], split: str) -> str:
+    """Successes after the first episode, one line an effect, one column a policy, over the worlds that all have driven."""
+    rows = [row for row in rows if row["split"] == split]
+    common = set.intersection(*worlds_of(rows).values())
+    names = list(worlds_of(rows))
+    lines = [f"| hidden effect | {' | '.join(names)} |", "|---|" + "---|" * len(names)]
+    for effect in SPLITS[split].effects:
+        cells = []
+        for name in names:
+            own = [r for r in rows if (r["policy"], r["effect"]) == (name, effect) and r["world"] in common and r["episode"] != "1"]
+            cells.append(f"{sum(r['success'] == '1' for r in own)} of {len(own)}")
+        lines.append(f"| {effect} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def put(text: str, parts: dict[str, str]) -> str:
+    """The page with its tables replaced."""
+    for name, part in parts.items():
+        before, rest = text.split(f"<!-- {name} -->\n")
+        _, after = rest.split(f"<!-- end of {name} -->")
+        text = f"{before}<!-- {name} -->\n{part}\n<!-- end of {name} -->{after}"
+    return text
+
+
+def page(rows: list[dict[str, str]]) -> str:
+    return put(PAGE.read_text(encoding="utf-8"), {"leaderboard": leaderboard(rows, "test"), "effects": by_effect(rows, "test")})
+
+
+def check(count: int) -> int:
+    """Whether some rows, and the tables of the page, are what this version gives."""
+    rows, wrong = read(), 0
+    for number in range(0, WORLDS["test"], max(WORLDS["test"] // count, 1)):
+        for policy in CHECKED:
+            old = [row for row in rows if (row["policy"], row["split"], row["world"]) == (policy, "test", str(number))]
+            new = drive(policy, SPLITS["test"].world(number))
+            if new != old:
+                print("differs:", old, new)
+                wrong += 1
+    if page(rows) != PAGE.read_text(encoding="utf-8"):
+        print(f"{PAGE.name} does not show {ROWS.name}")
+        wrong += 1
+    print("up to date" if wrong == 0 else "out of date: remove the rows and run python examples/leaderboard.py")
+    return min(wrong, 1)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--split", default="test", choices=SPLITS)
+    parser.add_argument("--worlds", type=int, help="how many worlds of the split; as on the page where missing")
+    parser.add_argument("--out", type=Path, default=ROWS)
+    parser.add_argument("--only", nargs="+", choices=POLICIES, help="some of the policies")
+    parser.add_argument("--policy", action="append", default=[], metavar="MODULE:CLASS", help="a policy of one's own besides")
+    parser.add_argument("--check", type=int, metavar="WORLDS", help="drive so many worlds again with the quick policies and compare")
+    given = parser.parse_args()
+    if given.check:
+        return check(given.check)
+    for name in given.policy:
+        module, kind = name.split(":")
+        POLICIES[name] = getattr(importlib.import_module(module), kind)
+    done = {(row["policy"], row["split"], int(row["world"])) for row in read(given.out)}
+    for world in SPLITS[given.split].worlds(given.worlds or WORLDS[given.split]):
+        for policy in given.only or POLICIES:
+            if (policy, given.split, world.number) not in done:
+                rows = drive(policy, world)
+                add(given.out, rows)
+                print(world.number, world.effect, policy, *(row["success"] for row in rows), rows[-1]["note"], flush=True)
+    if given.out == ROWS and given.split == "test":
+        PAGE.write_text(page(read()), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
