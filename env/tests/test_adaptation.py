@@ -124,8 +124,8 @@ class Watching(learners.Informed):
 
 def test_agreement_the_model_of_a_world_leaves_only_the_noise_of_its_logs() -> None:
     env = single(TASK)
-    world = worlds.SPLITS["validation"].world(1)
-    assert world.effect == "flexible_wheel"
+    world = worlds.SPLITS["train"].world(3)
+    assert world.effect == "drag"
     Watching.made.clear()
     found = adaptation.evaluate(env, Watching, [world], episodes=2)
     (watching,) = Watching.made
@@ -136,10 +136,19 @@ def test_agreement_the_model_of_a_world_leaves_only_the_noise_of_its_logs() -> N
     assert log.distance >= log.way and 0.95 <= log.seconds * log.target_velocity / log.way <= 1.05
     experiment = bekker.Experiment("traverse", [log.run], noise=log.noise)
     own = bekker.compare(experiment, world.on(env.setup.model)).fit
-    for name, deviation in log.noise.items():
-        assert own.rmse[name] == pytest.approx(deviation, rel=NOISE_SCATTER), name
+    for name, rmse in own.rmse.items():
+        assert rmse == pytest.approx(log.noise[name], rel=NOISE_SCATTER), name
     other = bekker.compare(experiment, env.setup.model).fit
-    assert max(other.rmse[name] / log.noise[name] for name in log.noise) > 2.0
+    assert max(rmse / log.noise[name] for name, rmse in other.rmse.items()) > 2.0
+    # The same by the measured speeds of the wheels alone.
+    rolled, noise = log.by_measured_speeds()
+    alone = bekker.Experiment("traverse", [rolled], noise=noise)
+    ideal = world.on(env.setup.model)
+    ideal.set_control("speed")
+    found_alone = bekker.compare(alone, ideal).fit.rmse
+    assert set(found_alone) == set(noise) == {"x", "pitch", "wheel[1].torque", "wheel[2].torque"}
+    for name, rmse in found_alone.items():
+        assert rmse == pytest.approx(log.noise[name], rel=NOISE_SCATTER), name
 
 
 def test_analytic_a_plan_comes_to_the_goal_on_time() -> None:

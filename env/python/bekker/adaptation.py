@@ -8,7 +8,7 @@ Between two episodes of a world a policy may learn from what is left of the last
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import radians
 from typing import Any, TypeAlias
 
@@ -31,9 +31,13 @@ Floats: TypeAlias = NDArray[np.float64]
 ROWS_PERIOD = 0.1
 """Time between two rows of a log, s."""
 
-NOISE = {"x": 0.005, "pitch": radians(0.2), "wheel.torque": 0.01}
-"""Standard deviations of the noise of a log: of the surveyed track as a total station has it (m), of an inclinometer (rad), and of the
-torque as a share of that which lifts the wheel's load at its rim."""
+NOISE = {"x": 0.005, "pitch": radians(0.2), "wheel.torque": 0.01, "wheel.speed": 0.001}
+"""Standard deviations of the noise of a log: of the surveyed track as a total station has it (m), of an inclinometer (rad), of the
+torque as a share of that which lifts the wheel's load at its rim, and of the speed of a wheel (rad/s) as an encoder on the motor's side of
+the gear counts it over 0.1 s."""
+
+_START = 5
+"""Rows in which the wheels speed up."""
 
 _MARGIN, _GRID = 1.0, 0.05
 """The ground is surveyed so far beyond the places where the rover has been, in steps of the second, m."""
@@ -55,10 +59,20 @@ class Log:
     """Its return."""
     success: bool
     run: MeasuredRun
-    """The drive as a traverse (:class:`bekker.Experiment`): a row every 0.1 s with the commands, and with ``x``, ``pitch`` and
-    ``wheel[k].torque`` with their noise."""
+    """The drive as a traverse (:class:`bekker.Experiment`): a row every 0.1 s with the commands, and with ``x``, ``pitch``,
+    ``wheel[k].torque`` and ``wheel[k].speed`` with their noise."""
     noise: dict[str, float]
     """Standard deviation of this noise by signal, SI units."""
+
+    def by_measured_speeds(self) -> tuple[MeasuredRun, dict[str, float]]:
+        """The drive without its commands, so that the measured speeds of the wheels drive a model (whose control is ``speed``), and
+        the noise of what is compared then.
+
+        It begins in motion: the first half second is left out, in which the wheels speed up between two rows.
+        """
+        kept = {name: column[_START:] for name, column in self.run.data.items() if not name.endswith("_command")}
+        run = replace(self.run, data=kept, x0=float(kept["x"][0]))
+        return run, {name: value for name, value in self.noise.items() if not name.endswith("].speed")}
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,6 +196,7 @@ class _Recorder:
         lift = weight * setup.model.get("wheel.radius") / setup.model.wheels
         self.noise = {"x": NOISE["x"], "pitch": NOISE["pitch"]}
         self.noise |= {f"wheel[{k}].torque": NOISE["wheel.torque"] * lift for k in wheels}
+        self.noise |= {f"wheel[{k}].speed": NOISE["wheel.speed"] for k in wheels}
         self._commands = [variable["name"] for variable in setup.model.inputs()]
         self._places = [mechanics.places[name] for name in self.noise]
         self._rows: list[Floats] = []

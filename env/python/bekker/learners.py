@@ -19,7 +19,7 @@ from .baselines import Actions, State, rover_of
 from .comparison import calibrate
 from .diagnosis import diagnose
 from .errors import InputError, SimulationError
-from .experiment import Experiment
+from .experiment import Experiment, MeasuredRun
 from .simulation import simulate
 from .worlds import SPLITS, World
 
@@ -206,18 +206,24 @@ class SlipCurve(Rescaling):
 
 
 class Calibrating(Nominal):
-    """Fits the soil to all drives of the world so far."""
+    """Fits the soil to all drives of the world so far.
+
+    The measured speeds of the wheels drive the model, without the commands: then neither the motors nor their controller matter, and a
+    fit takes a tenth of the time.
+    """
 
     def __init__(self, env: gymnasium.Env[Any, Any], world: World) -> None:
         super().__init__(env, world)
-        self._logs: list[Log] = []
-        self._sheet = self.model
+        self._runs: list[MeasuredRun] = []
+        self._sheet = self.model.copy()
+        self._sheet.set_control("speed")
 
     def learn(self, log: Log) -> None:
         """A fit that fails leaves the model as it is, and the note says why."""
-        self._logs.append(log)
-        experiment = Experiment("traverse", [log.run for log in self._logs], priors=PRIORS, noise=log.noise)
+        run, noise = log.by_measured_speeds()
+        self._runs.append(run)
         try:
+            experiment = Experiment("traverse", self._runs, priors=PRIORS, noise=noise)
             self.model, self.note = self._fit(experiment)
         except (InputError, SimulationError) as error:
             self.note = f"no fit: {error}"

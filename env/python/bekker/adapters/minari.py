@@ -17,7 +17,7 @@ import numpy as np
 try:
     from minari import DataCollector, StepDataCallback
 except ImportError as missing:
-    raise ImportError("bekker.adapters.minari needs minari (pip install 'minari[hdf5]')") from missing
+    raise ImportError("bekker.adapters.minari needs minari (pip install 'minari[hdf5,create]')") from missing
 
 from ..baselines import Policy
 
