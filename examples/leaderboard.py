@@ -149,6 +149,9 @@ def put(text: str, parts: dict[str, str]) -> str:
 
 
 def page(rows: list[dict[str, str]]) -> str:
+    """The page with the policies that have driven a world of every effect."""
+    enough = {name for name, worlds in worlds_of(rows).items() if len(worlds) >= len(SPLITS["test"].effects)}
+    rows = [row for row in rows if row["policy"] in enough]
     return put(PAGE.read_text(encoding="utf-8"), {"leaderboard": leaderboard(rows, "test"), "effects": by_effect(rows, "test")})
 
 
