@@ -3,10 +3,11 @@
     python examples/leaderboard.py                      # drives what is missing of the rows, writes the page
     python examples/leaderboard.py --check 2            # drives some episodes again and compares with the file
     python examples/leaderboard.py --split validation --out my.csv   # rows of another split, no page
+    python examples/leaderboard.py --policy mine:Policy --only mine:Policy --out my.csv   # a policy of one's own, mine.py being here
 
 Each policy drives some episodes of `bekker/BlindSlope-v0` in each world of the split, with the same soils, effects, slopes, speeds and noise
 as the others (`bekker.adaptation`). Rows are written as they come; what is there is not driven again, so that a run that was cut off goes
-on. A policy of one's own is a class of two methods, see `bekker.learners`; `--policy module:Class` adds it.
+on.
 """
 
 import argparse
@@ -20,7 +21,7 @@ import numpy as np
 
 import bekker
 from bekker import adaptation, learners
-from bekker.worlds import SPLITS, World
+from bekker.worlds import NO_EFFECT, SPLITS, World
 
 TASK = "BlindSlope"
 EPISODES = 4
@@ -30,13 +31,15 @@ PAGE = Path(__file__).with_name("adaptation.md")
 COLUMNS = ("policy", "split", "world", "soil", "effect", "episode", "success", "return", "seconds", "note")
 DIGITS = 6
 
+DIAGNOSED = "diagnosed between episodes"
+
 POLICIES = {
     "data sheet": learners.Nominal,
     "robust over the training worlds": learners.Robust,
     "rescaled by former arrivals": learners.Rescaling,
     "rescaled by a line over the slope": learners.SlipCurve,
     "calibrated between episodes": learners.Calibrating,
-    "diagnosed between episodes": learners.Diagnosing,
+    DIAGNOSED: learners.Diagnosing,
     "oracle, told the world": learners.Informed,
 }
 
@@ -139,6 +142,40 @@ def by_effect(rows: list[dict[str, str]], split: str) -> str:
     return "\n".join(lines)
 
 
+def verdict_of(row: dict[str, str]) -> str:
+    """What a diagnosis says of a world, seen from what is hidden there."""
+    verdict, *names = row["note"].split()
+    if verdict == "effect_missing":
+        found = "names the hidden effect alone" if names == [row["effect"]] else "names the hidden effect and another"
+        return found if row["effect"] in names else "names another effect"
+    if verdict == "undetermined" and names:
+        return "a tie that holds the hidden effect" if row["effect"] in names else "a tie without it"
+    return {"undetermined": "undetermined", "explained": "explained by the soil alone"}.get(verdict, verdict)
+
+
+VERDICTS = (
+    "names the hidden effect alone",
+    "names the hidden effect and another",
+    "a tie that holds the hidden effect",
+    "explained by the soil alone",
+    "undetermined",
+    "unexplained",
+    "a tie without it",
+    "names another effect",
+)
+
+
+def verdicts(rows: list[dict[str, str]], split: str) -> str:
+    """How often each verdict is given, where an effect is hidden and where none is."""
+    own = [row for row in rows if row["policy"] == DIAGNOSED and row["split"] == split and row["episode"] != str(EPISODES)]
+    lines = ["| verdict | with a hidden effect | without |", "|---|---|---|"]
+    for verdict in sorted({verdict_of(row) for row in own} | set(VERDICTS), key=lambda v: (*VERDICTS, v).index(v)):
+        given = [row for row in own if verdict_of(row) == verdict]
+        hidden = sum(row["effect"] != NO_EFFECT for row in given)
+        lines.append(f"| {verdict} | {hidden} | {len(given) - hidden} |")
+    return "\n".join(lines)
+
+
 def put(text: str, parts: dict[str, str]) -> str:
     """The page with its tables replaced."""
     for name, part in parts.items():
@@ -149,16 +186,23 @@ def put(text: str, parts: dict[str, str]) -> str:
 
 
 def page(rows: list[dict[str, str]]) -> str:
-    """The page with the policies that have driven a world of every effect."""
-    enough = {name for name, worlds in worlds_of(rows).items() if len(worlds) >= len(SPLITS["test"].effects)}
+    """The page with the policies that have driven two worlds at least of every effect."""
+    enough = {name for name, worlds in worlds_of(rows).items() if len(worlds) >= 2 * len(SPLITS["test"].effects)}
     rows = [row for row in rows if row["policy"] in enough]
-    return put(PAGE.read_text(encoding="utf-8"), {"leaderboard": leaderboard(rows, "test"), "effects": by_effect(rows, "test")})
+    parts = {"leaderboard": leaderboard, "effects": by_effect, "verdicts": verdicts}
+    return put(PAGE.read_text(encoding="utf-8"), {name: made(rows, "test") for name, made in parts.items()})
+
+
+def checked_worlds(count: int) -> list[int]:
+    """Some worlds of the test, with different effects."""
+    step = len(SPLITS["test"].effects) + 1
+    return [(1 + step * k) % WORLDS["test"] for k in range(count)]
 
 
 def check(count: int) -> int:
     """Whether some rows, and the tables of the page, are what this version gives."""
     rows, wrong = read(), 0
-    for number in range(0, WORLDS["test"], max(WORLDS["test"] // count, 1)):
+    for number in checked_worlds(count):
         for policy in CHECKED:
             old = [row for row in rows if (row["policy"], row["split"], row["world"]) == (policy, "test", str(number))]
             new = drive(policy, SPLITS["test"].world(number))
@@ -177,15 +221,20 @@ def main() -> int:
     parser.add_argument("--split", default="test", choices=SPLITS)
     parser.add_argument("--worlds", type=int, help="how many worlds of the split; as on the page where missing")
     parser.add_argument("--out", type=Path, default=ROWS)
-    parser.add_argument("--only", nargs="+", choices=POLICIES, help="some of the policies")
+    parser.add_argument("--only", nargs="+", help=f"some of the policies: {', '.join(map(repr, POLICIES))}, or one of --policy")
     parser.add_argument("--policy", action="append", default=[], metavar="MODULE:CLASS", help="a policy of one's own besides")
     parser.add_argument("--check", type=int, metavar="WORLDS", help="drive so many worlds again with the quick policies and compare")
     given = parser.parse_args()
-    if given.check:
+    if given.check is not None:
         return check(given.check)
+    if given.out == ROWS and (given.policy or given.split != "test"):
+        parser.error("--policy and another --split need --out: the project's rows are of its own policies on the test")
+    sys.path.insert(0, str(Path.cwd()))
     for name in given.policy:
         module, kind = name.split(":")
         POLICIES[name] = getattr(importlib.import_module(module), kind)
+    if other := [name for name in given.only or () if name not in POLICIES]:
+        parser.error(f"--only {other[0]!r}: expected one of {', '.join(map(repr, POLICIES))}")
     done = {(row["policy"], row["split"], int(row["world"])) for row in read(given.out)}
     for world in SPLITS[given.split].worlds(given.worlds or WORLDS[given.split]):
         for policy in given.only or POLICIES:
@@ -193,8 +242,10 @@ def main() -> int:
                 rows = drive(policy, world)
                 add(given.out, rows)
                 print(world.number, world.effect, policy, *(row["success"] for row in rows), rows[-1]["note"], flush=True)
-    if given.out == ROWS and given.split == "test":
+    if given.out == ROWS:
         PAGE.write_text(page(read()), encoding="utf-8")
+    else:
+        print(table(read(given.out), given.split))
     return 0
 
 

@@ -4,8 +4,8 @@
     python examples/offline_data.py              # makes all sets in Minari's folder (MINARI_DATASETS_PATH), 100 episodes each
     python examples/offline_data.py --check      # the same in a folder that is thrown away, and compares with training/offline.csv
 
-A set is one policy on one task with the seeds 30,000, 30,001, ..; no page and no test of this project uses these. The file lists a SHA-256
-of all observations, actions, rewards and ends of each set, so that anyone can tell that he has the same data.
+A set is one policy on one task with the seeds 30,000, 30,001, ..; no page of this project evaluates anything on these. The file lists a
+SHA-256 of all observations, actions, rewards and ends of each set, and of its first two episodes; made on x86-64 Linux.
 """
 
 import argparse
@@ -69,18 +69,21 @@ def make(name: str, episodes: int = EPISODES) -> Any:
     return collect(env, what.policy(env), range(FIRST_SEED, FIRST_SEED + episodes), name)
 
 
-def digest(dataset: Any) -> str:
-    """SHA-256 over what the episodes hold, in their order."""
+def digest(dataset: Any, episodes: int = EPISODES) -> str:
+    """SHA-256 over types, shapes and values of the first episodes."""
     found = hashlib.sha256()
-    for episode in dataset.iterate_episodes():
+    for episode in dataset.iterate_episodes(range(episodes)):
         for values in (episode.observations, episode.actions, episode.rewards, episode.terminations, episode.truncations):
-            found.update(np.ascontiguousarray(values).tobytes())
+            array = np.ascontiguousarray(values)
+            found.update(f"{array.dtype.str} {array.shape}".encode())
+            found.update(array.tobytes())
     return found.hexdigest()
 
 
-def read() -> dict[str, str]:
+def read() -> dict[str, dict[str, str]]:
+    """The rows of the file by the set's name."""
     with ROWS.open(newline="") as file:
-        return {row["set"]: row["sha256"] for row in csv.DictReader(file)}
+        return {row["set"]: row for row in csv.DictReader(file)}
 
 
 def main() -> int:
@@ -90,13 +93,14 @@ def main() -> int:
     given = parser.parse_args()
     if not given.check:
         for name in given.sets:
-            print(name, digest(make(name)), flush=True)
+            made = make(name)
+            print(name, digest(made), digest(made, 2), sep=",", flush=True)
         return 0
     wrong, known = 0, read()
     with tempfile.TemporaryDirectory() as folder:
         os.environ["MINARI_DATASETS_PATH"] = folder
         for name in given.sets:
-            same = digest(make(name)) == known[name]
+            same = digest(make(name)) == known[name]["sha256"]
             wrong += not same
             print(name, "the same bits" if same else "differs", flush=True)
     return min(wrong, 1)

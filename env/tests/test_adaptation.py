@@ -19,7 +19,7 @@ import leaderboard  # noqa: E402
 
 TASK = "bekker/BlindSlope-v0"
 
-# A mean square of some 150 rows scatters by 6 %; three times that, and what the windows' free starts take.
+# The root of a mean square over some 150 rows scatters by 6 %; three times that, and what the windows' free starts take.
 NOISE_SCATTER = 0.2
 
 
@@ -83,6 +83,27 @@ def test_agreement_worlds_are_the_same_in_a_vector() -> None:
         assert_same(one.step(action)[0], many.step(np.stack([action, action]))[0][0])
 
 
+def test_property_the_world_of_a_reset_takes_the_place_of_a_drawn_one() -> None:
+    env = single(TASK, worlds="train")
+    nominal = single(TASK).setup.model
+    hidden = {name for split in worlds.SPLITS.values() for scatter in split.effects.values() for name in scatter}
+    for world in worlds.SPLITS["test"].worlds(14):
+        drawn = env.reset(seed=world.number, options=world.options)[1]["drawn"]
+        assert not drawn.keys() & (hidden | world.parameters.keys())
+        model = env.mechanics.models[0]
+        for name in hidden | world.parameters.keys():
+            assert model.get(name) == world.parameters.get(name, nominal.get(name)), name
+    # The option shifts no draw.
+    assert env.reset(seed=3)[1]["drawn"]["terrain.slope"] == env.reset(seed=3, options={"worlds": False})[1]["drawn"]["terrain.slope"]
+
+
+def test_property_a_world_without_rest_is_drawn_again() -> None:
+    weak = worlds.Split("weak", "", {"any": {"soil.k_phi": {"log_uniform": [1e3, 8e5]}}}, {worlds.NO_EFFECT: {}})
+    env = single("bekker/Rover-v0", worlds=weak)
+    stiffness = [env.reset(seed=seed)[1]["drawn"]["soil.k_phi"] for seed in range(40)]
+    assert len(set(stiffness)) == 40
+
+
 def test_property_worlds_are_refused_in_words() -> None:
     with pytest.raises(bekker.UnknownNameError, match="unknown split `tset`"):
         single(TASK, worlds="tset")
@@ -97,6 +118,14 @@ def test_property_worlds_are_refused_in_words() -> None:
     far = worlds.Split("own", "", {"any": {"soil.cohesion": Choice((-1.0,))}}, {worlds.NO_EFFECT: {}})
     with pytest.raises(bekker.ModelError, match=r"soil\.cohesion"):
         single(TASK, worlds=far)
+    with pytest.raises(bekker.InputError, match="effect `payload`: `drag.force` is no parameter of it"):
+        worlds.Split("own", "", {"any": {}}, {"payload": {"drag.force": (0.0, 1.0)}})
+    env = single(TASK, worlds="train")
+    for name in ("soil.cohesion", "soil"):
+        with pytest.raises(bekker.InputError, match=f"`{name}` is drawn with the worlds `train`"):
+            env.reset(seed=0, options={"randomise": {name: (500.0, 600.0)}})
+    with pytest.raises(bekker.InputError, match="option worlds = 'test': expected True or False"):
+        env.reset(seed=0, options={"worlds": "test"})
     with pytest.raises(bekker.InputError, match="world -1: expected a number from 0"):
         worlds.SPLITS["test"].world(-1)
 
@@ -148,7 +177,8 @@ def test_agreement_the_model_of_a_world_leaves_only_the_noise_of_its_logs() -> N
     found_alone = bekker.compare(alone, ideal).fit.rmse
     assert set(found_alone) == set(noise) == {"x", "pitch", "wheel[1].torque", "wheel[2].torque"}
     for name, rmse in found_alone.items():
-        assert rmse == pytest.approx(log.noise[name], rel=NOISE_SCATTER), name
+        # Without a calibration the run starts at the first measured x, whose noise shifts all rows after it.
+        assert name == "x" or rmse == pytest.approx(log.noise[name], rel=NOISE_SCATTER), name
 
 
 def test_analytic_a_plan_comes_to_the_goal_on_time() -> None:
@@ -175,7 +205,7 @@ def test_analytic_factors_are_what_the_drives_have_needed() -> None:
     # With that factor late by 1.2 again: 1.44 was needed, and the mean of both is taken.
     one.learn(log_of(1.2))
     assert one.plan(0.05, 15.0) == pytest.approx(np.sqrt(1.2 * 1.44) * plain)
-    # Half of the way in the time of the whole: twice as fast.
+    # Half of the way in the time of the whole asks for twice the speed.
     half = learners.Rescaling(env, world)
     half.learn(log_of(1.0, distance=1.5))
     assert half.plan(0.05, 15.0) == pytest.approx(2.0 * plain)
@@ -193,6 +223,48 @@ def test_property_the_fastest_speed_is_given_where_the_soil_does_not_carry_the_r
     model = single(TASK).setup.model
     steep = learners.wheel_speed_for(model, 0.45, 3.0, 15.0)
     assert 0.0 < steep <= 5.0 * 3.0 / (15.0 * model.get("wheel.radius"))
+
+
+def test_property_a_robust_plan_is_on_time_in_most_worlds() -> None:
+    env = single(TASK)
+    robust = learners.Robust(env, worlds.SPLITS["train"].world(0))
+    seconds, slope = 17.0, 0.13
+    speed = robust.plan(slope, seconds)
+
+    drawn = worlds.SPLITS["train"].worlds(learners.Robust.WORLDS)
+    needed = [learners.wheel_speed_for(world.on(env.setup.model), slope, 3.0, seconds) for world in drawn]
+
+    def on_time(speed: float) -> int:
+        return sum(0.95 <= one / speed <= 1.05 for one in needed)
+
+    assert on_time(speed) >= max(on_time(other * speed) for other in (0.9, 0.95, 1.05, 1.1))
+    with pytest.raises(bekker.InputError, match="a robust plan needs a goal with an earliest and a latest arrival"):
+        learners.Robust(single("bekker/SlopeClimb-v0", goal=bekker.goals.Reach(3.0)), worlds.SPLITS["train"].world(0))
+
+
+class Fitted(learners.Calibrating):
+    """Keeps itself."""
+
+    made: list["Fitted"] = []
+
+    def __init__(self, env: gymnasium.Env[Any, Any], world: worlds.World) -> None:
+        super().__init__(env, world)
+        Fitted.made.append(self)
+
+
+def test_property_a_fit_to_one_log_brings_the_plan_nearer_and_a_failed_one_leaves_it() -> None:
+    env, world = single(TASK), worlds.SPLITS["validation"].world(1)
+    assert world.effect != worlds.NO_EFFECT
+    Fitted.made.clear()
+    found = adaptation.evaluate(env, Fitted, [world], episodes=2)
+    (fitted,) = Fitted.made
+    assert found.notes == [["calibrated", ""]]
+    plans = [driver.plan(0.1, 16.0) for driver in (learners.Informed(env, world), learners.Nominal(env, world), fitted)]
+    assert abs(plans[2] - plans[0]) < 0.5 * abs(plans[1] - plans[0])
+    before = fitted.model
+    empty = {"time": np.arange(4.0), "x": np.zeros(4), "wheel[1].speed": np.zeros(4), "wheel[2].speed": np.zeros(4)}
+    fitted.learn(adaptation.Log(0.2, 3.0, 0.1, 0.4, 0.0, False, bekker.MeasuredRun(empty), {"x": 0.01}))
+    assert fitted.model is before and fitted.note == "no fit: a log of 4 rows: expected more than 5, in which the wheels speed up"
 
 
 def test_property_learners_say_what_they_need() -> None:
@@ -216,14 +288,20 @@ def test_analytic_the_interquartile_mean_and_its_interval() -> None:
     assert low == high == pytest.approx(3.0)
     with pytest.raises(bekker.InputError, match=r"episodes = 3: expected a number within 1 .. 2"):
         found.first(3)
+    few = adaptation.Adaptation(drawn[:7], same[:7], same[:7] > 0.0, same[:7])
+    with pytest.raises(bekker.InputError, match="effect `none` has one world"):
+        few.interval(few.first(2))
 
 
 def test_regress_the_leaderboard_is_of_this_version() -> None:
-    """One world, driven again by the quick policies to the same digits, and the page."""
+    """A world with an effect, driven again by the quick policies to the same digits, and the page."""
+    numbers = leaderboard.checked_worlds(6)
+    assert {worlds.SPLITS["test"].world(number).effect for number in numbers} == set(worlds.SPLITS["test"].effects) - {worlds.NO_EFFECT}
     assert leaderboard.check(1) == 0
 
 
 def test_property_the_oracle_shows_that_every_world_of_the_test_can_be_passed() -> None:
     found = leaderboard.results(leaderboard.read(), "oracle, told the world", "test")
     assert len(found.worlds) == leaderboard.WORLDS["test"]
-    assert found.success.mean() >= 0.9
+    # One episode of ten may fail where everything is known; no world may be impossible.
+    assert found.success.mean() >= 0.9 and found.success.any(axis=1).all()

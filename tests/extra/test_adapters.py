@@ -124,9 +124,6 @@ def test_property_offline_sets_are_made_again_to_the_bit(tmp_path: Path, monkeyp
     monkeypatch.syspath_prepend(str(Path(__file__).resolve().parents[2] / "examples"))
     data = importlib.import_module("offline_data")
     assert set(data.read()) == set(data.SETS)
-    for name in data.SETS:
-        made = []
-        for attempt in range(2):
-            monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path / str(attempt)))
-            made.append(data.digest(data.make(name, episodes=2)))
-        assert made[0] == made[1]
+    monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
+    for name, row in data.read().items():
+        assert data.digest(data.make(name, episodes=2), 2) == row["first_two"], name

@@ -48,7 +48,8 @@ class Arguments(TypedDict, total=False):
     path of its file), whose parameters are drawn together."""
     worlds: str | Split
     """A split of worlds (`bekker.worlds.SPLITS`) by its name, or as a `bekker.worlds.Split`: every reset draws another of its worlds, whose
-    soil and effect take the place of what the task draws of them. The level of the curriculum does not change them."""
+    soil and effect take the place of what the task draws of them, at every level of the curriculum. Meant for the tasks on the two-wheeled
+    rover's sand."""
     level: float
     """Level of the curriculum, 0 to 1; default 1."""
     target_velocity: float
@@ -161,8 +162,7 @@ class Setup:
         self.worlds = split_of(given["worlds"]) if "worlds" in given else None
         if self.worlds is not None:
             of_worlds = {name for name, _ in self.worlds.distributions}
-            for name in of_worlds & (set_by_user | set(given.get("randomise", ()))):
-                raise InputError(f"`{name}` is drawn with the worlds `{self.worlds.name}`: expected it not to be given besides")
+            self.refuse_of_worlds({*set_by_user, *given.get("randomise", ())})
             self.randomise = {name: d for name, d in self.randomise.items() if name not in of_worlds}
             self._check_values(self.worlds.distributions)
         trial = self.model.copy()
@@ -174,6 +174,15 @@ class Setup:
     def check_ends(self, randomise: Mapping[str, Distribution]) -> None:
         """Refuses distributions whose values the model does not take."""
         self._check_values(randomise.items())
+
+    def refuse_of_worlds(self, names: Iterable[str]) -> None:
+        """Refuses distributions and values besides those of the worlds."""
+        if self.worlds is None:
+            return
+        of_worlds = {name for name, _ in self.worlds.distributions} | {"soil"}
+        for name in names:
+            if name in of_worlds:
+                raise InputError(f"`{name}` is drawn with the worlds `{self.worlds.name}`: expected it not to be given besides")
 
     def _check_values(self, scattered: Iterable[tuple[str, Distribution]]) -> None:
         trial = self.model.copy()
@@ -202,7 +211,9 @@ class Setup:
         soil = options.soil or self.soil
         drawn = {} if soil is None else soil.draw(random, model, level)
         if self.worlds is not None:
-            drawn |= self.worlds.world(int(random.integers(_SEEDS))).parameters
+            # Drawn also where it is not used, so that an option does not shift the sequence.
+            world = self.worlds.world(int(random.integers(_SEEDS)))
+            drawn |= world.parameters if options.worlds else {}
         for name, scatter in randomise.items():
             if name != TERRAIN_SEED:
                 own = nominal.get(name)
@@ -226,20 +237,27 @@ class Options:
     level: float | None
     randomise: dict[str, Distribution]
     soil: Soil | None = None
+    worlds: bool = True
+    """Whether a world is drawn, where the environment has any."""
 
     @classmethod
     def of(cls, options: Mapping[str, Any] | None, setup: Setup) -> "Options":
         """Checked options; values of parameters are checked when they are set."""
-        given, known = options or {}, ("parameters", "x0", "level", "randomise", TARGET)
+        given, known = options or {}, ("parameters", "x0", "level", "randomise", "worlds", TARGET)
         for name in given:
             if name not in known:
                 raise unknown("option", name, known)
         direct = {name: given[name] for name in ("x0", TARGET) if name in given}
         level = given.get("level")
-        scatter, soil = parted(given.get("randomise", {}))
+        drawn, worlds = given.get("randomise", {}), given.get("worlds", True)
+        if not isinstance(worlds, bool):
+            raise InputError(f"option worlds = {worlds!r}: expected True or False")
+        if worlds:
+            setup.refuse_of_worlds(drawn)
+        scatter, soil = parted(drawn)
         setup.check_ends(scatter)
         level = None if level is None else checked_level(level)
-        return cls(dict(given.get("parameters", {})) | direct, level, scatter, soil)
+        return cls(dict(given.get("parameters", {})) | direct, level, scatter, soil, worlds)
 
 
 def parted(randomise: Randomise) -> tuple[dict[str, Distribution], Soil | None]:

@@ -1,10 +1,11 @@
 """Policies for `bekker/BlindSlope-v0` that plan a drive with a model before it begins, and learn from it for the next.
 
-All of them command one wheel speed for the whole drive, the one with which their model comes to the goal on time. They differ in
-what they believe: :class:`Nominal` the data sheet; :class:`Robust` what suits most worlds of the training split; :class:`Rescaling` and
-:class:`SlipCurve` the data sheet times a factor that former drives have needed, a constant or one that grows with the slope;
-:class:`Calibrating` a soil fitted to all drives so far (:func:`bekker.calibrate`); :class:`Diagnosing` a soil with a hidden effect, where a
-diagnosis of all drives so far finds one (:func:`bekker.diagnose`). :class:`Informed` is an oracle, which is told the world.
+All of them command one wheel speed for the whole drive, the one with which a model comes to the goal on time. They differ in the
+model: :class:`Nominal` has the data sheet's; :class:`Robust` takes what suits most worlds of the training split; :class:`Rescaling` and
+:class:`SlipCurve` multiply the data sheet's speed by a factor that former drives have needed, a constant or one that grows with the
+slope; :class:`Calibrating` fits the soil to all drives so far (:func:`bekker.calibrate`); :class:`Diagnosing` takes the best-fitting model of
+a diagnosis of all drives so far (:func:`bekker.diagnose`), which may have a hidden effect. :class:`Informed` is an oracle, which is told
+the world.
 """
 
 from math import radians
@@ -20,6 +21,7 @@ from .comparison import calibrate
 from .diagnosis import diagnose
 from .errors import InputError, SimulationError
 from .experiment import Experiment, MeasuredRun
+from .goals import ReachOnSchedule
 from .simulation import simulate
 from .worlds import SPLITS, World
 
@@ -32,7 +34,7 @@ _TRIES = 8
 """Drives that a plan may take."""
 
 _CLOSE = 0.005
-"""A plan that comes so close to the goal, over the way, is good enough: the schedule allows twenty times that."""
+"""A plan that comes so close to the goal, over the way, is good enough: the schedule allows ten times that."""
 
 _FIRST_RATIO, _MOST_RATIO = 1.2, 5.0
 """Speed of the rims over that of the rover in the first drive of a plan, and at most."""
@@ -42,7 +44,8 @@ PRIORS = {
     "soil.friction_angle": (radians(30.0), radians(3.0)),
     "soil.shear_modulus": (0.01, 0.002),
 }
-"""What a learner knows of sands: means and standard deviations, which cover the soils of all splits (`bekker.worlds`)."""
+"""What a fit is told of the sand besides the data sheet: means and standard deviations. The soils of all splits (`bekker.worlds`) are within two of
+these, and all of them have the shear modulus of the mean."""
 
 
 def wheel_speed_for(model: Model, slope: float, way: float, seconds: float) -> float:
@@ -72,7 +75,7 @@ def wheel_speed_for(model: Model, slope: float, way: float, seconds: float) -> f
 
 
 def _distance(model: Model, speed: float, seconds: float) -> float:
-    """How far a model comes at a constant wheel speed, m; no way at all where it cannot start."""
+    """How far a model comes at a constant wheel speed, m; 0 where it cannot start."""
     inputs = {variable["name"]: speed for variable in model.inputs()}
     try:
         x = simulate(model, seconds, inputs=inputs, period=_PERIOD)["x"]
@@ -82,7 +85,7 @@ def _distance(model: Model, speed: float, seconds: float) -> float:
 
 
 class Nominal:
-    """Believes the data sheet of the environment's model and learns nothing.
+    """Plans with the environment's model, the data sheet, in every episode.
 
     Raises:
         InputError: the ground is no plane, the actions are no wheel speeds, the goal is not at a distance, or the observation lacks the speed
@@ -90,7 +93,7 @@ class Nominal:
     """
 
     note = ""
-    """What it says of itself after the last episode."""
+    """A line about what it has learned from the last episode."""
 
     def __init__(self, env: gymnasium.Env[Any, Any], world: World) -> None:
         setup = rover_of(env).setup
@@ -106,7 +109,7 @@ class Nominal:
         self._scales = setup.observer.scales if np.all(setup.observer.limit == 1.0) else np.ones(len(names))
         self._way, self._scale, self._wheels = setup.goal.way(), setup.action_scale, setup.model.wheels
         self.model = setup.model
-        """What it believes."""
+        """The model with which it plans."""
         self._action = np.zeros(self._wheels, np.float32)
 
     def plan(self, slope: float, seconds: float) -> float:
@@ -133,19 +136,27 @@ class Informed(Nominal):
 
 
 class Robust(Nominal):
-    """Takes the speed that is on time, within the tenth that the schedule allows, in most of the first worlds of the training split."""
+    """Takes the speed that is on time in most of the first worlds of the training split.
+
+    Raises:
+        InputError: as :class:`Nominal`, or the goal has no schedule.
+    """
 
     WORLDS = 24
 
     def __init__(self, env: gymnasium.Env[Any, Any], world: World) -> None:
         super().__init__(env, world)
+        goal = rover_of(env).setup.goal
+        if not isinstance(goal, ReachOnSchedule) or goal.early <= 0.0:
+            raise InputError("a robust plan needs a goal with an earliest and a latest arrival (bekker.goals.ReachOnSchedule)")
+        # Speed and time of arrival are nearly inverse, so that this ratio holds for both.
+        self._allowed = float(np.log(goal.late / goal.early))
         self._models = [drawn.on(self.model) for drawn in SPLITS["train"].worlds(self.WORLDS)]
 
     def plan(self, slope: float, seconds: float) -> float:
-        """The middle of the tenth that holds most of the worlds' speeds."""
+        """The middle of the range, as wide as the schedule allows, that holds most of the worlds' speeds."""
         speeds = np.log(sorted(wheel_speed_for(model, slope, self._way, seconds) for model in self._models))
-        # Speed and time of arrival are nearly inverse, so that a tenth of one is a tenth of the other.
-        inside = [np.flatnonzero((speeds >= low) & (speeds <= low + np.log(1.1 / 0.9))) for low in speeds]
+        inside = [np.flatnonzero((speeds >= low) & (speeds <= low + self._allowed)) for low in speeds]
         most = max(inside, key=len)
         return float(np.exp(0.5 * (speeds[most[0]] + speeds[most[-1]])))
 
@@ -188,17 +199,19 @@ class SlipCurve(Rescaling):
     def __init__(self, env: gymnasium.Env[Any, Any], world: World) -> None:
         super().__init__(env, world)
         self._slopes: list[float] = []
+        self._planned = 0.0
         self._line = np.zeros(2)
 
     def plan(self, slope: float, seconds: float) -> float:
         """The data sheet's plan, corrected for this slope."""
-        self._slopes.append(float(np.sin(slope)))
-        self._factor = float(np.exp(self._line @ (1.0, self._slopes[-1])))
+        self._planned = float(np.sin(slope))
+        self._factor = float(np.exp(self._line @ (1.0, self._planned)))
         return super().plan(slope, seconds)
 
     def learn(self, log: Log) -> None:
         """Fits the line anew."""
         super().learn(log)
+        self._slopes.append(self._planned)
         matrix = np.stack([np.ones(len(self._needed)), self._slopes], axis=1) / self.SCATTER
         normal = matrix.T @ matrix + np.diag(np.power(self.PRIOR, -2.0))
         self._line = np.linalg.solve(normal, matrix.T @ np.log(self._needed) / self.SCATTER)
@@ -220,10 +233,10 @@ class Calibrating(Nominal):
 
     def learn(self, log: Log) -> None:
         """A fit that fails leaves the model as it is, and the note says why."""
-        run, noise = log.by_measured_speeds()
-        self._runs.append(run)
         try:
-            experiment = Experiment("traverse", self._runs, priors=PRIORS, noise=noise)
+            run, noise = log.by_measured_speeds()
+            experiment = Experiment("traverse", [*self._runs, run], priors=PRIORS, noise=noise)
+            self._runs.append(run)
             self.model, self.note = self._fit(experiment)
         except (InputError, SimulationError) as error:
             self.note = f"no fit: {error}"
@@ -233,7 +246,8 @@ class Calibrating(Nominal):
 
 
 class Diagnosing(Calibrating):
-    """Looks for a hidden effect in all drives of the world so far, and plans with the improved model."""
+    """Diagnoses all drives of the world so far, and plans with the best-fitting model (:attr:`bekker.Diagnosis.improved`), which may contain an
+    effect that the verdict leaves open."""
 
     def _fit(self, experiment: Experiment) -> tuple[Model, str]:
         found = diagnose(experiment, self._sheet)

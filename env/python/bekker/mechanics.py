@@ -89,7 +89,7 @@ class Mechanics:
                 run = self._begun(draw.model)
                 break
             except SimulationError:
-                scattered = randomise or self.setup.soil or chosen.soil
+                scattered = randomise or self.setup.soil or chosen.soil or (self.setup.worlds and chosen.worlds)
                 if not scattered or attempt == TRIES - 1:
                     raise
         self._put(index, run)

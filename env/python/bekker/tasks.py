@@ -159,7 +159,7 @@ TASKS: dict[str, Task] = {
             "policies that adapt from episode to episode (`bekker.adaptation`) to soils and effects that they are not told "
             "(`bekker.worlds`).",
             physics="The rover, drives and sand of SlopeClimb on slopes from 8 degrees down to 8 degrees up. With a model of the soil the "
-            "wheel speed can be computed before the drive; each hidden effect changes it in its own way with slope, speed and distance.",
+            "wheel speed can be computed before the drive; a hidden effect may change it with slope, speed and distance.",
             success="The rover has moved three metres along x, which ends the episode, after 95 to 105 % of the time that the way takes "
             "at the speed asked for.",
             goal=ReachOnSchedule(3.0, early=0.95, late=1.05),

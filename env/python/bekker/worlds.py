@@ -2,13 +2,15 @@
 
 A policy is trained where the soil is ordinary and effects are few, and is judged on soils and effects that it has never met. The
 argument ``worlds`` of an environment draws another world at every reset; :func:`bekker.adaptation.evaluate` drives some episodes in
-each::
+each of given worlds::
 
-    env = gymnasium.make("bekker/BlindSlope-v0", worlds="train")
-    result = bekker.adaptation.evaluate(env, policy, bekker.worlds.SPLITS["test"].worlds(32))
+    env = gymnasium.make("bekker/BlindSlope-v0", worlds="train")                         # to train in
+    judged = gymnasium.make("bekker/BlindSlope-v0")
+    result = bekker.adaptation.evaluate(judged, policy, bekker.worlds.SPLITS["test"].worlds(42))
 
-The soils are those of the two-wheeled rover's sand (thesis, with another shear modulus), within the ranges of the tasks; the
-strengths of the effects are such that a driver who knows them still comes to the goal of `bekker/BlindSlope-v0`.
+The splits are meant for the tasks on the two-wheeled rover's sand (Rover, SpeedHold, SlopeClimb, BlindSlope, SlipLimited). What these draw by
+themselves overlaps the soils of the test: a policy that is to be judged is trained with ``worlds="train"``. The strengths of the
+effects are such that a driver who knows them still comes to the goal of `bekker/BlindSlope-v0`.
 """
 
 from collections.abc import Mapping
@@ -23,7 +25,7 @@ import numpy as np
 from ._bekker import Model
 from .errors import InputError
 from .models import effects as all_effects
-from .randomise import Distribution, LogUniform, Uniform
+from .randomise import Distribution, LogUniform, Uniform, distribution
 from .vocabulary import unknown
 
 __all__ = ["NO_EFFECT", "SPLITS", "Split", "World", "split_of"]
@@ -51,11 +53,11 @@ class World:
 
     @property
     def options(self) -> dict[str, Any]:
-        """Options of a ``reset`` that starts an episode in it."""
-        return {"parameters": dict(self.parameters)}
+        """Options of a ``reset`` that starts an episode in it, also in an environment that draws worlds by itself."""
+        return {"parameters": dict(self.parameters), "worlds": False}
 
     def on(self, model: Model) -> Model:
-        """A copy of a model with this soil and effect."""
+        """A copy of a model with this soil and effect. What a task draws besides is not in it."""
         changed = model.copy()
         for name, value in self.parameters.items():
             changed.set(name, value)
@@ -77,9 +79,16 @@ class Split:
     def __post_init__(self) -> None:
         if not self.soils or not self.effects:
             raise InputError(f"split `{self.name}`: expected a soil and an effect at least ({NO_EFFECT!r} for none)")
-        for effect in self.effects:
+        for effect, scatter in self.effects.items():
             if effect != NO_EFFECT and effect not in all_effects():
                 raise unknown("effect", effect, all_effects())
+            for name in scatter:
+                if not name.startswith(f"{effect}."):
+                    raise InputError(f"split `{self.name}`, effect `{effect}`: `{name}` is no parameter of it")
+        # Distributions from pairs or plain data, as `randomise` takes them.
+        for group in ("soils", "effects"):
+            checked = {key: {n: distribution(n, d) for n, d in scatter.items()} for key, scatter in getattr(self, group).items()}
+            object.__setattr__(self, group, checked)
 
     def world(self, number: int) -> World:
         """The world of a number from 0: neighbouring numbers have different effects, then different soils."""
@@ -117,9 +126,9 @@ SPLITS: Mapping[str, Split] = MappingProxyType(
                 {"medium": _soil((800.0, 1250.0), (29.0, 31.0))},
                 {
                     NO_EFFECT: {},
-                    "payload": {"payload.mass": Uniform(0.5, 3.0)},
-                    "multi_pass": {"multi_pass.growth": Uniform(0.2, 0.8)},
-                    "drag": {"drag.force": Uniform(0.5, 2.5)},
+                    "payload": {"payload.mass": Uniform(1.0, 6.0)},
+                    "multi_pass": {"multi_pass.growth": Uniform(0.2, 1.0)},
+                    "drag": {"drag.force": Uniform(1.0, 6.0)},
                 },
             ),
             Split(
