@@ -90,6 +90,9 @@ costs that are asked for.
 vocabulary can be drawn by its name, and so can `terrain.seed`, the seed of random ground. In the constructor, `randomise` replaces
 the draws of the task; in `reset(options=...)` it adds to them.
 
+**Worlds.** `worlds="train"` draws a soil and perhaps a hidden effect together, from one of the splits on which policies are trained, validated
+and judged: [adaptation.md](adaptation.md).
+
 **Curriculum.** `level`, from 0 to 1, is an argument of the constructor, an attribute (`env.unwrapped.level = 0.3`, which holds from the
 next reset on) and an option of `reset`. It sets the ground as the chapter of each task states, and it narrows the random draws: at
 level 0 each draw gives the parameter's own value.

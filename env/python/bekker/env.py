@@ -78,7 +78,8 @@ class RoverEnv(Levelled, gymnasium.Env[Observation, Action]):
             seed: decides all that is drawn from here on; its last 32 bits also seed the noise of the sensors. Without one
                 the stream of the last seed goes on.
             options: for this episode only, after the drawing: ``parameters`` by name, ``x0``, ``target_velocity``,
-                ``level``, ``randomise`` (distributions by name, besides the present ones).
+                ``level``, ``randomise`` (distributions by name, besides the present ones), ``worlds`` (False where no world
+                is to be drawn).
 
         Raises:
             UnknownNameError, ModelError, InputError: an option is wrong.
