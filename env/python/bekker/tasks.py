@@ -98,6 +98,17 @@ def _weighted(**weights: float) -> tuple[Term, ...]:
     return terms(weights, weights)
 
 
+# What the tasks on a plane of sand share.
+_ON_A_SLOPE: dict[str, Any] = {
+    "seconds": 30.0,
+    "control": "speed_loop",
+    "rewards": _weighted(progress=1.0, energy=0.1, end=3.0, goal=3.0),
+    "terrain": {"preset": "slope", "slope": 0.0},
+    "parameters": SAND,
+    "drive": _HEAVY,
+    "target_velocity": 0.2,
+}
+
 TASKS: dict[str, Task] = {
     task.name: task
     for task in (
@@ -141,13 +152,7 @@ TASKS: dict[str, Task] = {
             success="The rover has moved three metres along x, which ends the episode, after 90 to 110 % of the time that the way takes "
             "at the speed asked for.",
             goal=ReachOnSchedule(3.0, early=0.9, late=1.1),
-            seconds=30.0,
-            control="speed_loop",
-            rewards=_weighted(progress=1.0, energy=0.1, end=3.0, goal=3.0),
-            terrain={"preset": "slope", "slope": 0.0},
-            parameters=SAND,
-            drive=_HEAVY,
-            target_velocity=0.2,
+            **_ON_A_SLOPE,
             observe=(TARGET, "goal_distance", "time_left", *OBSERVED),
             randomise={TARGET: Uniform(0.12, 0.3), **SANDS, "terrain.slope": Uniform(radians(2.0), radians(10.0))},
             grades={"terrain.slope": (0.0, radians(6.0))},
@@ -163,13 +168,7 @@ TASKS: dict[str, Task] = {
             success="The rover has moved three metres along x, which ends the episode, after 95 to 105 % of the time that the way takes "
             "at the speed asked for.",
             goal=ReachOnSchedule(3.0, early=0.95, late=1.05),
-            seconds=30.0,
-            control="speed_loop",
-            rewards=_weighted(progress=1.0, energy=0.1, end=3.0, goal=3.0),
-            terrain={"preset": "slope", "slope": 0.0},
-            parameters=SAND,
-            drive=_HEAVY,
-            target_velocity=0.2,
+            **_ON_A_SLOPE,
             observe=(TARGET, "time_left", "pitch", "pitch_rate", "wheel.speed", "wheel.torque"),
             randomise={TARGET: Uniform(0.12, 0.25), **SANDS, "terrain.slope": Uniform(radians(-8.0), radians(8.0))},
         ),
