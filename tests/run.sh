@@ -25,6 +25,8 @@ python_package() {
     LIBCLANG_PATH=$(.venv/bin/python -c "import clang, pathlib; print(pathlib.Path(clang.__path__[0]) / 'native')" || true) \
     BINDGEN_EXTRA_CLANG_ARGS="-I$(cc -print-file-name=include)" \
         cargo build --quiet --locked --manifest-path fmu/judge/Cargo.toml --target-dir target/judge || echo "fmu/judge is not built"
+    # For the tests in a browser.
+    .venv/bin/python -m pip install --quiet --disable-pip-version-check playwright axe-playwright-python || echo "no playwright"
 }
 # It is built while the Rust tests run, many of which keep only one core busy; in a shell of its own, so that it stops at its first failure.
 export -f python_package
@@ -44,7 +46,6 @@ BEKKER_EXAMPLES="$PWD/target/debug/examples" .venv/bin/python -m pytest --quiet 
 .venv/bin/python tests/study/study.py --quick --bekker target/debug/bekker --out target/study-quick >target/study.log 2>&1 &
 studying=$!
 # The workbench in a browser, where Chromium is installed.
-.venv/bin/python -m pip install --quiet --disable-pip-version-check playwright axe-playwright-python || echo "no playwright"
 .venv/bin/python -m pytest --quiet -rs --no-fold-skipped studio/tests/browser | tee -a "$log"
 studied=0
 wait "$studying" || studied=$?

@@ -231,7 +231,7 @@ def test_property_a_bad_action_is_named_and_moves_nothing(action: Any, message: 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"mass": 3.0}, "unknown option `mass`; expected parameters, x0, level, randomise, target_velocity"),
+        ({"mass": 3.0}, "unknown option `mass`; expected parameters, x0, level, randomise, worlds, target_velocity"),
         ({"parameters": {"rover.mas": 3.0}}, "unknown parameter `rover.mas`"),
         ({"x0": 1e9}, "`x0` = 1000000000 is outside"),
     ],
