@@ -103,9 +103,12 @@ def table(rows: list[dict[str, str]], split: str) -> str:
     for name in order:
         result = found[name]
         mean = float(adaptation.interquartile_mean(result.first(EPISODES)))
-        low, high = result.interval(result.first(EPISODES))
+        try:
+            interval = "{:.2f} to {:.2f}".format(*result.interval(result.first(EPISODES)))
+        except bekker.InputError:
+            interval = "one world of an effect"
         shares = " | ".join(f"{share:.0%}".replace("%", " %") for share in result.success.mean(axis=0))
-        lines.append(f"| {name} | {mean:.2f} | {low:.2f} to {high:.2f} | {shares} |")
+        lines.append(f"| {name} | {mean:.2f} | {interval} | {shares} |")
     return "\n".join(lines)
 
 
