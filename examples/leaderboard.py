@@ -18,6 +18,7 @@ from pathlib import Path
 
 import gymnasium
 import numpy as np
+from task_sweep import put
 
 import bekker
 from bekker import adaptation, learners
@@ -89,9 +90,8 @@ def results(rows: list[dict[str, str]], policy: str, split: str) -> adaptation.A
     own = [row for row in rows if row["policy"] == policy and row["split"] == split]
     numbers = list(dict.fromkeys(int(row["world"]) for row in own))
     table = {name: np.array([float(row[name]) for row in own]).reshape(len(numbers), EPISODES) for name in ("return", "success", "seconds")}
-    notes = [[row["note"] for row in own[k : k + EPISODES]] for k in range(0, len(own), EPISODES)]
     worlds = [SPLITS[split].world(number) for number in numbers]
-    return adaptation.Adaptation(worlds, table["return"], table["success"].astype(bool), table["seconds"], notes)
+    return adaptation.Adaptation(worlds, table["return"], table["success"].astype(bool), table["seconds"])
 
 
 def table(rows: list[dict[str, str]], split: str) -> str:
@@ -147,6 +147,8 @@ def by_effect(rows: list[dict[str, str]], split: str) -> str:
 
 def verdict_of(row: dict[str, str]) -> str:
     """What a diagnosis says of a world, seen from what is hidden there."""
+    if row["note"].startswith("no fit"):
+        return "no fit"
     verdict, *names = row["note"].split()
     if verdict == "effect_missing":
         found = "names the hidden effect alone" if names == [row["effect"]] else "names the hidden effect and another"
@@ -172,6 +174,7 @@ def verdicts(rows: list[dict[str, str]], split: str) -> str:
     """How often each verdict is given, where an effect is hidden and where none is."""
     own = [row for row in rows if row["policy"] == DIAGNOSED and row["split"] == split and row["episode"] != str(EPISODES)]
     lines = ["| verdict | with a hidden effect | without |", "|---|---|---|"]
+    # Those that are not listed, such as a failed fit, come last.
     for verdict in sorted({verdict_of(row) for row in own} | set(VERDICTS), key=lambda v: (*VERDICTS, v).index(v)):
         given = [row for row in own if verdict_of(row) == verdict]
         hidden = sum(row["effect"] != NO_EFFECT for row in given)
@@ -179,21 +182,14 @@ def verdicts(rows: list[dict[str, str]], split: str) -> str:
     return "\n".join(lines)
 
 
-def put(text: str, parts: dict[str, str]) -> str:
-    """The page with its tables replaced."""
-    for name, part in parts.items():
-        before, rest = text.split(f"<!-- {name} -->\n")
-        _, after = rest.split(f"<!-- end of {name} -->")
-        text = f"{before}<!-- {name} -->\n{part}\n<!-- end of {name} -->{after}"
-    return text
-
-
 def page(rows: list[dict[str, str]]) -> str:
     """The page with the policies that have driven two worlds at least of every effect."""
     enough = {name for name, worlds in worlds_of(rows).items() if len(worlds) >= 2 * len(SPLITS["test"].effects)}
     rows = [row for row in rows if row["policy"] in enough]
-    parts = {"leaderboard": leaderboard, "effects": by_effect, "verdicts": verdicts}
-    return put(PAGE.read_text(encoding="utf-8"), {name: made(rows, "test") for name, made in parts.items()})
+    text = PAGE.read_text(encoding="utf-8")
+    for name, made in {"leaderboard": leaderboard, "effects": by_effect, "verdicts": verdicts}.items():
+        text = put(text, made(rows, "test"), name)
+    return text
 
 
 def checked_worlds(count: int) -> list[int]:

@@ -30,9 +30,10 @@ ROWS = Path(__file__).with_name("training") / "offline.csv"
 
 
 class Scattered:
-    """The data sheet's plan times a factor of 0.8 to 1.4, drawn for each episode: what a policy can learn from is in the differences."""
+    """The data sheet's plan times a factor of 0.8 to 1.4, drawn for each episode, so that the data hold early, late and timely arrivals."""
 
     def __init__(self, env: gymnasium.Env) -> None:
+        # A learner is made for a world; this one does not use it.
         self._plan = learners.Nominal(env, bekker.worlds.SPLITS["train"].world(0))
         self._random, self._factor = np.random.default_rng(FIRST_SEED), 1.0
 

@@ -140,11 +140,11 @@ def table(rows: list[dict[str, str]]) -> str:
     return "\n".join(lines)
 
 
-def put(text: str, part: str) -> str:
-    """The page with its table replaced."""
-    before, rest = text.split("<!-- sweep -->\n")
-    _, after = rest.split("<!-- end of sweep -->")
-    return f"{before}<!-- sweep -->\n{part}\n<!-- end of sweep -->{after}"
+def put(text: str, part: str, name: str = "sweep") -> str:
+    """The page with the table of this name replaced."""
+    before, rest = text.split(f"<!-- {name} -->\n")
+    _, after = rest.split(f"<!-- end of {name} -->")
+    return f"{before}<!-- {name} -->\n{part}\n<!-- end of {name} -->{after}"
 
 
 def sample(rows: list[dict[str, str]], count: int) -> list[dict[str, str]]:

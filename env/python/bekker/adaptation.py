@@ -59,6 +59,7 @@ class Log:
     total: float
     """Its return."""
     success: bool
+    """Whether it was one, as the task has it."""
     run: MeasuredRun
     """The drive as a traverse (:class:`bekker.Experiment`): a row every 0.1 s with the commands, and with ``x``, ``pitch``,
     ``wheel[k].torque`` and ``wheel[k].speed`` with their noise. Of commands that change within 0.1 s it has the first;
@@ -115,7 +116,7 @@ class Adaptation:
             statistic: takes an array whose last axis is the worlds.
             draws: samples of the bootstrap.
 
-        With n worlds of each effect the interval is too narrow by the factor sqrt(1 - 1/n), as that of every bootstrap: by 29 % with two.
+        With n worlds of each effect the interval is too narrow by a factor of about sqrt(1 - 1/n), which holds for a mean: by 29 % with two.
 
         Raises:
             InputError: an effect has one world only, which tells nothing of the scatter between worlds.
@@ -178,10 +179,11 @@ def evaluate(
             own = int(np.random.SeedSequence([seed, crc32(world.split.encode()), world.number, column]).generate_state(1)[0])
             log, state = _drive(env, driver, state, own, world)
             returns[row, column], seconds[row, column], success[row, column] = log.total, log.seconds, log.success
-            learns = learn is not None and column + 1 < episodes
-            if learn is not None and learns:
+            note = ""
+            if learn is not None and column + 1 < episodes:
                 learn(log)
-            notes[-1].append(str(getattr(driver, "note", "")) if learns else "")
+                note = str(getattr(driver, "note", ""))
+            notes[-1].append(note)
     return Adaptation(list(worlds), returns, success, seconds, notes)
 
 
