@@ -13,7 +13,7 @@ def beside(effects, result):
     """What a diagnosis names or leaves possible beside the hidden effects, sorted; nothing where there is none."""
     if "error" in result:
         return []
-    return sorted((set(score.named(result)) | score.tied(result)) - {effect["case"] for effect in effects})
+    return sorted((set(score.named(result)) | score.tied(result) | score.beside(result)) - {effect["case"] for effect in effects})
 
 
 def judge(detector, kind, effects, said):

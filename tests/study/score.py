@@ -19,6 +19,11 @@ def tied(result):
     return {c["effect"] for c in result.get("candidates", []) if c.get("tied")}
 
 
+def beside(result):
+    """Effects one of which may act beside those that are named, by the diagnosis; or these act in another form."""
+    return set(result.get("possible_beside", []))
+
+
 def without(result, also_true):
     """The diagnosis without the names of what is also true; where nothing else is named, it has explained the measurements."""
     left = [c | {"tied": c.get("tied") and c["effect"] not in also_true} for c in result.get("candidates", [])]
@@ -38,7 +43,7 @@ def outcome(truth, result):
         return "error"
     verdict = result["verdict"]
     if case == "clean":
-        return "right" if verdict == "explained" else "false_alarm"
+        return "right" if verdict == "explained" and not beside(result) else "false_alarm"
     if case in CAUTION:
         allowed = {e["case"] for e in effects}
         return "wrong" if set(named(result)) - allowed else "cautious"
@@ -54,6 +59,11 @@ def tied_allowed(effects):
     return {name for e in effects for name in e["allowed_ties"]}
 
 
+def tie(possible, true, allowed):
+    """A member whose signature is not like the true one's, or too many of them, make a tie that does not help."""
+    return "right_tie" if possible - {true} <= set(allowed) and len(possible) <= MOST_TIED else "broad_tie"
+
+
 def single(effect, result):
     true, verdict = effect["case"], result["verdict"]
     if verdict == "effect_missing" and set(named(result)) == {true}:
@@ -61,13 +71,13 @@ def single(effect, result):
     if verdict == "undetermined":
         possible = tied(result)
         if true in possible:
-            # A member whose signature is not alike, or too many of them, make a tie that does not help.
-            alike = possible - {true} <= set(effect["allowed_ties"])
-            return "right_tie" if alike and len(possible) <= MOST_TIED else "broad_tie"
+            return tie(possible, true, effect["allowed_ties"])
     if verdict == "effect_missing":
         return "extra" if true in named(result) else "wrong"
     if verdict == "unexplained":
         return "partial" if true in result.get("effects", []) else "unexplained"
+    if true in beside(result):
+        return tie(beside(result), true, effect["allowed_ties"])  # beside a name that is also true
     return "missed" if verdict == "explained" else "undecided"
 
 
@@ -81,6 +91,9 @@ def pair(effects, result):
     if verdict == "effect_missing":
         if set(named(result)) - allowed:
             return "wrong"
+        missing = true - set(named(result))
+        if len(missing) == 1 and missing <= beside(result) <= allowed and len(beside(result)) <= MOST_TIED:
+            return "right_tie"
         return "one_of_two" if set(named(result)) & true else "wrong"
     if verdict == "unexplained":
         return "partial" if set(result.get("effects", [])) & true else "unexplained"

@@ -13,7 +13,7 @@ Z = 1.96
 # Counted apart: the library had its sharp limit only when the report set was made.
 APART = "rim_adhesion"
 
-NAMES = ("name", "kind", "size", "case", "form", "noise", "seed", "group", "outcome", "verdict", "said", "tied")
+NAMES = ("name", "kind", "size", "case", "form", "noise", "seed", "group", "outcome", "verdict", "said", "tied", "beside")
 NAMES += ("visible", "deviations", "allowed_ties", "removed", "attainable", "seconds", "seconds_made", "error")
 
 
@@ -59,6 +59,7 @@ def row_of(record):
     row["error"] = " ".join(result.get("error", "").split())
     row["said"] = "+".join(result.get("effects", []))
     row["tied"] = "+".join(sorted(score.tied(result)))
+    row["beside"] = "+".join(sorted(score.beside(result)))
     row["visible"] = all(e["visible"] for e in effects)
     row["deviations"] = " ".join(f"{e['deviations']:.1f}" for e in effects)
     row["allowed_ties"] = " ".join("+".join(e["allowed_ties"]) or "-" for e in effects)

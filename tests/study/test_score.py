@@ -21,9 +21,10 @@ def effect(case, ties=(), outside=False, visible=True):
     return {"case": case, "allowed_ties": list(ties), "outside": outside, "visible": visible}
 
 
-def said(verdict, *effects, tied=(), confused=()):
+def said(verdict, *effects, tied=(), confused=(), beside=()):
     candidates = [{"effect": name, "tied": True} for name in tied]
-    return {"verdict": verdict, "effects": list(effects), "candidates": candidates, "confused_with": [list(c) for c in confused]}
+    result = {"verdict": verdict, "effects": list(effects), "candidates": candidates, "confused_with": [list(c) for c in confused]}
+    return result | {"possible_beside": list(beside)}
 
 
 def test_analytic_what_a_condition_is_besides_is_not_wrong():
@@ -35,6 +36,12 @@ def test_analytic_what_a_condition_is_besides_is_not_wrong():
     tie = said("undetermined", tied=("a", "b", "tracking_delay"))
     assert score.outcome({"case": "a", "effects": [effect("a", ["b"])], **late}, tie) == "right_tie"
     assert score.outcome({"case": "a", "effects": [effect("a", ["b"])]}, tie) == "broad_tie"
+    open_beside = lambda *names: score.outcome({"case": "a", "effects": [effect("a", ["b"])], **late}, said("effect_missing", "tracking_delay", beside=names))
+    assert open_beside("a", "b") == "right_tie"
+    assert open_beside("b", "c") == "missed"
+    assert open_beside("a", "c") == "broad_tie"
+    nothing = {"case": "clean", "effects": [], **late}
+    assert score.outcome(nothing, said("effect_missing", "tracking_delay", beside=["a"])) == "false_alarm"
     hidden = {"case": "sensor_lag", "effects": [effect("sensor_lag")], **late}
     assert score.outcome(hidden, said("effect_missing", "sensor_lag")) == "right"
 
@@ -65,6 +72,12 @@ CASES = [
     ("a+b", [effect("a"), effect("b")], said("effect_missing", "b", "a"), "right"),
     ("a+b", [effect("a"), effect("b")], said("effect_missing", "a"), "one_of_two"),
     ("a+b", [effect("a"), effect("b")], said("effect_missing", "a", "c"), "wrong"),
+    ("a+b", [effect("a"), effect("b")], said("effect_missing", "a", beside=["b"]), "right_tie"),
+    ("a+b", [effect("a"), effect("b", ["c"])], said("effect_missing", "a", beside=["b", "c"]), "right_tie"),
+    ("a+b", [effect("a"), effect("b")], said("effect_missing", "a", beside=["b", "c"]), "one_of_two"),
+    ("a+b", [effect("a"), effect("b", "cde")], said("effect_missing", "a", beside="bcde"), "one_of_two"),
+    ("a", [effect("a")], said("effect_missing", "a", beside=["b"]), "right"),
+    ("a", [effect("a")], said("effect_missing", "b", beside=["a"]), "wrong"),
     ("wrong_prior", [], said("effect_missing", "a"), "wrong"),
     ("wrong_prior", [], said("unexplained"), "cautious"),
     ("poor", [effect("a")], said("undetermined", tied=("a", "b")), "cautious"),

@@ -51,6 +51,9 @@ class Diagnosis:
     where: dict[str, list[str]]
     """Where several experiments were diagnosed together: for each effect that the verdict is about, the experiments in which it
     acts. Candidates that act in some only are called ``slip_sinkage in wheel_2``. Empty for one experiment."""
+    possible_beside: list[str]
+    """Effects one of which may act beside those that are named, the best first: what the named ones leave is more than noise, and
+    one of these, or another form of a named effect's law, accounts for it. Empty unless effects are named with confidence."""
     noise_floor: dict[str, NoiseFloor]
     """Standard deviation of one sample by signal."""
     noise_floor_source: Literal["stated", "replicates", "unknown"]

@@ -85,6 +85,7 @@ fn best_of(search: &Search, count: usize) -> Option<Vec<String>> {
 /// vary with the conditions.
 fn further(search: &mut Search, chosen: &[String]) -> Result<Option<Vec<String>>, PredictionError> {
     let Some(stage) = search.stage(chosen)? else { return Ok(None) };
+    search.keep_promises(&stage);
     if Search::p_of_best(&stage) >= NAMED {
         return Ok(None);
     }
@@ -125,6 +126,7 @@ fn best_pair(
     for id in &best {
         let alone = std::slice::from_ref(id);
         let Some(stage) = search.stage(alone)? else { return Ok(grown) };
+        search.keep_promises(&stage);
         let step = search.gain(&best) - search.gain(alone);
         if p_value(&stage.draws, |draw| draw.single, step) >= NAMED || Search::p_of_best(&stage) >= NAMED {
             return Ok(grown);

@@ -117,8 +117,10 @@ fn spare(search: &Search, stage: &Stage, effects: &[String], own: &str, loss: f6
     (effects.len() > 1 && little).then(|| Doubt::Spare { effect: own.to_owned(), loss, gain })
 }
 
-/// Whether the strength of an effect differs significantly from none: by its standard error where it has one parameter, and by the rise of
-/// chi-square without it, both against the misfit that stays.
+/// Whether the strength of an effect differs significantly from none: by the rise of chi-square without it, and, where it has one parameter
+/// and the set without it was not fitted again from where the whole came, by its standard error too, both against the misfit that stays.
+/// A standard error is that of a straight model: the rear contact angle grows with the root of its parameter, so that none at all may lie
+/// within two standard errors and yet be impossible.
 fn neutral(search: &Search, effects: &[String], own: &str, fit: &Calibration, loss: f64) -> Option<Doubt> {
     let values = fit.values();
     let count = search.problem.part(effects, &values, own).len();
@@ -131,7 +133,8 @@ fn neutral(search: &Search, effects: &[String], own: &str, fit: &Calibration, lo
         let from_neutral = (parameter.value - parameter.variable.default).abs();
         parameter.deviation.is_some_and(|deviation| from_neutral <= NORMAL_95 * deviation)
     };
-    let by_error = count == 1 && parameters.iter().all(holds);
+    let refitted_without = search.problem.strategy().budget().refits_from_larger;
+    let by_error = count == 1 && !refitted_without && parameters.iter().all(holds);
     (by_error || loss / scatter < likely).then(|| Doubt::Neutral {
         effect: own.to_owned(),
         strength: parameters.iter().map(|parameter| strength(parameter)).collect::<Vec<_>>().join(", "),

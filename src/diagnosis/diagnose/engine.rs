@@ -138,6 +138,9 @@ pub fn diagnose(
         judge_by_spared(&mut judgement, &mut others, (&problem, &prepared.noise), &prepared.baseline.values(), found)?;
     }
 
+    if let Some(words) = search.beside(&stage, &mut judgement)? {
+        judgement.cautions.push(words);
+    }
     let finished = Finished { search: &search, stage: &stage, prepared: &prepared, evidence: &evidence };
     let mut diagnosis = finished.diagnosis(&judgement, &chosen, options)?;
     diagnosis.whole_drive = whole;

@@ -86,6 +86,7 @@ impl Finished<'_> {
             places: places(problem, judgement),
             sources: problem.sources.iter().cloned().chain(super::soil::offer(problem)).collect(),
             effects: judgement.effects.clone(),
+            possible_beside: judgement.beside.clone(),
             candidates,
             profiles,
             curves: curves_of_steps(problem, &steps),

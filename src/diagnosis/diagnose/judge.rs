@@ -54,7 +54,7 @@ pub(crate) fn judge(
 }
 
 /// The verdict on a set without its last effect, where that names effects and leaves little, and the whole leaves so many possible that it
-/// tells nothing.
+/// tells nothing. What may act beside them is said by `beside`.
 fn clearer(
     search: &mut Search,
     stage: &Stage,
@@ -72,17 +72,8 @@ fn clearer(
     if verdict::left(search, stage, first, &residual).0 > MAY_STAY {
         return Ok(None);
     }
-    let mut part = judge(search, stage, prepared, evidence, first.to_vec())?;
-    if !part.judgement.names() {
-        return Ok(None);
-    }
-    let others: Vec<String> = whole.tied.iter().filter(|id| !part.judgement.effects.contains(id)).cloned().collect();
-    part.judgement.cautions.push(format!(
-        "what {} leaves is small: {} could take it, or another form of what is named",
-        part.judgement.effects.join(" with "),
-        others.join(", ")
-    ));
-    Ok(Some(part))
+    let part = judge(search, stage, prepared, evidence, first.to_vec())?;
+    Ok(part.judgement.names().then_some(part))
 }
 
 /// The verdict on a set of which no effect is to be dropped.

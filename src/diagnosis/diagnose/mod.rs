@@ -11,12 +11,13 @@
 //!    sensitivities where a refit is dear (`candidates`, `search`, `starts`, `scout`, `valleys`);
 //! 4. **choice** of the effects that gain more than the best of all candidates does by noise alone (`choose`);
 //! 5. **verdict**: gains on left-out conditions (`held_out`, `folds`), probabilities over candidates, "enough" and "something
-//!    else" (`evidence`, `probability`), doubts (`doubts`, `soil`), and what follows (`judge`, `verdict`);
+//!    else" (`evidence`, `probability`), doubts (`doubts`, `soil`), what follows (`judge`, `verdict`), and what may act beside the named effects (`beside`);
 //! 6. **result** (`finished`, `result`): profile likelihoods (`profile`) and the **next experiment** ([`super::separate`]).
 //!
 //! Constants of judgement stand in [`super::thresholds`], what depends on the kind of experiment in [`super::kinds`].
 
 mod baseline;
+mod beside;
 mod bootstrap;
 mod candidates;
 mod cautions;

@@ -1,5 +1,6 @@
 //! The search: what it has fitted, and how it fits further sets of effects.
 
+use super::beside::Promised;
 use super::bootstrap::p_value;
 use super::control::Control;
 use super::fits::{NO_PRIORS, Noise, Outcome, Task, run};
@@ -46,7 +47,7 @@ impl Fits {
     }
 }
 
-fn sorted(effects: &[String]) -> Vec<String> {
+pub(super) fn sorted(effects: &[String]) -> Vec<String> {
     let mut effects = effects.to_vec();
     effects.sort();
     effects
@@ -69,6 +70,8 @@ pub(crate) struct Search<'a> {
     pub settled: BTreeMap<[Vec<String>; 2], f64>,
     /// Modelled values that were asked for, by effects and chi-square of the fit.
     pub modelled: Mutex<Modelled>,
+    /// What further effects promise beside a set, by its effects.
+    pub promised: Promised,
 }
 
 impl<'a> Search<'a> {
@@ -91,6 +94,7 @@ impl<'a> Search<'a> {
             looks: BTreeMap::new(),
             settled: BTreeMap::new(),
             modelled: Mutex::default(),
+            promised: Promised::default(),
         }
     }
 }

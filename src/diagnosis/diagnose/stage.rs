@@ -30,6 +30,8 @@ pub(crate) struct Stage {
     /// Gains of the data by sensitivities, parameters on their bounds being free to come back; and the columns outside
     /// the base.
     pub gains: Gains,
+    /// The gains of single effects where the strengths of those in the fit may not vary with the conditions; none at the baseline.
+    pub plain: Vec<f64>,
     pub projected: Projected,
     /// Directions along the conditions outside the base.
     pub flexible: Directions,
@@ -101,6 +103,7 @@ impl Stage {
             }
         }
         let none = vec![0.0; priors.len()];
+        let unmodulated = base.len();
         for column in &sensitivities.base[problem.base.len()..] {
             for modulation in context.modulations {
                 base.push((modulated(problem, column, modulation), none.clone()));
@@ -132,15 +135,25 @@ impl Stage {
         };
         let (observed, _, projected) = null.statistics(context.whitening, &whitened);
         // With an effect added a parameter may come back from its bound, and one may return to its prior.
-        let freed: Vec<(Vec<f64>, Reach)> = (0..sensitivities.base.len())
-            .filter(|k| fit.parameters[*k].at_bound)
-            .map(|k| {
+        let freed = |projected: &Projected| -> Vec<(Vec<f64>, Reach)> {
+            let held = (0..sensitivities.base.len()).filter(|k| fit.parameters[*k].at_bound);
+            held.map(|k| {
                 let mut column = context.whitening.apply(&sensitivities.base[k]);
                 column.extend(priors.column(&free, &values, k));
                 (projected.base.outside(&column), free[k].reach(values[k]))
             })
-            .collect();
-        let gains = projected.gains(&projected.base.outside(&residual), &freed, effects.is_empty());
+            .collect()
+        };
+        let gains_of = |projected: &Projected| {
+            projected.gains(&projected.base.outside(&residual), &freed(projected), effects.is_empty())
+        };
+        let gains = gains_of(&projected);
+        let plain = if effects.is_empty() {
+            Vec::new()
+        } else {
+            let plain = Projected::new(context.whitening, &base[..unmodulated], &sensitivities.signatures);
+            gains_of(&plain).singles.into_iter().map(|(gain, ..)| gain).collect()
+        };
         let numbers: Vec<u64> = (0..context.draws as u64).collect();
         let products = by_products.then(|| null.products(context.whitening));
         let batches: Vec<&[u64]> = numbers.chunks(AT_A_TIME).collect();
@@ -153,6 +166,7 @@ impl Stage {
             residual,
             sensitivities,
             gains,
+            plain,
             projected,
             flexible,
             set_points,

@@ -19,12 +19,14 @@ pub(crate) struct Judgement {
     pub tied: Vec<String>,
     /// An effect and a candidate that could stand in its place.
     pub rivals: Vec<(String, String)>,
+    /// Effects one of which may act beside those that are named, the best first; another form of the named ones does as well.
+    pub beside: Vec<String>,
     pub cautions: Vec<String>,
 }
 
 impl Judgement {
     fn plain(verdict: Verdict, cautions: Vec<String>) -> Self {
-        Self { verdict, effects: Vec::new(), tied: Vec::new(), rivals: Vec::new(), cautions }
+        Self { verdict, effects: Vec::new(), tied: Vec::new(), rivals: Vec::new(), beside: Vec::new(), cautions }
     }
 
     /// Whether it names effects with confidence.
