@@ -143,6 +143,26 @@ fn property_where_two_tie_both_are_marked_and_none_is_named() {
     assert!(diagnosis.improved_is().contains("not decided"), "{}", diagnosis.improved_is());
 }
 
+/// A friction whose gain, some tens of chi-square, is less than a hundredth of what slip-sinkage gains: another law of slip-sinkage could
+/// gain as much, so that it is listed and not named.
+#[test]
+fn property_what_may_act_beside_a_name_is_listed() {
+    let options = among(&["slip_sinkage", "coulomb_friction", "rate"], 199);
+    let of = |friction: f64| {
+        let diagnosis =
+            Bench::sand(&[("slip_sinkage.n1", 0.8), ("coulomb_friction.torque", friction)]).diagnosed(4, &options);
+        assert_eq!(
+            (diagnosis.verdict, diagnosis.effects.join(" ")),
+            (Verdict::EffectMissing, "slip_sinkage".to_owned())
+        );
+        let told = diagnosis.cautions.iter().any(|caution| caution.contains("or another form of what is named"));
+        assert_eq!(told, !diagnosis.possible_beside.is_empty(), "{:?}", diagnosis.cautions);
+        diagnosis.possible_beside
+    };
+    assert_eq!(of(0.03), ["coulomb_friction"]);
+    assert!(of(0.0).is_empty());
+}
+
 #[test]
 fn property_a_soil_that_no_class_has_keeps_an_effect_from_being_named() {
     // Neither sand, whose friction angle is larger, nor clay, whose exponent is smaller and cohesion larger.
