@@ -135,7 +135,7 @@ mod tests {
 
     fn judged(verdict: Verdict, spared: &Spared) -> Verdict {
         let (effects, tied, rivals) = (vec!["drag".to_owned()], Vec::new(), Vec::new());
-        let mut judgement = Judgement { verdict, effects, tied, rivals, cautions: Vec::new() };
+        let mut judgement = Judgement { verdict, effects, tied, rivals, beside: Vec::new(), cautions: Vec::new() };
         spared.limit(&mut judgement, true);
         judgement.verdict
     }

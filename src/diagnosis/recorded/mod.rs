@@ -16,7 +16,7 @@ use crate::model::{ControlKind, Model, RunError};
 use crate::rover::Rover;
 use crate::scalar::Scalar;
 use crate::signals::{Drive, Signals};
-use crate::simulation::{Event, Status};
+use crate::simulation::Event;
 use bekker_modeldescription::{Lookup, Parameters};
 use std::ops::Range;
 
@@ -25,8 +25,9 @@ use std::ops::Range;
 pub(super) enum Drives {
     /// By its commands as they are.
     Open(Replay),
-    /// By a feedback loop on every wheel; its commands row by row, one value a wheel.
-    Loop(Vec<f64>),
+    /// By a feedback loop on every wheel, which follows the commands. The state of the loop is not measured, so that the run is
+    /// replayed as a whole.
+    Loop(Replay),
 }
 
 /// What a run gives.
@@ -47,7 +48,7 @@ pub(super) struct Recorded {
     pub drives: Drives,
     /// Not compared between runs: those that repeat each other are led as the first of them was.
     guide: Option<Guide>,
-    /// How it is cut; empty where it is replayed as a whole.
+    /// How it is cut; empty where it is replayed as a whole, one window of all rows where a loop drives it.
     pub windows: Vec<Window>,
     /// Times of the rows, s.
     time: Vec<f64>,
@@ -72,7 +73,6 @@ impl Recorded {
         guide: Option<Guide>,
         windows: &[Window],
     ) -> Result<Self, PredictionError> {
-        let windows = windows.to_vec();
         let mut signals = Signals::<f64>::of(run.inputs.len(), model.rover.links.len());
         let names: Vec<String> = signals.list().into_iter().map(|(variable, _)| variable.name).collect();
         let target = |block: &Block| {
@@ -84,10 +84,16 @@ impl Recorded {
         let targets = blocks.map(target).collect::<Result<Vec<_>, _>>()?;
         let time = run.data.column("time").unwrap_or_default().to_vec();
         let commands = commands(&model, run)?;
+        let replay = |drive| Replay::new(drive, model.stepping.step_size, &time, commands);
         let drives = match model.control.kind {
-            ControlKind::Speed => Drives::Open(Replay::new(Drive::Speed, model.stepping.step_size, &time, commands)),
-            ControlKind::Torque => Drives::Open(Replay::new(Drive::Torque, model.stepping.step_size, &time, commands)),
-            _ => Drives::Loop(commands),
+            ControlKind::Speed => Drives::Open(replay(Drive::Speed)),
+            ControlKind::Torque => Drives::Open(replay(Drive::Torque)),
+            // The loop turns commanded speeds into torques.
+            _ => Drives::Loop(replay(Drive::Torque)),
+        };
+        let windows = match &drives {
+            Drives::Open(_) => windows.to_vec(),
+            Drives::Loop(_) => vec![Window::whole(time.len())],
         };
         let columns = vec![None; names.len()];
         let mut recorded = Self {
@@ -109,6 +115,12 @@ impl Recorded {
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.time.len()
+    }
+
+    /// Values of a trace.
+    #[cfg(test)]
+    pub fn traced_values(&self) -> usize {
+        self.time.len() * self.traced
     }
 
     fn add_targets(&mut self, targets: &[(Summed, usize)]) {
@@ -161,29 +173,6 @@ impl Recorded {
         }
     }
 
-    /// The traced signals of a run with its feedback loops, row by row, unless `halt` asks to end.
-    pub fn driven(&self, model: &Model, commands: &[f64], halt: Halt) -> Result<Traced<f64>, PredictionError> {
-        let mut trace = vec![f64::NAN; self.time.len() * self.traced];
-        let mut run = model.start().map_err(|source| self.failed(source))?;
-        let wheels = model.rover.wheels.len();
-        let mut done = 0;
-        for (row, time) in self.time.iter().enumerate() {
-            if halt.asked() {
-                return Err(PredictionError::Interrupted);
-            }
-            let due = ((time - self.time[0]) / run.step_size()).round() as u64;
-            let status = run.advance(due.saturating_sub(done)).map_err(|source| self.failed(source))?;
-            done = due;
-            if let Status::Ended(event) = status {
-                return Ok(self.ended(trace, row, event));
-            }
-            self.read(run.signals(), row, &mut trace);
-            let command = &commands[row * wheels..(row + 1) * wheels];
-            run.inputs_mut().set_all(command).map_err(|source| self.failed(source))?;
-        }
-        Ok(Traced { values: trace, ended: Vec::new() })
-    }
-
     /// A trace whose rows from `row` on repeat the one before: the first row is the start, which cannot end.
     fn ended<S: Scalar>(&self, mut values: Vec<S>, row: usize, event: Event) -> Traced<S> {
         let reached = row * self.traced;
@@ -194,7 +183,7 @@ impl Recorded {
         Traced { values, ended: vec![(row..self.time.len(), error)] }
     }
 
-    fn read<S: Scalar>(&self, signals: &Signals<S>, row: usize, trace: &mut [S]) {
+    pub fn read<S: Scalar>(&self, signals: &Signals<S>, row: usize, trace: &mut [S]) {
         let row = &mut trace[row * self.traced..(row + 1) * self.traced];
         let mut columns = self.columns.iter();
         signals.values(&mut |value| {

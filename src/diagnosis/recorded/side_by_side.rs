@@ -1,4 +1,4 @@
-//! Windows of recorded runs, under several sets of values each, replayed side by side.
+//! Windows of recorded runs, and whole runs with feedback loops, under several sets of values each, replayed side by side.
 //!
 //! Each goes on to the bits that it has by itself ([`crate::batch`]), so neither which of them share a batch nor the processor's
 //! instructions show in what they give.
@@ -30,23 +30,31 @@ impl<'a> Variant<'a> {
         Self { run, model, shift: [0.0; OPEN] }
     }
 
-    /// Whether its windows can be replayed by themselves: none waits for the temperature in which another ends, and none is led.
+    /// Whether its windows can be replayed by themselves: none waits for the temperature in which another ends, and none is led. A run
+    /// with feedback loops is one window.
     pub fn is_separable(&self) -> bool {
-        let cut = matches!(self.run.drives, Drives::Open(_)) && !self.run.windows.is_empty();
-        cut && self.run.guide.is_none() && self.model.rover.effects.warming(0.0).is_none()
+        let cut = !self.run.windows.is_empty() && self.run.guide.is_none();
+        cut && (self.is_looped() || self.model.rover.effects.warming(0.0).is_none())
     }
 
-    /// The variant window by window, one after the other.
+    /// Whether feedback loops drive it.
+    pub fn is_looped(&self) -> bool {
+        matches!(self.run.drives, Drives::Loop(_))
+    }
+
+    /// The variant with open-loop commands window by window, one after the other.
     fn alone(&self, halt: Halt) -> Result<Traced<f64>, PredictionError> {
+        let replay = self.replay();
+        if self.run.windows.is_empty() {
+            return self.run.replayed(replay, self.model.rover.clone(), self.model.start.x0, halt);
+        }
+        let open = |start: [f64; OPEN]| std::array::from_fn(|k| start[k] + self.shift[k]);
+        self.run.windowed(replay, &self.model.rover, self.model.start.x0, &open, halt)
+    }
+
+    fn replay(&self) -> &'a Replay {
         match &self.run.drives {
-            Drives::Open(replay) if self.run.windows.is_empty() => {
-                self.run.replayed(replay, self.model.rover.clone(), self.model.start.x0, halt)
-            }
-            Drives::Open(replay) => {
-                let open = |start: [f64; OPEN]| std::array::from_fn(|k| start[k] + self.shift[k]);
-                self.run.windowed(replay, &self.model.rover, self.model.start.x0, &open, halt)
-            }
-            Drives::Loop(commands) => self.run.driven(&self.model, commands, halt),
+            Drives::Open(replay) | Drives::Loop(replay) => replay,
         }
     }
 }
@@ -94,14 +102,15 @@ pub(in crate::diagnosis) fn traced(variants: &[Variant], halt: Halt) -> Vec<Resu
 
 /// The windows that can be replayed by themselves, in batches of runs that can go on side by side.
 fn grouped<'a>(variants: &'a [Variant<'a>]) -> Vec<Vec<Piece<'a>>> {
-    let mut kinds: Vec<(Kind, u64, Vec<Piece>)> = Vec::new();
+    let mut kinds: Vec<(Kind, (u64, bool), Vec<Piece>)> = Vec::new();
     for (of, variant) in variants.iter().enumerate().filter(|(_, variant)| variant.is_separable()) {
-        let Drives::Open(replay) = &variant.run.drives else { continue };
-        let (kind, step) = (Kind::of_rover(&variant.model.rover, replay.drive()), replay.step_size().to_bits());
-        let known = kinds.iter().position(|(other, same, _)| *other == kind && *same == step);
+        let replay = variant.replay();
+        let kind = Kind::of_rover(&variant.model.rover, replay.drive());
+        let driven = (replay.step_size().to_bits(), variant.is_looped());
+        let known = kinds.iter().position(|(other, same, _)| *other == kind && *same == driven);
         let at = known.unwrap_or(kinds.len());
         if known.is_none() {
-            kinds.push((kind, step, Vec::new()));
+            kinds.push((kind, driven, Vec::new()));
         }
         let windows = variant.run.windows.iter().enumerate();
         kinds[at].2.extend(windows.map(|(number, window)| Piece { of, variant, replay, number, window }));
@@ -189,6 +198,9 @@ impl<'a> Going<'a> {
 /// Where the simulation of a window begins.
 fn start(piece: &Piece) -> Result<Run, RunError> {
     let Variant { run, model, shift } = piece.variant;
+    if piece.variant.is_looped() {
+        return model.start();
+    }
     let open = |start: [f64; OPEN]| std::array::from_fn(|k| start[k] + shift[k]);
     let state = run.state(&model.rover, model.start.x0, piece.window, &open, &[])?;
     Run::from_simulation(model, Simulation::from_state(model.rover.clone(), state, piece.replay.step_size())?)

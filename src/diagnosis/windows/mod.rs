@@ -51,6 +51,11 @@ pub(crate) type Windows = Vec<Vec<Window>>;
 pub(crate) const OPEN: usize = 2;
 
 impl Window {
+    /// All rows of a run that begins at rest and ends where it gets stuck.
+    pub fn whole(rows: usize) -> Self {
+        Self { begin: 0, rows: 0..rows, start: None, ends_when_stuck: true }
+    }
+
     /// Moves the start by `change` of place (m) and velocity (m/s).
     pub fn displace(&mut self, change: [f64; OPEN]) {
         if let Some(start) = &mut self.start {

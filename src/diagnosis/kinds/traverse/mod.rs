@@ -1,5 +1,6 @@
 //! A rover on a profile: every run is a time series, whose simulation takes tenths of a second.
 
+mod differences;
 mod place;
 mod plan;
 mod prediction;

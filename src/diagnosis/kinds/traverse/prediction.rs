@@ -95,14 +95,6 @@ impl<'a> TraversePrediction<'a> {
         run.felt.iter().copied().find(|at| self.free[*at].variable.name == name)
     }
 
-    pub(super) fn trace(&self, run: &Recorded, free: &[f64]) -> Result<Traced<f64>, PredictionError> {
-        self.one(Variant::new(run, self.model(run, free)?))
-    }
-
-    fn one(&self, variant: Variant) -> Result<Traced<f64>, PredictionError> {
-        traced(&[variant], self.halt).pop().unwrap_or(Err(PredictionError::Interrupted))
-    }
-
     /// What each run gives.
     fn all_traces(&self, free: &[f64]) -> Result<Vec<Result<Traced<f64>, PredictionError>>, PredictionError> {
         let variant = |run| Ok(Variant::new(run, self.model(run, free)?));

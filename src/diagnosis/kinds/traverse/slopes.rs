@@ -4,68 +4,43 @@
 //! faster than one with exact derivatives. Derivatives in an effect's parameter at its neutral value are exact, since beside it another
 //! law may begin, and so are those of a run that is replayed as a whole, since errors of differences grow with the length of a replay.
 
+use super::differences::Changes;
 use super::prediction::{Ended, TraversePrediction};
 use crate::diagnosis::prediction::PredictionError;
-use crate::diagnosis::recorded::{Drives, Recorded, Traced, Variant, traced};
+use crate::diagnosis::recorded::{Drives, Recorded};
+use crate::diagnosis::replay::Replay;
 use crate::diagnosis::unanswered::Unanswered;
 use crate::parallel::map_in_order;
 use crate::rover::Rover;
 use crate::scalar::{Dual, Scalar};
-use bekker_modeldescription::{Parameters, Role, Variable};
-
-/// Forward differences, where a run is cut into windows, over this share of a parameter's range or value, whichever is smaller, but no
-/// less than [`LEAST_DIFFERENCE`] of the range: rounding of a window, about 1e-12, and the curvature over the difference both stay near
-/// 1e-6 of a derivative.
-const SMALL_DIFFERENCE: f64 = 1e-6;
-const LEAST_DIFFERENCE: f64 = 1e-9;
-/// The same for the place (m) and the velocity (m/s) in which a window begins.
-pub(super) const SHIFT: f64 = 1e-6;
-
-/// Central differences, where there is a feedback loop, over this share of a parameter's range or value, whichever is
-/// smaller: the error of the integrator, about 1e-9, divided by it stays under 1e-4.
-const DIFFERENCE: f64 = 1e-4;
+use bekker_modeldescription::Parameters;
 
 /// Exact derivatives that are computed at a time.
 const WIDTH: usize = 8;
 
-/// Part of the derivatives of one run.
+/// Part of the exact derivatives of one run with open-loop commands.
 struct SlopeTask<'a> {
     run: &'a Recorded,
+    replay: &'a Replay,
     /// Free parameters that this part covers.
     covered: Vec<usize>,
 }
 
 /// What a task gives: the recorded signals, row by row, and their derivatives in the covered parameters.
-struct Traces {
-    values: Vec<f64>,
-    slopes: Vec<Vec<f64>>,
+pub(super) struct Traces {
+    pub values: Vec<f64>,
+    pub slopes: Vec<Vec<f64>>,
     /// Rows that the run did not reach, and how it ended.
-    ended: Ended,
+    pub ended: Ended,
 }
 
 /// Values and their derivatives, and the rows that were not reached.
 pub(super) type Slopes = ((Vec<f64>, Vec<Vec<f64>>), Vec<Unanswered>);
 
-/// Parameters whose derivatives are differences between windows side by side, and by how much they are changed.
-type Changes = Vec<(usize, f64)>;
-
 impl TraversePrediction<'_> {
-    /// By how much each free parameter is changed for its difference, run by run; `None` for a run whose windows do not go side by side.
-    fn changes(&self, free: &[f64]) -> Result<Vec<Option<Changes>>, PredictionError> {
-        let of_run = |run: &Recorded| {
-            if !Variant::new(run, self.model(run, free)?).is_separable() {
-                return Ok(None);
-            }
-            let changed = run.felt.iter().filter(|k| !is_neutral(&self.free[**k].variable, free[**k]));
-            Ok(Some(changed.map(|k| (*k, difference(&self.free[*k].variable, free[*k]))).collect()))
-        };
-        self.runs.iter().map(of_run).collect()
-    }
-
     /// Derivatives in the task's parameters, for which [`Dual`] has room.
     fn traces<const N: usize>(&self, task: &SlopeTask, free: &[f64]) -> Result<Traces, PredictionError> {
-        let run = task.run;
-        let Drives::Open(replay) = &run.drives else { return self.differences(task, free) };
+        let SlopeTask { run, replay, .. } = task;
         let model = self.model(run, free)?;
         let seeded = |name: &str, value: f64| {
             let at = self.position(run, name).and_then(|at| task.covered.iter().position(|other| *other == at));
@@ -86,60 +61,17 @@ impl TraversePrediction<'_> {
         })
     }
 
-    fn differences(&self, task: &SlopeTask, free: &[f64]) -> Result<Traces, PredictionError> {
-        let slope = |&k: &usize| {
-            let variable = &self.free[k].variable;
-            let range = DIFFERENCE * (variable.max - variable.min);
-            let step = if free[k] == 0.0 { range } else { range.min(DIFFERENCE * free[k].abs()) };
-            let at = |value: f64| {
-                let mut shifted = free.to_vec();
-                shifted[k] = value.clamp(variable.min, variable.max);
-                self.trace(task.run, &shifted).map(|traced| (shifted[k], traced.values))
-            };
-            let ((low, below), (high, above)) = (at(free[k] - step)?, at(free[k] + step)?);
-            Ok(above.iter().zip(&below).map(|(a, b)| (a - b) / (high - low)).collect())
-        };
-        let slopes = task.covered.iter().map(slope).collect::<Result<_, PredictionError>>()?;
-        let Traced { values, ended } = self.trace(task.run, free)?;
-        Ok(Traces { values, slopes, ended })
-    }
-
-    /// Values and derivatives by `changes`, run by run.
-    fn side_by_side(&self, free: &[f64], changes: &[Option<Changes>]) -> Result<Vec<Option<Traces>>, PredictionError> {
-        let mut variants = Vec::new();
-        for (run, changes) in self.runs.iter().zip(changes) {
-            let Some(changes) = changes else { continue };
-            variants.push(Variant::new(run, self.model(run, free)?));
-            for (k, step) in changes {
-                let mut changed = free.to_vec();
-                changed[*k] += step;
-                variants.push(Variant::new(run, self.model(run, &changed)?));
-            }
-        }
-        let mut all = traced(&variants, self.halt).into_iter();
-        let mut of_run = |(run, changes): (&Recorded, &Option<Changes>)| {
-            let (Some(changes), Some(own)) = (changes, all.next()) else { return Ok(None) };
-            let own = own?;
-            let mut slopes = Vec::new();
-            for ((k, step), changed) in changes.iter().zip(all.by_ref()) {
-                // What the sum with the step rounds to.
-                slopes.push(run.slope(&own, &changed?, (free[*k] + step) - free[*k]));
-            }
-            Ok(Some(Traces { values: own.values, slopes, ended: own.ended }))
-        };
-        self.runs.iter().zip(changes).map(&mut of_run).collect()
-    }
-
     /// The derivatives that `changes` does not cover, in parts.
     fn tasks(&self, changes: &[Option<Changes>]) -> Vec<SlopeTask<'_>> {
         let mut tasks = Vec::new();
         for (run, done) in self.runs.iter().zip(changes) {
-            let is_done = |k: &usize| done.iter().flatten().any(|(other, _)| other == k);
+            let Drives::Open(replay) = &run.drives else { continue };
+            let is_done = |k: &usize| done.iter().flatten().any(|change| change.parameter == *k);
             let left: Vec<usize> = run.felt.iter().copied().filter(|k| !is_done(k)).collect();
             if left.is_empty() && done.is_none() {
-                tasks.push(SlopeTask { run, covered: Vec::new() });
+                tasks.push(SlopeTask { run, replay, covered: Vec::new() });
             }
-            tasks.extend(left.chunks(WIDTH).map(|covered| SlopeTask { run, covered: covered.to_vec() }));
+            tasks.extend(left.chunks(WIDTH).map(|covered| SlopeTask { run, replay, covered: covered.to_vec() }));
         }
         tasks
     }
@@ -164,36 +96,25 @@ impl TraversePrediction<'_> {
         }
         // Values with derivatives are rounded otherwise; those of plain numbers stay.
         for ((run, changes), traces) in self.runs.iter().zip(&changes).zip(self.side_by_side(free, &changes)?) {
-            let covered: Vec<usize> = changes.iter().flatten().map(|(k, _)| *k).collect();
+            let covered: Vec<usize> = changes.iter().flatten().map(|change| change.parameter).collect();
             traces.into_iter().for_each(|traces| store(run, &covered, traces));
         }
         Ok(((values, slopes), self.beyond(&ended)))
     }
 }
 
-/// Whether an effect's parameter is where the effect does not act.
-fn is_neutral(variable: &Variable, value: f64) -> bool {
-    variable.role == Role::Effect && value == variable.default
-}
-
-/// By how much a parameter is changed for a difference: within its bounds.
-fn difference(variable: &Variable, value: f64) -> f64 {
-    let range = variable.max - variable.min;
-    let own = if value == 0.0 { f64::INFINITY } else { SMALL_DIFFERENCE * value.abs() };
-    let step = own.clamp(LEAST_DIFFERENCE * range, SMALL_DIFFERENCE * range);
-    if value + step > variable.max { -step } else { step }
-}
-
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 mod tests {
+    use super::super::differences::Change;
     use super::*;
     use crate::diagnosis::free::Free;
     use crate::diagnosis::kinds::synthetic::experiment;
     use crate::diagnosis::kinds::traverse::prediction;
     use crate::diagnosis::problem::Problem;
     use crate::model::{ControlKind, Model};
-    use bekker_modeldescription::Lookup;
+    use crate::simulation::Status;
+    use bekker_modeldescription::{Lookup, Role, Variable};
 
     /// Between differences and exact derivatives, relative to the largest derivative of the run. Most agree to 1e-5; where a wheel under
     /// a torque turns round, the curvature over a difference is 2e-4.
@@ -248,6 +169,50 @@ mod tests {
         }
     }
 
+    /// The traced signals of a run that its model drives by itself, row by row.
+    fn driven(prediction: &TraversePrediction, run: &Recorded, values: &[f64]) -> Vec<f64> {
+        let (Drives::Open(replay) | Drives::Loop(replay)) = &run.drives;
+        let mut alone = prediction.model(run, values).unwrap().start().unwrap();
+        let mut trace = vec![f64::NAN; run.traced_values()];
+        let mut done = 0;
+        for row in 0..run.rows() {
+            let status = alone.advance(replay.due(row) - done).unwrap();
+            assert_eq!(status, Status::Running, "row {row}");
+            done = replay.due(row);
+            run.read(alone.signals(), row, &mut trace);
+            alone.inputs_mut().set_all(replay.command(row)).unwrap();
+        }
+        trace
+    }
+
+    #[test]
+    fn agreement_runs_with_loops_go_side_by_side_as_alone_to_the_last_bit() {
+        let experiment = experiment("speed_command", false);
+        let mut model = model("torque_command");
+        model.control.kind = ControlKind::SpeedLoop;
+        let mut problem = Problem::new(&model, &experiment, &[]).unwrap();
+        problem.coarsen();
+        problem.cut();
+        let values: Vec<f64> = problem.base.iter().map(|free| free.start).collect();
+        let prediction = prediction(&problem, &problem.base).unwrap();
+        let changes = prediction.changes(&values).unwrap();
+        let together = prediction.side_by_side(&values, &changes).unwrap();
+        for ((run, together), changes) in prediction.runs.iter().zip(together).zip(&changes) {
+            let (together, changes) = (together.unwrap(), changes.as_ref().unwrap());
+            let at = |parameter: usize, value: f64| {
+                let mut changed = values.clone();
+                changed[parameter] = value;
+                driven(&prediction, run, &changed)
+            };
+            assert_eq!(together.values, at(0, values[0]));
+            for (Change { parameter, from, to }, slope) in changes.iter().zip(&together.slopes) {
+                let (low, high) = (at(*parameter, *from), at(*parameter, *to));
+                let expected: Vec<f64> = high.iter().zip(&low).map(|(a, b)| (a - b) / (to - from)).collect();
+                assert_eq!(*slope, expected, "{}", prediction.free[*parameter].variable.name);
+            }
+        }
+    }
+
     #[test]
     fn agreement_differences_between_windows_are_exact_derivatives() {
         for drive in ["speed_command", "torque_command"] {
@@ -260,7 +225,8 @@ mod tests {
                     let at = prediction.runs.iter().position(|run| std::ptr::eq(run, task.run)).unwrap();
                     let own = by_differences[at].as_ref().unwrap();
                     for (k, exact) in task.covered.iter().zip(&exact.slopes) {
-                        let place = changes[at].as_ref().unwrap().iter().position(|(other, _)| other == k).unwrap();
+                        let place =
+                            changes[at].as_ref().unwrap().iter().position(|change| change.parameter == *k).unwrap();
                         let largest = exact.iter().fold(0.0_f64, |most, slope| most.max(slope.abs()));
                         let off = exact.iter().zip(&own.slopes[place]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
                         let name = &prediction.free[*k].variable.name;

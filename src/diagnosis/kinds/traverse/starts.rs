@@ -1,7 +1,7 @@
 //! How a traverse depends on what is open of the starts of its windows.
 
+use super::differences::SHIFT;
 use super::prediction::TraversePrediction;
-use super::slopes::SHIFT;
 use crate::diagnosis::layout::Block;
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::recorded::{Drives, Recorded, Traced, Variant, traced};
