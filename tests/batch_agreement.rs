@@ -5,7 +5,7 @@
 
 use bekker::batch::{Batch, Kernel};
 use bekker::effects::EFFECTS;
-use bekker::model::{Model, Run};
+use bekker::model::{ControlKind, Model, Run};
 use bekker::modeldescription::{Lookup, Parameters, Role};
 use bekker::simulation::Status;
 use bekker::terrain::{Ditch, Profile, Random, Slope, Spectrum, Step, Terrain, Waves};
@@ -216,7 +216,15 @@ fn agreement_all_effects_at_once() {
 
 #[test]
 fn agreement_events_at_the_same_step() {
-    let base = Model::preset("two_wheeled").unwrap();
+    // A controller that has decided when a neighbour leaves the group does not decide once more.
+    for (kind, mean) in [(ControlKind::Torque, 2.2), (ControlKind::SpeedLoop, 5.0)] {
+        events_at_the_same_step(kind, mean);
+    }
+}
+
+fn events_at_the_same_step(kind: ControlKind, mean: f64) {
+    let mut base = Model::preset("two_wheeled").unwrap();
+    base.control.kind = kind;
     let runs: Vec<Run> = (0..19)
         .map(|k| {
             let mut model = base.clone();
@@ -230,7 +238,7 @@ fn agreement_events_at_the_same_step() {
             model.start().unwrap()
         })
         .collect();
-    let ended = compare("events", &runs, 180, 10, varied(2.2, 0.2));
+    let ended = compare("events", &runs, 180, 10, varied(mean, 0.2));
     assert!(ended > 5 && ended < runs.len(), "{ended} of {} runs ended", runs.len());
 }
 

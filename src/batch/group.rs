@@ -256,8 +256,8 @@ impl<A: Arch> SideBySide<A> {
     }
 
     /// Makes the rest of a step, `left` inner steps, run by run: at least one run has reached a case that only the single
-    /// simulation handles.
-    fn advance_one_by_one(&mut self, slots: &mut [Slot], movers: [bool; WIDTH], left: u64) {
+    /// simulation handles. `are_decided` says whether the controllers have made their present decisions.
+    fn advance_one_by_one(&mut self, slots: &mut [Slot], movers: [bool; WIDTH], left: u64, are_decided: bool) {
         for k in 0..WIDTH {
             let Some(slot) = mover(&self.members, slots, &movers, k) else { continue };
             if std::mem::take(&mut self.inside[k])
@@ -265,7 +265,7 @@ impl<A: Arch> SideBySide<A> {
             {
                 self.motion.take_out(k, simulation.places().motion);
             }
-            slot.error = slot.run.advance(left).err();
+            slot.error = slot.run.advance_from(left, are_decided).err();
         }
     }
 }
@@ -339,7 +339,7 @@ impl<A: Arch> Group for SideBySide<A> {
     fn step(&mut self, slots: &mut [Slot], steps: u64) {
         let mut movers = self.movers(slots);
         if movers.iter().filter(|moves| **moves).count() < FEWEST {
-            return self.advance_one_by_one(slots, movers, steps);
+            return self.advance_one_by_one(slots, movers, steps, false);
         }
         if std::mem::take(&mut self.changed) {
             self.renew(slots);
@@ -365,7 +365,7 @@ impl<A: Arch> Group for SideBySide<A> {
             }
             left -= made;
             if !sound {
-                return self.advance_one_by_one(slots, movers, left);
+                return self.advance_one_by_one(slots, movers, left, made == 0);
             }
         }
     }

@@ -72,11 +72,17 @@ impl Run {
     /// # Errors
     /// [`RunError`]; the state is then that of the last good step.
     pub fn advance(&mut self, steps: u64) -> Result<Status, RunError> {
+        self.advance_from(steps, false)
+    }
+
+    /// The same where the present decision is made already ([`Run::decided`]): a controller decides once, and draws the noise of its
+    /// sensors once.
+    pub(crate) fn advance_from(&mut self, steps: u64, mut is_decided: bool) -> Result<Status, RunError> {
         let mut left = steps;
         let mut status = self.simulation.status();
         while left > 0 && status == Status::Running {
-            let since = self.simulation.ticks() % self.period;
-            if since == 0 {
+            let decides = !std::mem::replace(&mut is_decided, false);
+            if decides && self.simulation.ticks().is_multiple_of(self.period) {
                 self.decide()?;
             }
             let some = self.until_decision(left);

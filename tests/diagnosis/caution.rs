@@ -155,7 +155,8 @@ fn property_what_may_act_beside_a_name_is_listed() {
             (diagnosis.verdict, diagnosis.effects.join(" ")),
             (Verdict::EffectMissing, "slip_sinkage".to_owned())
         );
-        let told = diagnosis.cautions.iter().any(|caution| caution.contains("or another form of what is named"));
+        let told =
+            diagnosis.cautions.iter().any(|caution| caution.contains("another law of what is named could explain it"));
         assert_eq!(told, !diagnosis.possible_beside.is_empty(), "{:?}", diagnosis.cautions);
         diagnosis.possible_beside
     };

@@ -27,7 +27,7 @@ def beside(result):
 def without(result, also_true):
     """The diagnosis without the names of what is also true; where nothing else is named, it has explained the measurements."""
     left = [c | {"tied": c.get("tied") and c["effect"] not in also_true} for c in result.get("candidates", [])]
-    result = result | {"candidates": left}
+    result = result | {"candidates": left, "possible_beside": sorted(beside(result) - also_true)}
     others = [name for name in result.get("effects", []) if name not in also_true]
     if result.get("verdict") != "effect_missing" or len(others) == len(result["effects"]):
         return result

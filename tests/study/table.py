@@ -69,6 +69,8 @@ def row_of(record):
 def append_row(path, row):
     """Adds a row in one write, so that processes do not tear each other's lines."""
     new = not path.exists()
+    if not new and path.open(encoding="utf-8").readline().strip() != ",".join(NAMES):
+        raise SystemExit(f"{path} has other columns than {', '.join(NAMES)}: rows of another version; begin a new file")
     with open(path, "a", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, NAMES, lineterminator="\n")
         if new:

@@ -38,6 +38,7 @@ def test_analytic_what_a_condition_is_besides_is_not_wrong():
     assert score.outcome({"case": "a", "effects": [effect("a", ["b"])]}, tie) == "broad_tie"
     open_beside = lambda *names: score.outcome({"case": "a", "effects": [effect("a", ["b"])], **late}, said("effect_missing", "tracking_delay", beside=names))
     assert open_beside("a", "b") == "right_tie"
+    assert open_beside("a", "b", "sensor_lag") == "right_tie"
     assert open_beside("b", "c") == "missed"
     assert open_beside("a", "c") == "broad_tie"
     nothing = {"case": "clean", "effects": [], **late}

@@ -53,7 +53,8 @@ class Diagnosis:
     acts. Candidates that act in some only are called ``slip_sinkage in wheel_2``. Empty for one experiment."""
     possible_beside: list[str]
     """Effects one of which may act beside those that are named, the best first: what the named ones leave is more than noise, and
-    one of these, or another form of a named effect's law, accounts for it. Empty unless effects are named with confidence."""
+    one of these, or another form of a named effect's law, accounts for it. Empty unless effects are named with confidence, and where
+    there was no time to look. Of several experiments, an effect that acts in some only is called ``slip_sinkage in wheel_2``."""
     noise_floor: dict[str, NoiseFloor]
     """Standard deviation of one sample by signal."""
     noise_floor_source: Literal["stated", "replicates", "unknown"]

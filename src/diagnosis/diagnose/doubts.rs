@@ -14,7 +14,7 @@ use crate::diagnosis::thresholds::{ALIKE, CHI_SQUARE_95, HELD_BACK, LEAST_VALUES
 pub(crate) enum Doubt {
     /// Two of its effects change the same.
     Alike { effects: [String; 2], cosine: f64, weaker: String },
-    /// The interval of an effect's strength holds its neutral value.
+    /// The strength of an effect is not told from none.
     Neutral { effect: String, strength: String },
     /// Without the effect the fit is hardly worse.
     Spare { effect: String, loss: f64, gain: f64 },

@@ -139,7 +139,8 @@ pub fn diagnose(
     }
 
     if let Some(words) = search.beside(&stage, &mut judgement)? {
-        judgement.cautions.push(words);
+        // Among the first, which a page shows unfolded.
+        judgement.cautions.insert(0, words);
     }
     let finished = Finished { search: &search, stage: &stage, prepared: &prepared, evidence: &evidence };
     let mut diagnosis = finished.diagnosis(&judgement, &chosen, options)?;

@@ -6,11 +6,14 @@ use crate::diagnosis::linear_algebra::{Basis, Factor, Reach, best_fall, dot, pro
 use crate::diagnosis::noise::Whitening;
 use nalgebra::{DMatrix, DVector};
 
+/// Of one signature the largest fall of chi-square, the view that gives it, and its coefficients.
+pub(crate) type SingleGain = (f64, usize, Vec<f64>);
+
 /// Gains of candidates by their sensitivities.
 #[derive(Clone, Debug)]
 pub(crate) struct Gains {
-    /// For each signature: the largest fall of chi-square, the view that gives it, its coefficients.
-    pub singles: Vec<(f64, usize, Vec<f64>)>,
+    /// For each signature.
+    pub singles: Vec<SingleGain>,
     /// For pairs (i < j) of signatures: the largest fall.
     pub pairs: Vec<(usize, usize, f64)>,
 }
@@ -76,14 +79,7 @@ impl Projected {
     }
 
     /// The largest fall of two signatures together, each by the view that is its best alone.
-    fn pair(
-        &self,
-        i: usize,
-        j: usize,
-        singles: &[(f64, usize, Vec<f64>)],
-        freed: &[(Vec<f64>, Reach)],
-        residual: &[f64],
-    ) -> f64 {
+    fn pair(&self, i: usize, j: usize, singles: &[SingleGain], freed: &[(Vec<f64>, Reach)], residual: &[f64]) -> f64 {
         let (vi, vj) = (singles[i].1, singles[j].1);
         let (Some(a), Some(b)) = (self.views[i].get(vi), self.views[j].get(vj)) else { return 0.0 };
         let columns: Vec<&[f64]> = a.iter().chain(b).map(Vec::as_slice).collect();

@@ -185,8 +185,8 @@ pub struct Diagnosis {
     #[serde(skip)]
     pub places: BTreeMap<String, Vec<String>>,
     /// Effects one of which may act beside those that are named, the best first: what the named ones leave is more than noise, and one of
-    /// these, or another form of a named effect's law, accounts for it. Empty unless effects are named with confidence.
-    #[serde(serialize_with = "plain")]
+    /// these, or another form of a named effect's law, accounts for it. Empty unless effects are named with confidence, and where there was no
+    /// time to look. Names have the experiments behind them as `effects` has, in JSON too.
     pub possible_beside: Vec<String>,
     /// Noise floor of each signal: standard deviation of one sample.
     #[serde(serialize_with = "deviations")]

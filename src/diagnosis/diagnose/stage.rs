@@ -3,7 +3,7 @@
 use super::bootstrap::{Null, Statistics, p_value};
 use super::control::Control;
 use super::fits::Noise;
-use super::gains::{Gains, Projected};
+use super::gains::{Gains, Projected, SingleGain};
 use super::prepare::Prepared;
 use super::signature::{Sensitivities, sensitivities};
 use crate::diagnosis::calibrate::Calibration;
@@ -30,8 +30,8 @@ pub(crate) struct Stage {
     /// Gains of the data by sensitivities, parameters on their bounds being free to come back; and the columns outside
     /// the base.
     pub gains: Gains,
-    /// The gains of single effects where the strengths of those in the fit may not vary with the conditions; none at the baseline.
-    pub plain: Vec<f64>,
+    /// The same of single effects where the strengths of those in the fit may not vary with the conditions; none at the baseline.
+    pub plain: Vec<SingleGain>,
     pub projected: Projected,
     /// Directions along the conditions outside the base.
     pub flexible: Directions,
@@ -152,7 +152,7 @@ impl Stage {
             Vec::new()
         } else {
             let plain = Projected::new(context.whitening, &base[..unmodulated], &sensitivities.signatures);
-            gains_of(&plain).singles.into_iter().map(|(gain, ..)| gain).collect()
+            gains_of(&plain).singles
         };
         let numbers: Vec<u64> = (0..context.draws as u64).collect();
         let products = by_products.then(|| null.products(context.whitening));

@@ -1,5 +1,6 @@
 //! Where the fits of a search start.
 
+use super::gains::SingleGain;
 use super::search::Search;
 use super::stage::Stage;
 
@@ -9,11 +10,15 @@ pub(super) type Start = (Vec<String>, Vec<Vec<f64>>);
 impl Search<'_> {
     /// A stage's effects with candidate number `k` added, and where to start.
     pub(super) fn start(&self, stage: &Stage, k: usize) -> Start {
+        self.start_by(stage, k, &stage.gains.singles[k])
+    }
+
+    /// The same by a gain of the candidate that was found otherwise.
+    pub(super) fn start_by(&self, stage: &Stage, k: usize, (_, view, coefficients): &SingleGain) -> Start {
         let signature = &stage.sensitivities.signatures[k];
         let effects = self.with(stage, k);
         let Some(candidate) = self.problem.candidate(&signature.id) else { return (effects, Vec::new()) };
         let soil = &stage.fit.values()[..self.problem.base.len()];
-        let (_, view, coefficients) = &stage.gains.singles[k];
         let promised = signature.views.get(*view).map(|view| view.start(&candidate.free, coefficients));
         let mut starts: Vec<Vec<f64>> = promised.iter().map(|own| self.joined(stage, k, soil, own)).collect();
         let further = self.problem.strategy().further_starts(!starts.is_empty());

@@ -25,8 +25,8 @@ use std::ops::Range;
 pub(super) enum Drives {
     /// By its commands as they are.
     Open(Replay),
-    /// By a feedback loop on every wheel, which follows the commands. The state of the loop is not measured, so that the run is
-    /// replayed as a whole.
+    /// By a feedback loop on every wheel, which follows the commands. The state of the loop is not measured, so that all rows are one
+    /// window.
     Loop(Replay),
 }
 

@@ -18,7 +18,8 @@ pub(super) const SHIFT: f64 = 1e-6;
 /// smaller: the error of the integrator, about 1e-9, divided by it stays under 1e-4.
 const DIFFERENCE: f64 = 1e-4;
 
-/// A parameter whose derivatives are differences between windows side by side, and its two values, the lower one mostly its own.
+/// A parameter whose derivatives are differences between windows side by side, and the two values between which these are taken: of
+/// windows the first is the parameter's own value, of runs with feedback loops the two lie around it.
 pub(super) struct Change {
     pub parameter: usize,
     pub from: f64,
@@ -71,8 +72,8 @@ impl TraversePrediction<'_> {
         }
         let mut all = traced(&variants, self.halt).into_iter();
         let mut of_run = |(run, changes): (&Recorded, &Option<Changes>)| {
-            let (Some(changes), Some(own)) = (changes, all.next()) else { return Ok(None) };
-            let own = own?;
+            let Some(changes) = changes else { return Ok(None) };
+            let own = all.next().unwrap_or(Err(PredictionError::Interrupted))?;
             let mut slopes = Vec::new();
             for Change { parameter, from, to } in changes {
                 let mut at = |value: f64| match value == free[*parameter] {

@@ -18,7 +18,7 @@ use crate::diagnosis::recorded::{Drives, Recorded, Traced, Variant, traced};
 use crate::diagnosis::unanswered::{Answers, Unanswered, all_answered};
 use crate::diagnosis::windows::Windows;
 use crate::measurement::Experiment;
-use crate::model::Model;
+use crate::model::{ControlKind, Model};
 use bekker_modeldescription::Parameters;
 use std::ops::Range;
 
@@ -59,7 +59,8 @@ impl<'a> TraversePrediction<'a> {
             let own = |free: &Free| run.parameters.contains_key(&free.variable.name);
             let felt = (0..free.len()).filter(|at| !own(&free[*at])).collect();
             let mut model = place(model, run)?;
-            let guide = if guided { Guide::of(run, &mut model) } else { None };
+            let open = matches!(model.control.kind, ControlKind::Speed | ControlKind::Torque);
+            let guide = if guided && open { Guide::of(run, &mut model) } else { None };
             let recorded =
                 Recorded::new(model, run, layout.of_run(k), felt, guide, windows.get(k).map_or(&[], Vec::as_slice))?;
             let first = runs.iter().position(|other| other.repeats(&recorded));

@@ -2,7 +2,8 @@
 //!
 //! Derivatives of a run that is cut into windows are differences: windows under several values go side by side, eight at a time,
 //! faster than one with exact derivatives. Derivatives in an effect's parameter at its neutral value are exact, since beside it another
-//! law may begin, and so are those of a run that is replayed as a whole, since errors of differences grow with the length of a replay.
+//! law may begin, and so are those of a run with open-loop commands that is replayed as a whole, since errors of differences grow with
+//! the length of a replay. A run with feedback loops has differences to both sides, larger ones.
 
 use super::differences::Changes;
 use super::prediction::{Ended, TraversePrediction};
@@ -209,6 +210,27 @@ mod tests {
                 let (low, high) = (at(*parameter, *from), at(*parameter, *to));
                 let expected: Vec<f64> = high.iter().zip(&low).map(|(a, b)| (a - b) / (to - from)).collect();
                 assert_eq!(*slope, expected, "{}", prediction.free[*parameter].variable.name);
+            }
+        }
+    }
+
+    /// A short run is not cut; what the runs after it give stays theirs.
+    #[test]
+    fn agreement_a_run_that_is_not_cut_changes_nothing_of_the_others() {
+        let (experiment, model) = (experiment("speed_command", false), model("speed_command"));
+        let mut problem = Problem::new(&model, &experiment, &[]).unwrap();
+        problem.coarsen();
+        problem.cut();
+        let values: Vec<f64> = problem.base.iter().map(|free| free.start).collect();
+        let all = |problem: &Problem| prediction(problem, &problem.base).unwrap().all_slopes(&values).unwrap().0;
+        let cut = all(&problem);
+        problem.windows[0].clear();
+        let mixed = all(&problem);
+        for block in (1..3).flat_map(|run| problem.layout.of_run(run)) {
+            let bits = |column: &[f64]| column[block.range.clone()].iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(&mixed.0), bits(&cut.0), "{} of run {}", block.signal, block.run);
+            for (mixed, cut) in mixed.1.iter().zip(&cut.1) {
+                assert_eq!(bits(mixed), bits(cut), "derivatives of {} of run {}", block.signal, block.run);
             }
         }
     }
