@@ -183,10 +183,12 @@ def test_analytic_steady_climb_balances_the_slope():
     assert normal.sum() == pytest.approx(98.1 * np.cos(angle), rel=1e-3)
 
 
-def test_property_steps_have_converged():
-    bench = short_rover()
-    usual = bench.simulate([{}])[0]
-    fine = bench.simulate([{}], parts=(0.02, 0.05, 0.08) + (0.085,) * 10)[0]
+# Lugs on the stiff soil of seed 1009 ask for the shortest steps.
+@pytest.mark.parametrize("seed, rows, change", [(3, 25, {}), (1009, 60, {"grousers.lugs": 0.0039})])
+def test_property_steps_have_converged(seed, rows, change):
+    bench = short_rover(seed, rows)
+    usual = bench.simulate([change])[0]
+    fine = bench.simulate([change], parts=(0.01, 0.025, 0.04) + (0.0425,) * 10 + (0.05,) * 10)[0]
     size = bench.size(fine)
     # A twentieth of the noise, apart from the first rows, where the rover starts to move.
     assert np.max(np.abs(usual - fine)[:, 3:] / size) < 0.02

@@ -53,7 +53,7 @@ pub(crate) fn judge(
     }
 }
 
-/// The verdict on a set without its last effect, where that names effects and leaves little, and the whole leaves so many possible that it
+/// The verdict on a set without its last effect, where that names effects and leaves little or nothing but noise, and the whole leaves so many possible that it
 /// tells nothing. What may act beside them is said by `beside`.
 fn clearer(
     search: &mut Search,
@@ -69,7 +69,8 @@ fn clearer(
     let first = &chosen[..chosen.len() - 1];
     let Some(values) = search.fits.get(first).map(Calibration::values) else { return Ok(None) };
     let residual = search.whitened_residual(first, &values)?;
-    if verdict::left(search, stage, first, &residual).0 > MAY_STAY {
+    let (left, more_than_noise) = verdict::left(search, stage, first, &residual);
+    if more_than_noise && left > MAY_STAY {
         return Ok(None);
     }
     let part = judge(search, stage, prepared, evidence, first.to_vec())?;
