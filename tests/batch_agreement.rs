@@ -216,7 +216,7 @@ fn agreement_all_effects_at_once() {
 
 #[test]
 fn agreement_events_at_the_same_step() {
-    // A controller that has decided when a neighbour leaves the group does not decide once more.
+    // Under commands from outside, and with a controller that decides.
     for (kind, mean) in [(ControlKind::Torque, 2.2), (ControlKind::SpeedLoop, 5.0)] {
         events_at_the_same_step(kind, mean);
     }
