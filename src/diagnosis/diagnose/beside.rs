@@ -26,7 +26,7 @@ impl Search<'_> {
     /// Keeps what further effects promise beside those of a stage, whose strengths stay the same under all conditions.
     pub(super) fn keep_promises(&mut self, stage: &Stage) {
         let of = |(k, gain): (usize, &SingleGain)| (gain.0, self.start_by(stage, k, gain));
-        let promises = stage.plain.iter().enumerate().map(of).collect();
+        let promises = stage.gains_at_constant_strength.iter().enumerate().map(of).collect();
         self.promised.insert(sorted(&stage.effects), (stage.fit.chi_square, promises));
     }
 

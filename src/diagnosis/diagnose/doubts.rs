@@ -15,7 +15,7 @@ pub(crate) enum Doubt {
     /// Two of its effects change the same.
     Alike { effects: [String; 2], cosine: f64, weaker: String },
     /// The strength of an effect is not told from none.
-    Neutral { effect: String, strength: String },
+    Neutral { effect: String, strength: String, loss: f64 },
     /// Without the effect the fit is hardly worse.
     Spare { effect: String, loss: f64, gain: f64 },
     /// So few set-points were measured that another set of parameters may do as well; the weakest effect.
@@ -48,9 +48,9 @@ impl Doubt {
             Self::Alike { effects: [a, b], cosine, .. } => {
                 format!("{a} and {b} look alike here: the cosine of what they change is {cosine:.2}")
             }
-            Self::Neutral { effect, strength } => {
-                format!("the strength of {effect} is not told from none: {strength}")
-            }
+            Self::Neutral { effect, strength, loss } => format!(
+                "the strength of {effect} is not told from none: {strength}; without it chi-square rises by {loss:.1}"
+            ),
             Self::Spare { effect, loss, gain } => {
                 format!("{effect} could be left out: chi-square rises by {loss:.1} only, of {gain:.0} that all gain")
             }
@@ -138,6 +138,7 @@ fn neutral(search: &Search, effects: &[String], own: &str, fit: &Calibration, lo
     (by_error || loss / scatter < likely).then(|| Doubt::Neutral {
         effect: own.to_owned(),
         strength: parameters.iter().map(|parameter| strength(parameter)).collect::<Vec<_>>().join(", "),
+        loss,
     })
 }
 

@@ -30,8 +30,8 @@ pub(crate) struct Stage {
     /// Gains of the data by sensitivities, parameters on their bounds being free to come back; and the columns outside
     /// the base.
     pub gains: Gains,
-    /// The same of single effects where the strengths of those in the fit may not vary with the conditions; none at the baseline.
-    pub plain: Vec<SingleGain>,
+    /// Gains of single effects where the strengths of those in the fit are the same under all conditions; none at the baseline.
+    pub gains_at_constant_strength: Vec<SingleGain>,
     pub projected: Projected,
     /// Directions along the conditions outside the base.
     pub flexible: Directions,
@@ -148,11 +148,13 @@ impl Stage {
             projected.gains(&projected.base.outside(&residual), &freed(projected), effects.is_empty())
         };
         let gains = gains_of(&projected);
-        let plain = if effects.is_empty() {
-            Vec::new()
-        } else {
-            let plain = Projected::new(context.whitening, &base[..unmodulated], &sensitivities.signatures);
-            gains_of(&plain).singles
+        let gains_at_constant_strength = match (effects.is_empty(), base.len() == unmodulated) {
+            (true, _) => Vec::new(),
+            (false, true) => gains.singles.clone(),
+            (false, false) => {
+                let base = &base[..unmodulated];
+                gains_of(&Projected::new(context.whitening, base, &sensitivities.signatures)).singles
+            }
         };
         let numbers: Vec<u64> = (0..context.draws as u64).collect();
         let products = by_products.then(|| null.products(context.whitening));
@@ -166,7 +168,7 @@ impl Stage {
             residual,
             sensitivities,
             gains,
-            plain,
+            gains_at_constant_strength,
             projected,
             flexible,
             set_points,
