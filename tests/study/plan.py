@@ -81,7 +81,7 @@ def jobs(set_name, kinds, size, wanted, noises, seeds, first_seed=None, drawn=Fa
 
 def quick():
     """The small fixed part that CI runs: library forms, fixed seeds."""
-    wheel = ("clean", "slip_sinkage", "coulomb_friction", "drag", "rate", "hump")
+    wheel = ("clean", "slip_sinkage", "drag", "hump")
     made = [Job("development", cases.WHEEL, "full", c, form_for("development", cases.WHEEL, c), 0.02, 1000) for c in wheel]
     rover = ("multi_pass",)
     return made + [
