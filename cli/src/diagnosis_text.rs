@@ -124,7 +124,7 @@ fn print_candidates(diagnosis: &Diagnosis) -> Result<()> {
         say!("  {:wide$} {:>11} {:>8} {:>10} {:>9} {:>9}", "effect", "probability", "p", "gain", "held out", "visible");
     }
     for candidate in diagnosis.candidates.iter().take(LISTED) {
-        say!("{}", line(candidate, wide));
+        say!("{}", line(candidate, wide, &diagnosis.possible_beside));
     }
     let rest: Vec<&str> = diagnosis.candidates.iter().skip(LISTED).map(|other| other.effect.as_str()).collect();
     if !rest.is_empty() {
@@ -156,12 +156,13 @@ fn column<'n>(names: impl Iterator<Item = &'n String>) -> usize {
     names.map(String::len).max().unwrap_or(0).max(22)
 }
 
-fn line(candidate: &CandidateResult, wide: usize) -> String {
+fn line(candidate: &CandidateResult, wide: usize, beside: &[String]) -> String {
     let held = candidate
         .heldout_gain
         .map_or_else(|| "-".to_owned(), |gain| format!("{:+.1}", (10.0 * gain).round() / 10.0 + 0.0));
     let marks = match (candidate.tied, candidate.refitted) {
         (true, _) => "  tied",
+        _ if beside.contains(&candidate.effect) => "  perhaps besides",
         (false, false) => "  only screened",
         (false, true) => "",
     };

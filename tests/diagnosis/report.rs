@@ -8,7 +8,7 @@ use bekker::diagnosis::{Control, DiagnoseOptions, Diagnosis, Suggestion, Verdict
 use bekker::effects::EFFECTS;
 use bekker::measurement::Experiment;
 use bekker::model::Model;
-use bekker::report::diagnosis_page;
+use bekker::report::{diagnosis_page, verdict_in_words};
 use std::path::Path;
 use std::sync::LazyLock;
 
@@ -241,6 +241,19 @@ fn property_every_kind_of_verdict_reads_right() {
     assert!(
         interrupted.contains("Interrupted, so far: One effect is missing") && interrupted.contains("partial result")
     );
+}
+
+#[test]
+fn property_what_may_act_besides_is_on_the_first_screen() {
+    let possible_beside = vec!["exit_angle".to_owned(), "drag".to_owned()];
+    let diagnosis = Diagnosis { possible_beside, ..DIAGNOSIS.clone() };
+    let says = |diagnosis: &Diagnosis| {
+        let page = diagnosis_page(diagnosis);
+        let sentence = "Perhaps exit angle or drag acts besides; this experiment cannot tell.";
+        let clause = "; perhaps exit angle or drag acts besides";
+        (first_screen(&page).contains(sentence), verdict_in_words(diagnosis).ends_with(clause))
+    };
+    assert_eq!((says(&diagnosis), says(&DIAGNOSIS)), ((true, true), (false, false)));
 }
 
 #[test]

@@ -66,10 +66,16 @@ pub fn verdict_in_words(diagnosis: &Diagnosis) -> String {
     match (diagnosis.verdict, diagnosis.involved().len()) {
         (Verdict::Explained, _) => format!("{word}. The calibrated model leaves only noise; no effect is missing"),
         (Verdict::EffectMissing, 1) => {
-            format!("{word}. {effects} is missing from the model and accounts for {share:.0} % of the structure")
+            let beside = beside(diagnosis).map_or_else(String::new, |clause| format!("; {clause}"));
+            format!(
+                "{word}. {effects} is missing from the model and accounts for {share:.0} % of the structure{beside}"
+            )
         }
         (Verdict::EffectMissing, _) => {
-            format!("{word}. {effects} are missing from the model and account for {share:.0} % of the structure")
+            let beside = beside(diagnosis).map_or_else(String::new, |clause| format!("; {clause}"));
+            format!(
+                "{word}. {effects} are missing from the model and account for {share:.0} % of the structure{beside}"
+            )
         }
         (Verdict::Unexplained, 0) => {
             format!("{word}. There is more than noise in what the model leaves, and no known effect accounts for it")
@@ -82,6 +88,12 @@ pub fn verdict_in_words(diagnosis: &Diagnosis) -> String {
         }
         (Verdict::Undetermined, _) => format!("{word}. This experiment cannot decide on {effects}"),
     }
+}
+
+/// What may act beside the effects that are named.
+fn beside(diagnosis: &Diagnosis) -> Option<String> {
+    let possible = &diagnosis.possible_beside;
+    (!possible.is_empty()).then(|| format!("perhaps {} acts besides", listed(possible, "or")))
 }
 
 /// The verdict in one sentence.
@@ -167,6 +179,9 @@ pub(super) fn reasons(diagnosis: &Diagnosis) -> Vec<String> {
             if named.len() > 1 { "Together they account" } else { "It accounts" },
             percent(diagnosis.explained_share)
         ));
+    }
+    if let Some(clause) = beside(diagnosis) {
+        sentences.push(format!("{}; this experiment cannot tell.", first_capital(&clause)));
     }
     if let (false, Some(p)) = (named.is_empty(), only_candidate(diagnosis, &named)) {
         let p = equals(p, diagnosis.smallest_p);

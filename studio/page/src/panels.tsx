@@ -250,7 +250,10 @@ function verdict(): string {
   if (!found) return "";
   if (found.interrupted) return "The search was stopped before all was tried.";
   const tied = found.candidates.filter((one) => one.tied).map((one) => one.effect);
-  if (found.verdict === "effect_missing") return `Verdict: ${listed(found.effects.map(placed))} ${found.effects.length > 1 ? "are" : "is"} missing from the model.`;
+  if (found.verdict === "effect_missing") {
+    const beside = found.possible_beside.length ? ` Perhaps ${found.possible_beside.map(spoken).join(" or ")} acts besides.` : "";
+    return `Verdict: ${listed(found.effects.map(placed))} ${found.effects.length > 1 ? "are" : "is"} missing from the model.${beside}`;
+  }
   if (found.verdict === "explained") return "Verdict: the calibrated model leaves only noise.";
   if (found.verdict === "undetermined") return tied.length ? `Verdict: open; ${listed(tied)} cannot be told apart here.` : "Verdict: open; this experiment cannot decide.";
   return found.effects.length ? `Verdict: ${listed(found.effects.map(placed))} explains a part only.` : "Verdict: something is missing that no known effect explains.";

@@ -177,6 +177,8 @@ export interface Diagnosis {
   effects: string[];
   /** Of several experiments those in which each of `effects` acts. */
   where?: Record<string, string[]>;
+  /** Effects one of which may act beside those of `effects`. */
+  possible_beside: string[];
   candidates: Candidate[];
   invisible: string[];
   suggestions: { text: string }[];
