@@ -4,7 +4,7 @@ use super::SettleError;
 use crate::contact::Hold;
 use crate::linear::{Factors, Vector, zeros};
 use crate::rover::dynamics::{DynamicsError, Evaluation};
-use crate::rover::{Rover, State};
+use crate::rover::{Rover, State, Track};
 use crate::scalar::{Dual, Scalar};
 use crate::signals::Command;
 use crate::vehicle::MAX_COORDINATES;
@@ -21,20 +21,22 @@ const DERIVATIVE_STEPS: usize = 2;
 impl<S: Scalar> Rover<S> {
     /// The state in steady motion with the reference point above `x` (m), moving along the ground at `velocity` (m/s) with the
     /// wheels turning at `speeds` (rad/s, relative to the carrying body, rear to front), every contact as if it had always moved
-    /// so. It stands as deep in the soil as its slip demands; along the ground it need not be in balance, since it may be
-    /// speeding up.
+    /// so, on ground that the wheels have `passed` before (none where that is empty). It stands as deep in the soil as its slip demands;
+    /// along the ground it need not be in balance, since it may be speeding up.
     ///
     /// Where no balance is found, it stands as deep as at [rest](Self::settled_at), and what differs passes within tenths of a second.
     ///
     /// # Errors
     /// [`SettleError`] as for [`settled_at`](Self::settled_at).
-    pub fn moving_at(&self, x: S, velocity: S, speeds: &[S]) -> Result<State<S>, SettleError> {
+    pub fn moving_at(&self, x: S, velocity: S, speeds: &[S], passed: &[Track]) -> Result<State<S>, SettleError> {
         let radius = self.true_wheel().radius;
         let holds: Vec<Hold<S>> = speeds.iter().map(|speed| held(velocity, radius * *speed)).collect();
-        let mut state = match self.balanced(x, &holds)? {
+        let mut state = match self.balanced(x, &holds, passed)? {
             Some(state) => state,
             None => self.settled_at(x)?,
         };
+        let tracks = passed.iter().map(|track| track.map(&S::from));
+        state.wheels.iter_mut().zip(tracks).for_each(|(wheel, track)| wheel.track = track);
         let (sin, cos) = state.position[2].sine_cosine();
         (state.rate[0], state.rate[1]) = (velocity * cos, velocity * sin);
         for ((wheel, speed), hold) in state.wheels.iter_mut().zip(speeds).zip(holds) {
@@ -48,7 +50,7 @@ impl<S: Scalar> Rover<S> {
 
     /// The balance across the ground under contacts that slip as `holds` say; `None` where Newton's method does not find it.
     /// Derivatives follow by the implicit function theorem, as at rest.
-    fn balanced(&self, x: S, holds: &[Hold<S>]) -> Result<Option<State<S>>, SettleError> {
+    fn balanced(&self, x: S, holds: &[Hold<S>], passed: &[Track]) -> Result<Option<State<S>>, SettleError> {
         let fail = |source| SettleError::Dynamics { x: x.value(), source };
         if holds.len() != self.wheels.len() || holds.iter().any(|hold| hold.moves().is_none()) {
             return Ok(None);
@@ -56,7 +58,8 @@ impl<S: Scalar> Rover<S> {
         let plain = self.map(&|s| s.value());
         let plain_holds: Vec<Hold> =
             holds.iter().map(|hold| Hold { travel: hold.travel.value(), turn: hold.turn.value() }).collect();
-        let guess = plain.placed_at(x.value()).map_err(fail)?;
+        let mut guess = plain.placed_at(x.value()).map_err(fail)?;
+        guess.wheels.iter_mut().zip(passed).for_each(|(wheel, track)| wheel.track = *track);
         let Some((rest, factors)) = newton(&plain, guess, &plain_holds) else { return Ok(None) };
         let mut state = rest.map(&S::from);
         (state.position[0], state.start_x) = (x, x);

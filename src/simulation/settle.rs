@@ -90,6 +90,20 @@ impl Rover<f64> {
             .map_err(|again| SettleError::NoEquilibrium { x, acceleration: left.min(again) })
     }
 
+    /// Places of the wheels' feet along x, m, of a rover at rest above `x`; where it has no rest there, of one that is only put on the ground.
+    ///
+    /// # Errors
+    /// [`DynamicsError`] where the ground is not known there.
+    pub(crate) fn feet_at(&self, x: f64) -> Result<Vec<f64>, DynamicsError> {
+        let state = match self.settled(x) {
+            Ok(state) => state,
+            Err(_) => self.placed_at(x)?,
+        };
+        let mut evaluation = Evaluation::new(self);
+        evaluation.update(self, &state, &Command::speed(vec![0.0; self.wheels.len()]))?;
+        Ok(evaluation.wheels.iter().map(|wheel| wheel.foot_x).collect())
+    }
+
     /// A first guess: the pitch that the ground has under the outer wheels, sunk by Bekker's estimate (4.18).
     pub(super) fn placed_at(&self, x: f64) -> Result<State, DynamicsError> {
         let height = |k: usize| {

@@ -19,6 +19,7 @@ from linkage import Linkage
 GAMMA = 1.0 - 1.0 / np.sqrt(2.0)
 HOLD_TIME = 0.01  # s, damping of a standing contact
 DAMPING_DEPTH = 0.001  # m, over which the normal damping sets in
+PASSED = 0.05  # m, over which ground turns from fresh to passed: about the length of a contact
 ITERATIONS = 25
 HALVINGS = 3  # of a step
 GIVEN_UP = 30  # smallest steps without a solution, after which a run counts as stuck
@@ -63,7 +64,7 @@ class Rover:
         self.unknowns = self.mass.shape[-1]
         self.start = np.zeros_like(self.ones)  # x of the reference point at the start
         self.unsolved = np.zeros(self.ones.shape, int)  # smallest steps without a solution
-        self.tracks = np.full(self.ones.shape + (self.count,), np.nan)  # where the tracks of the wheels begin
+        self.tracks = np.full(self.ones.shape + (self.count,), np.nan)  # where the tracks of the wheels' feet begin
 
     def of(self, runs):
         """A rover of these runs only."""
@@ -174,7 +175,7 @@ class Rover:
                 side = 1.0 if other > k else -1.0
                 if other != k:
                     past = side * (foot[..., k] - self.tracks[..., other])
-                    passed[..., k] += smooth(np.nan_to_num(past / 0.02 + 0.5))
+                    passed[..., k] += smooth(np.nan_to_num(past / PASSED + 0.5))
         ahead, behind = np.roll(slip, -1, axis=-1), np.roll(slip, 1, axis=-1)
         ahead[..., -1], behind[..., 0] = behind[..., -1], ahead[..., 0]
         return passed, np.where(command >= 0.0, ahead, behind)
@@ -224,8 +225,8 @@ class Rover:
             unknown = unknown - change / np.maximum(np.max(limit, axis=-1, keepdims=True), 1.0)
         q = np.where(np.all(np.abs(residual[..., 1:]) < 1e-3, axis=-1)[..., None], q, np.nan)
         self.start = np.full(runs, float(x0))
-        lever_x, _ = self.linkage.levers(q[..., 2:])
-        self.tracks = q[..., 0:1] + lever_x.sum(-2)
+        lever_x, lever_z = self.linkage.levers(q[..., 2:])
+        self.tracks = self.profile.foot(q[..., 0:1] + lever_x.sum(-2), q[..., 1:2] + lever_z.sum(-2))[0]
         return q, still, hold
 
     def step(self, q, u, hold, command, dt, slopes, halved=0):

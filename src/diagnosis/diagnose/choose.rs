@@ -21,7 +21,12 @@ pub(super) fn choose(
     if options.max_effects < 2 || (chosen.is_empty() && p_pair >= NAMED) || (search.control.stop)() {
         return Ok(chosen);
     }
-    let grown = if chosen.is_empty() { None } else { further(search, &chosen)? };
+    let mut grown = if chosen.is_empty() { None } else { further(search, &chosen)? };
+    // Before a second effect is taken: whether the first one, fitted from elsewhere, leaves nothing for it.
+    if grown.is_some() && search.problem.strategy().budget().refits_from_larger && search.from_given_soil(stage) {
+        chosen = best_of(search, 1).unwrap_or(chosen);
+        grown = further(search, &chosen)?;
+    }
     if grown.is_some() || chosen.is_empty() {
         search.pairs(stage);
         search.lower_valleys(1);

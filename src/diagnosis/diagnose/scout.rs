@@ -68,15 +68,46 @@ impl Search<'_> {
     /// Fits the best effects of a far baseline once more as if they had been in the model from the outset, from the given
     /// values and from draws: the soil from which they were fitted is bent to stand in for them.
     pub(super) fn afresh(&mut self, stage: &Stage) {
+        let tasks: Vec<Task> = self.best(stage).iter().map(|set| self.problem.task(set, Vec::new())).collect();
+        self.settle_all(&tasks);
+    }
+
+    /// Fits the best effects once more from the given soil, with as much of the effect as was found and with next to nothing of it.
+    /// The soil of a baseline that stands in for an effect may lie in another valley of chi-square than the soil beside the effect, and
+    /// what the fit could not reach from there looks like a further effect. Returns whether a fit has found a lower valley.
+    pub(super) fn from_given_soil(&mut self, stage: &Stage) -> bool {
+        let sets = self.best(stage);
+        let left = |search: &Self| -> Vec<f64> {
+            sets.iter().map(|set| search.fits.get(set).map_or(f64::INFINITY, |fit| fit.chi_square)).collect()
+        };
+        let before = left(self);
+        let tasks: Vec<Task> = sets.iter().map(|set| self.problem.task(set, self.at_given_soil(set))).collect();
+        self.settle_all(&tasks);
+        let lower = before.iter().zip(left(self)).any(|(before, after)| after < *before);
+        if lower {
+            self.lower_valleys(1);
+        }
+        lower
+    }
+
+    /// Values of a fitted set with the soil from which the baseline's search began, and the same with next to nothing of its effects.
+    fn at_given_soil(&self, set: &[String]) -> Vec<Vec<f64>> {
+        let given: Vec<f64> = self.problem.base.iter().map(|free| free.start).collect();
+        let found = self.fits.get(set).map(|fit| [&given, &fit.values()[given.len()..]].concat());
+        let faint = self.problem.free(set).into_iter().skip(given.len()).map(|free| free.nearly_neutral());
+        let faint: Vec<f64> = given.iter().copied().chain(faint).collect();
+        found.into_iter().chain([faint]).collect()
+    }
+
+    /// The fitted sets of a stage with one effect more that gain most, with at least a share of the largest gain.
+    fn best(&self, stage: &Stage) -> Vec<Vec<String>> {
         let mut sets: Vec<(f64, Vec<String>)> = (0..stage.gains.singles.len())
             .map(|k| self.with(stage, k))
             .filter_map(|set| Some((stage.fit.chi_square - self.fits.get(&set)?.chi_square, set)))
             .collect();
         sets.sort_by(|a, b| b.0.total_cmp(&a.0));
         let least = sets.first().map_or(0.0, |(most, _)| WORTH_AFRESH * most);
-        let worth = sets.into_iter().take(MOST_AFRESH).filter(|(gain, _)| *gain >= least);
-        let tasks: Vec<Task> = worth.map(|(_, set)| self.problem.task(&set, Vec::new())).collect();
-        self.settle_all(&tasks);
+        sets.into_iter().take(MOST_AFRESH).filter(|(gain, _)| *gain >= least).map(|(_, set)| set).collect()
     }
 
     fn look(&self, (effects, starts): Start, searches: usize) -> Task {

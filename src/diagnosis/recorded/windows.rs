@@ -5,7 +5,7 @@ use crate::diagnosis::halt::Halt;
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::replay::{Replay, ReplayError};
 use crate::diagnosis::windows::{Moving, OPEN, Window};
-use crate::rover::{Rover, State};
+use crate::rover::{Rover, State, Track};
 use crate::scalar::Scalar;
 use crate::simulation::{Simulation, StepError};
 use std::ops::Range;
@@ -108,19 +108,10 @@ impl Recorded {
                 None => velocity / radius,
             })
             .collect();
-        let mut state = rover.moving_at(x, velocity, &speeds)?;
-        self.remember(rover, start, &mut state);
+        let mut state = rover.moving_at(x, velocity, &speeds, &passed(rover, start))?;
+        state.start_x = S::from(start.origin);
         state.wheels.iter_mut().zip(warm).for_each(|(wheel, warm)| wheel.winding_rise = *warm);
         Ok(state)
-    }
-
-    /// Ground that was passed since the run began.
-    fn remember<S: Scalar>(&self, rover: &Rover<S>, start: &Moving, state: &mut State<S>) {
-        state.start_x = S::from(start.origin);
-        for (wheel, mount) in state.wheels.iter_mut().zip(&rover.wheels) {
-            wheel.track.low = mount.mount.x + start.covered[0];
-            wheel.track.high = mount.mount.x + start.covered[1];
-        }
     }
 
     /// Repeats the row before `rows`; where there is none, nothing is known.
@@ -131,4 +122,16 @@ impl Recorded {
             }
         }
     }
+}
+
+/// Ground that each wheel has passed since the run began: from its foot at one end of the way to that at the other. On a slope a foot is
+/// ahead of the wheel's centre, or behind it, by several millimetres, a good part of the length over which ground turns from fresh to passed.
+fn passed<S: Scalar>(rover: &Rover<S>, start: &Moving) -> Vec<Track> {
+    let plain = rover.map(&|s| s.value());
+    let [low, high] = start.covered.map(|x| {
+        let feet = rover.effects.counts_passes().then(|| plain.feet_at(x).ok()).flatten();
+        // Before the known ground the way counts as level.
+        feet.unwrap_or_else(|| plain.wheels.iter().map(|wheel| wheel.mount.x + x).collect())
+    });
+    low.into_iter().zip(high).map(|(low, high)| Track { low, high }).collect()
 }

@@ -30,11 +30,17 @@ const BREAKING_LOOSE_SHARE: f64 = 0.2;
 /// How far the ground counts as passed behind a rover that already moves, m.
 const CAME_FROM: f64 = 100.0;
 
+/// How far from the place at which a run is said to begin its path may begin, m: farther off the log has another zero.
+const BEHIND: f64 = 0.1;
+
 /// The windows of all runs; `models` has what is known of each.
 pub(crate) fn cut(experiment: &Experiment, models: &[Model]) -> Windows {
     let paths: Vec<Option<Path>> = experiment.runs.iter().zip(models).map(|(run, model)| of_run(run, model)).collect();
     let paths = shared(experiment, paths);
-    experiment.runs.iter().zip(&paths).map(|(run, path)| windows(run, path.as_ref())).collect()
+    let of_run = |((run, model), path): ((&Run, &Model), &Option<Path>)| {
+        windows(run, path.as_ref(), run.x0.unwrap_or(model.start.x0))
+    };
+    experiment.runs.iter().zip(models).zip(&paths).map(of_run).collect()
 }
 
 /// Number of rows at the start of a run that no fit counts: how contacts break loose is an assumption of the model.
@@ -148,7 +154,8 @@ fn shared(experiment: &Experiment, paths: Vec<Option<Path>>) -> Vec<Option<Path>
     all
 }
 
-fn windows(run: &Run, path: Option<&Path>) -> Vec<Window> {
+/// The windows of a run, which is said to begin at `x0`, m.
+fn windows(run: &Run, path: Option<&Path>, x0: f64) -> Vec<Window> {
     let (Some(time), Some(path)) = (run.data.column("time"), path) else { return Vec::new() };
     let speeds = commanded(run);
     let mut pieces = pieces(time);
@@ -157,13 +164,13 @@ fn windows(run: &Run, path: Option<&Path>) -> Vec<Window> {
     if pieces.len() == 1 && at_rest && length < LONG * LENGTH {
         return Vec::new();
     }
-    let mut covered = [f64::INFINITY, f64::NEG_INFINITY];
-    if !at_rest {
-        let behind = path.x[0] - CAME_FROM * path.velocity[0].signum();
-        covered = [behind.min(path.x[0]), behind.max(path.x[0])];
-    }
-    let (mut windows, mut seen) = (Vec::new(), 0);
+    // A straight line through the first rows of a start from rest begins behind it.
+    let origin = if at_rest && (path.x[0] - x0).abs() < BEHIND { x0 } else { path.x[0] };
+    let before = if at_rest { origin } else { origin - CAME_FROM * path.velocity[0].signum() };
+    let mut covered = [before.min(origin), before.max(origin)];
+    let mut windows = Vec::new();
     let loose = uncounted(run).min(pieces[0].end - 1);
+    let mut seen = if at_rest { loose } else { 0 };
     if at_rest && loose > 0 {
         // How it breaks loose is shown and not counted; what counts begins in motion.
         windows.push(Window { begin: 0, rows: 0..loose, start: None, ends_when_stuck: false });
@@ -183,7 +190,7 @@ fn windows(run: &Run, path: Option<&Path>) -> Vec<Window> {
             let lead = time[..rows.start].partition_point(|t| *t <= time[rows.start] - LEAD).saturating_sub(1);
             // Behind a gap nothing is known.
             let begin = if rows.start == loose { lead } else { lead.max(piece.start) };
-            for x in &path.x[seen..=begin.max(seen)] {
+            for x in path.x.get(seen..=begin).unwrap_or_default().iter().chain([&path.x[begin]]) {
                 covered = [covered[0].min(*x), covered[1].max(*x)];
             }
             seen = begin.max(seen);
@@ -192,7 +199,7 @@ fn windows(run: &Run, path: Option<&Path>) -> Vec<Window> {
                 velocity: path.velocity[begin],
                 speeds: speeds[begin].clone(),
                 covered,
-                origin: path.x[0],
+                origin,
             };
             let start = (rows.start > 0 || !at_rest).then_some(start);
             windows.push(Window { begin, rows, start, ends_when_stuck: false });
@@ -262,7 +269,7 @@ mod tests {
     fn property_windows_of_a_run_from_rest_begin_in_motion_behind_its_start() {
         let run = run(200, 0.8, 0.0);
         let path = path(&run, 0.25, 0.0, &commanded(&run)).unwrap();
-        let windows = windows(&run, Some(&path));
+        let windows = windows(&run, Some(&path), 0.0);
         assert_eq!((windows[0].rows.clone(), &windows[0].start), (0..18, &None));
         for pair in windows.windows(2) {
             assert_eq!(pair[0].rows.end, pair[1].rows.start);

@@ -59,8 +59,10 @@ impl Window {
     /// Moves the start by `change` of place (m) and velocity (m/s).
     pub fn displace(&mut self, change: [f64; OPEN]) {
         if let Some(start) = &mut self.start {
+            // The end of the way at which the rover is moves with it.
+            let here = start.x;
+            start.covered.iter_mut().filter(|end| **end == here).for_each(|end| *end += change[0]);
             start.x += change[0];
-            start.covered.iter_mut().for_each(|end| *end += change[0]);
             start.velocity += change[1];
         }
     }
