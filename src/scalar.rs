@@ -8,9 +8,11 @@ pub use bekker_scalar::{Both, Dual, Mask, Part, PartDual, Plain, Scalar, functio
 #[cfg(all(feature = "batch", any(all(feature = "every-kernel", not(test)), not(target_arch = "x86_64"))))]
 pub(crate) use bekker_scalar::Arrays;
 #[cfg(feature = "batch")]
+pub(crate) use bekker_scalar::MOST_LANES;
+#[cfg(feature = "batch")]
 pub(crate) use bekker_scalar::{Arch, Lanes, WIDTH};
 #[cfg(all(feature = "batch", target_arch = "x86_64"))]
 pub(crate) use bekker_scalar::{Avx2, Avx512};
 #[cfg(all(feature = "batch", test))]
 pub(crate) use bekker_scalar::{Counted, Operations, operations};
-pub(crate) use bekker_scalar::{LaneAccess, MOST_LANES, MapScalar, Moving, lanes};
+pub(crate) use bekker_scalar::{LaneAccess, MapScalar, Moving, lanes};

@@ -75,13 +75,13 @@ impl Search<'_> {
     /// Fits the best effects once more from the given soil, with as much of the effect as was found and with next to nothing of it.
     /// The soil of a baseline that stands in for an effect may lie in another valley of chi-square than the soil beside the effect, and
     /// what the fit could not reach from there looks like a further effect. Returns whether a fit has found a lower valley.
-    pub(super) fn from_given_soil(&mut self, stage: &Stage) -> bool {
+    pub(super) fn again_at_given_soil(&mut self, stage: &Stage) -> bool {
         let sets = self.best(stage);
         let left = |search: &Self| -> Vec<f64> {
             sets.iter().map(|set| search.fits.get(set).map_or(f64::INFINITY, |fit| fit.chi_square)).collect()
         };
         let before = left(self);
-        let tasks: Vec<Task> = sets.iter().map(|set| self.problem.task(set, self.at_given_soil(set))).collect();
+        let tasks: Vec<Task> = sets.iter().map(|set| self.problem.task(set, self.values_at_given_soil(set))).collect();
         self.settle_all(&tasks);
         let lower = before.iter().zip(left(self)).any(|(before, after)| after < *before);
         if lower {
@@ -91,7 +91,7 @@ impl Search<'_> {
     }
 
     /// Values of a fitted set with the soil from which the baseline's search began, and the same with next to nothing of its effects.
-    fn at_given_soil(&self, set: &[String]) -> Vec<Vec<f64>> {
+    fn values_at_given_soil(&self, set: &[String]) -> Vec<Vec<f64>> {
         let given: Vec<f64> = self.problem.base.iter().map(|free| free.start).collect();
         let found = self.fits.get(set).map(|fit| [&given, &fit.values()[given.len()..]].concat());
         let faint = self.problem.free(set).into_iter().skip(given.len()).map(|free| free.nearly_neutral());
