@@ -74,10 +74,7 @@ fn build(job: &Build) {
     cargo.args(["rustc", "--offline", "--lib", "--crate-type", "cdylib", "--release", "--target", &target]);
     cargo.args(["--no-default-features", "--features", job.features]);
     cargo.arg("--manifest-path").arg(job.manifest).arg("--target-dir").arg(directory);
-    // In a build for tests the large library, which no test measures, is compiled on all cores: the same results, a file larger by 30 %.
-    let (lto, units) =
-        if variable("PROFILE") == "debug" && !job.features.is_empty() { ("off", "16") } else { ("fat", "1") };
-    cargo.env("CARGO_PROFILE_RELEASE_LTO", lto).env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", units);
+    cargo.env("CARGO_PROFILE_RELEASE_LTO", "fat").env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "1");
     cargo.env("CARGO_ENCODED_RUSTFLAGS", flags());
     if job.features.is_empty() {
         // Small: it travels in every FMU. With `z` for parts of it, it is larger. Results are the same bits. Rapier, in
