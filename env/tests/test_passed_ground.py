@@ -7,11 +7,11 @@ import bekker
 PERIOD = 0.1
 TIME = PERIOD * np.arange(101)
 SPEED = 2.5
-# On this slope a wheel's foot is 14 mm ahead of its centre; ground turns from fresh to passed over 50 mm.
+# On this slope a wheel's foot is 12 mm ahead of its centre; ground turns from fresh to passed over 50 mm.
 SLOPE = 0.14
 NOISE = {"x": 0.0002, "pitch": 0.002, "velocity": 0.003, "wheel[1].torque": 0.02, "wheel[2].torque": 0.02}
-# Of the noise: a window begins as the drive was there but for how its contacts have slipped until then. Were the tracks those of the wheels'
-# centres, the torque of the rear wheel would be off by 1.4 times its noise.
+# Largest error, as a share of the noise. A window begins as the drive was there, except for how its contacts have slipped until then. With tracks
+# under the wheels' centres that begin where the measured path seems to begin, the torque of the rear wheel is off by 1.45 times its noise.
 LEFT = 0.1
 
 

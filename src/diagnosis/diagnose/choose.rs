@@ -23,7 +23,7 @@ pub(super) fn choose(
     }
     let mut grown = if chosen.is_empty() { None } else { further(search, &chosen)? };
     // Before a second effect is taken: whether the first one, fitted from elsewhere, leaves nothing for it.
-    if grown.is_some() && search.problem.strategy().budget().refits_from_larger && search.again_at_given_soil(stage) {
+    if grown.is_some() && search.again_at_given_soil(stage) {
         chosen = best_of(search, 1).unwrap_or(chosen);
         grown = further(search, &chosen)?;
     }

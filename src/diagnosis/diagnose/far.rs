@@ -57,7 +57,7 @@ pub(super) fn faint_start(problem: &Problem, noise: &Noise, task: &Task) -> Opti
 }
 
 /// The task from starts with next to nothing of its effects.
-fn weakened(problem: &Problem, task: &Task) -> Task {
+pub(super) fn weakened(problem: &Problem, task: &Task) -> Task {
     let faint = |start: &Vec<f64>| {
         let own = problem.free(&task.effects).into_iter().skip(problem.base.len());
         let own = own.filter(|free| task.parameters.contains(&free.variable.name));

@@ -3,6 +3,7 @@
 //! Sensitivities around such a baseline say little, and fits from it often fail: the calibration has bent the soil to stand
 //! in for what it lacks, and with an effect added to that soil the simulated rover gets stuck, where the cost is flat.
 
+use super::far::weakened;
 use super::fits::{Outcome, Task};
 use super::search::Search;
 use super::stage::Stage;
@@ -68,7 +69,8 @@ impl Search<'_> {
     /// Fits the best effects of a far baseline once more as if they had been in the model from the outset, from the given
     /// values and from draws: the soil from which they were fitted is bent to stand in for them.
     pub(super) fn afresh(&mut self, stage: &Stage) {
-        let tasks: Vec<Task> = self.best(stage).iter().map(|set| self.problem.task(set, Vec::new())).collect();
+        let tasks: Vec<Task> =
+            self.best_additions(stage).iter().map(|set| self.problem.task(set, Vec::new())).collect();
         self.settle_all(&tasks);
     }
 
@@ -76,31 +78,30 @@ impl Search<'_> {
     /// The soil of a baseline that stands in for an effect may lie in another valley of chi-square than the soil beside the effect, and
     /// what the fit could not reach from there looks like a further effect. Returns whether a fit has found a lower valley.
     pub(super) fn again_at_given_soil(&mut self, stage: &Stage) -> bool {
-        let sets = self.best(stage);
-        let left = |search: &Self| -> Vec<f64> {
-            sets.iter().map(|set| search.fits.get(set).map_or(f64::INFINITY, |fit| fit.chi_square)).collect()
-        };
-        let before = left(self);
-        let tasks: Vec<Task> = sets.iter().map(|set| self.problem.task(set, self.values_at_given_soil(set))).collect();
+        if !self.problem.strategy().budget().refits_from_larger {
+            return false;
+        }
+        let given: Vec<f64> = self.problem.base.iter().map(|free| free.start).collect();
+        let (mut before, mut tasks) = (Vec::new(), Vec::new());
+        for set in self.best_additions(stage) {
+            let Some(fit) = self.fits.get(&set) else { continue };
+            let mut task = self.problem.task(&set, vec![[&given, &fit.values()[given.len()..]].concat()]);
+            task.starts.extend(weakened(self.problem, &task).starts);
+            before.push(fit.chi_square);
+            tasks.push(task);
+        }
         self.settle_all(&tasks);
-        let lower = before.iter().zip(left(self)).any(|(before, after)| after < *before);
+        let is_lower =
+            |(task, before): (&Task, &f64)| self.fits.get(&task.effects).is_some_and(|fit| fit.chi_square < *before);
+        let lower = tasks.iter().zip(&before).any(is_lower);
         if lower {
             self.lower_valleys(1);
         }
         lower
     }
 
-    /// Values of a fitted set with the soil from which the baseline's search began, and the same with next to nothing of its effects.
-    fn values_at_given_soil(&self, set: &[String]) -> Vec<Vec<f64>> {
-        let given: Vec<f64> = self.problem.base.iter().map(|free| free.start).collect();
-        let found = self.fits.get(set).map(|fit| [&given, &fit.values()[given.len()..]].concat());
-        let faint = self.problem.free(set).into_iter().skip(given.len()).map(|free| free.nearly_neutral());
-        let faint: Vec<f64> = given.iter().copied().chain(faint).collect();
-        found.into_iter().chain([faint]).collect()
-    }
-
     /// The fitted sets of a stage with one effect more that gain most, with at least a share of the largest gain.
-    fn best(&self, stage: &Stage) -> Vec<Vec<String>> {
+    fn best_additions(&self, stage: &Stage) -> Vec<Vec<String>> {
         let mut sets: Vec<(f64, Vec<String>)> = (0..stage.gains.singles.len())
             .map(|k| self.with(stage, k))
             .filter_map(|set| Some((stage.fit.chi_square - self.fits.get(&set)?.chi_square, set)))

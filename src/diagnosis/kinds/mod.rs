@@ -67,7 +67,8 @@ pub(crate) struct Budget {
     pub soil_classes: usize,
     /// Whether likelihoods are profiled over the calibrated parameters too, or over those of the effects only.
     pub profiles_of_calibrated: bool,
-    /// Whether a set is fitted once more from where a larger set ended, whose further effect may have helped the search only.
+    /// Whether a set is fitted once more from where a larger set ended, whose further effect may have helped the search only, and from the
+    /// given soil before a second effect is taken.
     pub refits_from_larger: bool,
     /// Whether what noise alone gives is told from products of columns rather than from orthonormal ones: rows are many.
     pub by_products: bool,

@@ -124,14 +124,14 @@ impl Recorded {
     }
 }
 
-/// Ground that each wheel has passed since the run began: from its foot at one end of the way to that at the other. On a slope a foot is
-/// ahead of the wheel's centre, or behind it, by several millimetres, a good part of the length over which ground turns from fresh to passed.
+/// Ground that each wheel has passed since the run began: from its foot at one end of the way to that at the other. On a slope a foot lies
+/// beside the wheel's centre by a good part of the length over which ground turns from fresh to passed.
 fn passed<S: Scalar>(rover: &Rover<S>, start: &Moving) -> Vec<Track> {
-    let plain = rover.map(&|s| s.value());
+    let counting = rover.effects.counts_passes().then(|| rover.map(&|s| s.value()));
     let [low, high] = start.covered.map(|x| {
-        let feet = rover.effects.counts_passes().then(|| plain.feet_at(x).ok()).flatten();
-        // Before the known ground the way counts as level.
-        feet.unwrap_or_else(|| plain.wheels.iter().map(|wheel| wheel.mount.x + x).collect())
+        let feet = counting.as_ref().and_then(|rover| rover.feet_at(x).ok());
+        // Where no effect asks, and before the known ground, the way counts as level.
+        feet.unwrap_or_else(|| rover.wheels.iter().map(|wheel| wheel.mount.x.value() + x).collect())
     });
     low.into_iter().zip(high).map(|(low, high)| Track { low, high }).collect()
 }

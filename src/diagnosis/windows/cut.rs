@@ -30,17 +30,18 @@ const BREAKING_LOOSE_SHARE: f64 = 0.2;
 /// How far the ground counts as passed behind a rover that already moves, m.
 const CAME_FROM: f64 = 100.0;
 
-/// How far from the place at which a run is said to begin its path may begin, m: farther off the log has another zero.
-const BEHIND: f64 = 0.1;
+/// Largest distance of the first place of a measured path from the stated `x0`, m, at which the run counts as beginning at `x0`. A log that
+/// begins farther off measures x from another origin.
+const SAME_START: f64 = 0.1;
 
 /// The windows of all runs; `models` has what is known of each.
 pub(crate) fn cut(experiment: &Experiment, models: &[Model]) -> Windows {
     let paths: Vec<Option<Path>> = experiment.runs.iter().zip(models).map(|(run, model)| of_run(run, model)).collect();
     let paths = shared(experiment, paths);
-    let of_run = |((run, model), path): ((&Run, &Model), &Option<Path>)| {
+    let cut_one = |((run, model), path): ((&Run, &Model), &Option<Path>)| {
         windows(run, path.as_ref(), run.x0.unwrap_or(model.start.x0))
     };
-    experiment.runs.iter().zip(models).zip(&paths).map(of_run).collect()
+    experiment.runs.iter().zip(models).zip(&paths).map(cut_one).collect()
 }
 
 /// Number of rows at the start of a run that no fit counts: how contacts break loose is an assumption of the model.
@@ -164,8 +165,8 @@ fn windows(run: &Run, path: Option<&Path>, x0: f64) -> Vec<Window> {
     if pieces.len() == 1 && at_rest && length < LONG * LENGTH {
         return Vec::new();
     }
-    // A straight line through the first rows of a start from rest begins behind it.
-    let origin = if at_rest && (path.x[0] - x0).abs() < BEHIND { x0 } else { path.x[0] };
+    // The path is a straight line through the rows around each, which at the first row of a start from rest lies behind the start.
+    let origin = if at_rest && (path.x[0] - x0).abs() < SAME_START { x0 } else { path.x[0] };
     let before = if at_rest { origin } else { origin - CAME_FROM * path.velocity[0].signum() };
     let mut covered = [before.min(origin), before.max(origin)];
     let mut windows = Vec::new();

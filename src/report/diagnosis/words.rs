@@ -63,16 +63,15 @@ pub fn verdict_in_words(diagnosis: &Diagnosis) -> String {
     let effects = diagnosis.involved_in_words().join(", ");
     let share = 100.0 * diagnosis.explained_share;
     let word = diagnosis.verdict.name();
+    let beside = beside(diagnosis).map_or_else(String::new, |clause| format!("; {clause}"));
     match (diagnosis.verdict, diagnosis.involved().len()) {
         (Verdict::Explained, _) => format!("{word}. The calibrated model leaves only noise; no effect is missing"),
         (Verdict::EffectMissing, 1) => {
-            let beside = beside(diagnosis).map_or_else(String::new, |clause| format!("; {clause}"));
             format!(
                 "{word}. {effects} is missing from the model and accounts for {share:.0} % of the structure{beside}"
             )
         }
         (Verdict::EffectMissing, _) => {
-            let beside = beside(diagnosis).map_or_else(String::new, |clause| format!("; {clause}"));
             format!(
                 "{word}. {effects} are missing from the model and account for {share:.0} % of the structure{beside}"
             )
