@@ -1,7 +1,8 @@
 //! The candidates of a search: single effects, pairs, and rivals of a chosen set.
 
 use super::bootstrap::p_value;
-use super::far::costs;
+use super::far::{costs, weakened};
+use super::fits::Task;
 use super::search::Search;
 use super::stage::Stage;
 use super::starts::Start;
@@ -10,7 +11,7 @@ use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::free::Free;
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::problem::{Problem, plain_effect};
-use crate::diagnosis::thresholds::{COMMON, WORTH_A_REFIT};
+use crate::diagnosis::thresholds::{COMMON, WORTH_A_REFIT, WORTH_ANOTHER};
 
 /// Fits of single effects where none promises more than noise does.
 const FEW: usize = 3;
@@ -171,7 +172,28 @@ impl Search<'_> {
                 sets.push((swapped, vec![start]));
             }
         }
+        self.again_beside(effects, &sets);
         self.fit(sets);
+    }
+
+    /// Fits rivals of a set that are fitted already once more, where they leave nearly as little: from the set's soil, and from the given soil
+    /// with as much of the rival as was found and with next to nothing of it. Only then have they had as many searches as the set
+    /// has, and a name rests on the effects, not on where searches ended.
+    fn again_beside(&mut self, effects: &[String], rivals: &[Start]) {
+        if !self.problem.strategy().budget().refits_from_larger {
+            return;
+        }
+        let given: Vec<f64> = self.problem.base.iter().map(|free| free.start).collect();
+        let least = WORTH_ANOTHER * self.gain(effects);
+        let near = rivals.iter().filter(|(set, _)| self.fits.get(set).is_some() && self.gain(set) >= least);
+        let of = |(set, starts): &Start| {
+            let from_given = starts.iter().map(|start| [&given, &start[given.len()..]].concat());
+            let from_given = self.problem.task(set, from_given.collect());
+            let faint = weakened(self.problem, &from_given);
+            self.problem.task(set, [starts.clone(), from_given.starts, faint.starts].concat())
+        };
+        let tasks: Vec<Task> = near.map(of).collect();
+        self.settle_all(&tasks);
     }
 }
 

@@ -6,8 +6,9 @@ use super::drive::{WholeDrive, whole_drive};
 use super::evidence::Evidence;
 use super::finished::Finished;
 use super::judge::{Judged, judge};
+use super::moved::MovedStarts;
 use super::odd::odd;
-use super::prepare::{Prepared, prepare, prepare_again};
+use super::prepare::{Prepared, prepare, prepare_again, prepare_under};
 use super::result::Diagnosis;
 use super::search::Search;
 use super::spared::{WINDOWS, judge_by_spared};
@@ -103,56 +104,108 @@ pub fn diagnose(
         prepared.noise.odd = found.rows;
         prepared.cautions.extend(found.words);
     }
-    let problem = problem;
-    let whitening = prepared.noise.whitening(&problem, &|_, _| true).ok_or(CompareError::NoFit)?;
+    let course =
+        Course { problem: &problem, others: others.as_ref(), prepared: &prepared, options, control, watch: &watch };
+    course.run(None)
+}
 
-    // Is what the baseline misses more than noise? What noise alone would give around it.
-    watch.begin(Phase::Noise, "");
-    let context = StageContext::new(&problem, &prepared, &whitening, options.draws);
-    let mut search = Search::new(context, prepared.baseline.clone(), control, &watch);
-    let stage = search.stage(&[])?.ok_or(CompareError::NoFit).map_err(nothing_yet)?;
+/// The course of a diagnosis once noise and baseline are known.
+struct Course<'a> {
+    problem: &'a Problem<'a>,
+    /// The same over the windows that take no part in the fits.
+    others: Option<&'a Problem<'a>>,
+    prepared: &'a Prepared,
+    options: &'a DiagnoseOptions,
+    control: &'a Control<'a>,
+    watch: &'a Watch<'a>,
+}
 
-    // The candidates, each refitted together with the calibration.
-    watch.begin(Phase::Singles, "");
-    let stage = search.candidates(stage)?;
+impl Course<'_> {
+    /// From the baseline to the verdict. `moved` says under what the windows begin and what was fitted before, where they were moved already.
+    fn run(&self, moved: Option<MovedStarts>) -> Result<Diagnosis, CompareError> {
+        let Self { problem, prepared, options, watch, .. } = self;
+        let whitening = prepared.noise.whitening(problem, &|_, _| true).ok_or(CompareError::NoFit)?;
+        let context = StageContext::new(problem, prepared, &whitening, options.draws);
+        let mut search = Search::new(context, prepared.baseline.clone(), self.control, watch);
+        let first = moved.is_none();
+        let stage = self.candidates(&mut search, moved)?;
 
-    // The choice: the effects that gain more than noise alone.
-    watch.begin(Phase::Sets, "");
-    let chosen = choose(&mut search, &stage, options)?;
+        // The choice: the effects that gain more than noise alone.
+        watch.begin(Phase::Sets, "");
+        let chosen = choose(&mut search, &stage, options)?;
+        if first && let Some(moved) = search.moved_starts(&stage, &chosen) {
+            match self.over(moved) {
+                // After a stop the first search has to do.
+                Err(CompareError::Interrupted) => {}
+                again => return again,
+            }
+        }
 
-    // The verdict: what left-out data, rivals and doubts say, limited by what is not known.
-    watch.begin(Phase::LeftOut, "");
-    let mut evidence = Evidence::new(&search, &chosen);
-    watch.begin(Phase::Rivals, "");
-    let Judged { mut judgement, chosen } = judge(&mut search, &stage, &prepared, &mut evidence, chosen)?;
-    limit(&mut judgement, &search, &stage, &prepared);
-    let values = search.fits.get(&chosen).unwrap_or(&prepared.baseline).values();
-    let whole = whole_drive(&problem, &prepared.noise, &chosen, &values)?;
-    if let Some(whole) = &whole {
-        last_check(&mut judgement, whole, &problem.experiment);
+        // The verdict: what left-out data, rivals and doubts say, limited by what is not known.
+        watch.begin(Phase::LeftOut, "");
+        let mut evidence = Evidence::new(&search, &chosen);
+        watch.begin(Phase::Rivals, "");
+        let Judged { mut judgement, chosen } = judge(&mut search, &stage, prepared, &mut evidence, chosen)?;
+        limit(&mut judgement, &search, &stage, prepared);
+        let values = search.fits.get(&chosen).unwrap_or(&prepared.baseline).values();
+        let whole = whole_drive(problem, &prepared.noise, &chosen, &values)?;
+        if let Some(whole) = &whole {
+            last_check(&mut judgement, whole, &problem.experiment);
+        }
+        if let Some(mut others) = self.others.cloned() {
+            let found = (chosen.as_slice(), values.as_slice());
+            others.halt = watch.halt();
+            judge_by_spared(
+                &mut judgement,
+                &mut others,
+                (problem, &prepared.noise),
+                &prepared.baseline.values(),
+                found,
+            )?;
+        }
+        if let Some(words) = search.beside(&stage, &mut judgement)? {
+            // Among the first, which a page shows unfolded.
+            judgement.cautions.insert(0, words);
+        }
+        let finished = Finished { search: &search, stage: &stage, prepared, evidence: &evidence };
+        let mut diagnosis = finished.diagnosis(&judgement, &chosen, options)?;
+        diagnosis.whole_drive = whole;
+
+        // The next experiment.
+        watch.begin(Phase::Next, "");
+        diagnosis.suggestions = finished.next_experiment(&judgement, &chosen, &diagnosis.failures_left);
+        diagnosis.interrupted = watch.stopped();
+        diagnosis.not_tried = lines(&watch.untried());
+        watch.begin(Phase::Done, "");
+        Ok(diagnosis)
     }
 
-    if let Some(mut others) = others {
-        let found = (chosen.as_slice(), values.as_slice());
-        others.halt = watch.halt();
-        judge_by_spared(&mut judgement, &mut others, (&problem, &prepared.noise), &prepared.baseline.values(), found)?;
+    /// The same once more, over windows that begin where the chosen effects bring them nearest to the measurements.
+    fn over(&self, moved: MovedStarts) -> Result<Diagnosis, CompareError> {
+        let mut problem = self.problem.clone();
+        let nothing_yet = |error| if self.watch.stopped() { CompareError::Interrupted } else { error };
+        let prepared =
+            prepare_under(&mut problem, self.prepared, (&moved.effects, &moved.values)).map_err(nothing_yet)?;
+        Course { problem: &problem, prepared: &prepared, ..*self }.run(Some(moved))
     }
 
-    if let Some(words) = search.beside(&stage, &mut judgement)? {
-        // Among the first, which a page shows unfolded.
-        judgement.cautions.insert(0, words);
-    }
-    let finished = Finished { search: &search, stage: &stage, prepared: &prepared, evidence: &evidence };
-    let mut diagnosis = finished.diagnosis(&judgement, &chosen, options)?;
-    diagnosis.whole_drive = whole;
+    /// Fits the candidates; returns what the baseline leaves.
+    fn candidates(&self, search: &mut Search, moved: Option<MovedStarts>) -> Result<Stage, CompareError> {
+        let (watch, first) = (self.watch, moved.is_none());
+        // Is what the baseline misses more than noise? What noise alone would give around it.
+        match moved {
+            Some(moved) => search.go_on_from(moved.fitted),
+            None => watch.begin(Phase::Noise, ""),
+        }
+        let nothing_yet = |error: CompareError| if watch.stopped() { CompareError::Interrupted } else { error };
+        let stage = search.stage(&[])?.ok_or(CompareError::NoFit).map_err(nothing_yet)?;
 
-    // The next experiment.
-    watch.begin(Phase::Next, "");
-    diagnosis.suggestions = finished.next_experiment(&judgement, &chosen, &diagnosis.failures_left);
-    diagnosis.interrupted = watch.stopped();
-    diagnosis.not_tried = lines(&watch.untried());
-    watch.begin(Phase::Done, "");
-    Ok(diagnosis)
+        // Each refitted together with the calibration.
+        if first {
+            watch.begin(Phase::Singles, "");
+        }
+        Ok(search.candidates(stage)?)
+    }
 }
 
 /// What is not known limits a verdict: a noise, answers of the model, and work that was not done.

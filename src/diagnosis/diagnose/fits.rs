@@ -29,7 +29,10 @@ pub struct Noise {
     /// Windows of each run with the starts that were found; none where runs are replayed as a whole.
     #[serde(default)]
     pub windows: Vec<Vec<Window>>,
-    /// Values of the baseline's parameters around which the windows' starts are free.
+    /// Effects beside the baseline with which the windows' starts were found.
+    #[serde(default)]
+    pub around_effects: Vec<String>,
+    /// Values of all free parameters around which the windows' starts were found and are free.
     #[serde(default)]
     pub around: Vec<f64>,
     /// How often the inner step was refined, since it showed beside the noise.
@@ -51,6 +54,7 @@ impl Noise {
             models,
             robust: None,
             windows: Vec::new(),
+            around_effects: Vec::new(),
             around: Vec::new(),
             refined: 0,
             odd: Vec::new(),
@@ -60,6 +64,13 @@ impl Noise {
 
     pub(crate) fn whitening(&self, problem: &Problem, keep: &dyn Fn(usize, usize) -> bool) -> Option<Whitening> {
         Whitening::new(&problem.layout, &self.models, keep)
+    }
+
+    /// Keeps the windows of a problem, whose starts were found with `effects` at `values`.
+    pub(super) fn begin_at(&mut self, problem: &Problem, (effects, values): (&[String], &[f64])) {
+        self.windows.clone_from(&problem.windows);
+        self.around_effects = effects.to_vec();
+        self.around = values.to_vec();
     }
 
     pub(crate) fn deviations(&self) -> BTreeMap<String, f64> {
@@ -214,7 +225,7 @@ pub fn fit_task(
     problem.layout.scale.clone_from(&noise.scale);
     (0..noise.refined).for_each(|_| _ = problem.refine_step());
     if problem.is_cut() && !noise.windows.is_empty() {
-        problem.begin_windows(noise.windows.clone(), &noise.around)?;
+        problem.begin_windows(noise.windows.clone(), (&noise.around_effects, &noise.around))?;
     }
     Ok(outcome(&problem, noise, task))
 }

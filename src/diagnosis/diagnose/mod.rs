@@ -9,7 +9,8 @@
 //!    bootstrap (`stage`, `bootstrap`);
 //! 3. **candidates**: every single effect and pair refitted jointly with the calibration, a long list first screened by its
 //!    sensitivities where a refit is dear (`candidates`, `search`, `starts`, `scout`, `valleys`);
-//! 4. **choice** of the effects that gain more than the best of all candidates does by noise alone (`choose`);
+//! 4. **choice** of the effects that gain more than the best of all candidates does by noise alone (`choose`); where windows of a drive begin
+//!    elsewhere under these, 2 to 4 once more from there (`moved`);
 //! 5. **verdict**: gains on left-out conditions (`held_out`, `folds`), probabilities over candidates, "enough" and "something
 //!    else" (`evidence`, `probability`), doubts (`doubts`, `soil`), what follows (`judge`, `verdict`), and what may act beside the named effects (`beside`);
 //! 6. **result** (`finished`, `result`): profile likelihoods (`profile`) and the **next experiment** ([`super::separate`]).
@@ -36,6 +37,7 @@ mod gains;
 mod held_out;
 mod inner_step;
 mod judge;
+mod moved;
 mod odd;
 mod prepare;
 mod probability;

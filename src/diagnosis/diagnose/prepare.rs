@@ -24,6 +24,7 @@ use std::collections::BTreeMap;
 const MEDIAN: f64 = 0.674_489_750_196_081_7;
 
 /// What the search starts from.
+#[derive(Clone)]
 pub(crate) struct Prepared {
     pub noise: Noise,
     pub repeats: Option<Repeats>,
@@ -57,6 +58,26 @@ pub(super) fn prepare_again(problem: &mut Problem, before: &Prepared) -> Result<
     let mut prepared = calibrated_from(problem, Some(before))?;
     prepared.invisible = before.invisible.clone();
     prepared.invisible.extend(prune(problem, &prepared.baseline.values())?);
+    Ok(prepared)
+}
+
+/// The baseline from windows that begin where another model of the drive than the baseline itself brings them nearest to the measurements: with
+/// `effects` at `values`. Noise and rows that count stay as they are.
+///
+/// # Errors
+/// [`CompareError`] where the baseline has no answer there.
+pub(super) fn prepare_under(
+    problem: &mut Problem,
+    before: &Prepared,
+    (effects, values): (&[String], &[f64]),
+) -> Result<Prepared, CompareError> {
+    let mut prepared = before.clone();
+    problem.refine_starts(&prepared.noise, (effects, values))?;
+    prepared.noise.begin_at(problem, (effects, values));
+    let mut unanswered = Vec::new();
+    prepared.baseline = fitted_again(problem, &prepared.noise, &prepared.baseline, &mut unanswered)?;
+    prepared.unanswered.extend(listed(unanswered));
+    prepared.modelled = modelled(problem, &prepared.baseline.values())?.values;
     Ok(prepared)
 }
 
@@ -96,7 +117,7 @@ fn calibrated_from(problem: &mut Problem, before: Option<&Prepared>) -> Result<P
             first = fitted_again(problem, &guess, &first, &mut unanswered)?;
         }
         if problem.is_cut() {
-            problem.refine_starts(&guess, &first.values())?;
+            problem.refine_starts(&guess, (&[], &first.values()))?;
             first = fitted_again(problem, &guess, &first, &mut unanswered)?;
         }
         let found = noise_about(problem, &repeats, &first)?;
@@ -108,9 +129,9 @@ fn calibrated_from(problem: &mut Problem, before: Option<&Prepared>) -> Result<P
     noise.refined = refined;
     let mut baseline = refitted(problem, &noise, first, &mut unanswered)?;
     if problem.is_cut() {
-        noise.around = baseline.values();
-        problem.refine_starts(&noise, &noise.around)?;
-        noise.windows.clone_from(&problem.windows);
+        let values = baseline.values();
+        problem.refine_starts(&noise, (&[], &values))?;
+        noise.begin_at(problem, (&[], &values));
         baseline = fitted_again(problem, &noise, &baseline, &mut unanswered)?;
     }
     let modelled = modelled(problem, &baseline.values())?.values;

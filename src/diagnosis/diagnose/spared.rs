@@ -37,7 +37,7 @@ impl Spared {
         (effects, values): (&[String], &[f64]),
     ) -> Result<Self, CompareError> {
         (0..noise.refined).for_each(|_| _ = others.refine_step());
-        others.refine_starts(noise, baseline)?;
+        begin(others, noise, baseline)?;
         let mean_square = |problem: &Problem, effects: &[String], values: &[f64]| {
             let task = Task { prior_factor: NO_PRIORS, ..problem.task(effects, vec![values.to_vec()]) };
             let (chi_squares, freedom) = costs(problem, noise, &task).ok_or(CompareError::NoFit)?;
@@ -107,6 +107,19 @@ impl Spared {
         };
         format!("{spared} of the {all} windows of this long drive took no part in the fits, evenly spread: {misfit}")
     }
+}
+
+/// Finds the starts of the spared windows as those of the fits were found: under the same model or, where that has no answer there, under the
+/// baseline.
+fn begin(others: &mut Problem, noise: &Noise, baseline: &[f64]) -> Result<(), PredictionError> {
+    if !noise.around_effects.is_empty() {
+        match others.refine_starts(noise, (&noise.around_effects, &noise.around)) {
+            Err(PredictionError::Interrupted) => return Err(PredictionError::Interrupted),
+            Err(_) => {}
+            Ok(()) => return Ok(()),
+        }
+    }
+    others.refine_starts(noise, (&[], baseline))
 }
 
 /// Lets the windows that took no part judge what was found. After a stop nothing is said of them.

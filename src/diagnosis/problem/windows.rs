@@ -170,27 +170,35 @@ impl<'a> Problem<'a> {
         self.windows.iter().any(|windows| !windows.is_empty())
     }
 
-    /// Takes these windows, whose starts are free as the baseline at `values` depends on them.
+    /// Takes these windows, whose starts are free as the baseline with `effects` at `values` depends on them.
     ///
     /// # Errors
     /// [`PredictionError`] where the model gives nothing there.
-    pub fn begin_windows(&mut self, windows: Windows, values: &[f64]) -> Result<(), PredictionError> {
+    pub fn begin_windows(
+        &mut self,
+        windows: Windows,
+        (effects, values): (&[String], &[f64]),
+    ) -> Result<(), PredictionError> {
         self.windows = windows;
         self.sensitivities = None;
-        let starts = self.strategy().free_starts(self, &self.base, values)?;
+        let starts = self.strategy().free_starts(self, &self.free(effects), values)?;
         self.layout.free_starts = starts.into_iter().map(Arc::new).collect();
         Ok(())
     }
 
-    /// Begins the windows where the baseline at `values` brings them nearest to the measurements.
+    /// Begins the windows where the baseline with `effects` at `values` brings them nearest to the measurements.
     ///
     /// # Errors
     /// [`PredictionError`] where the model gives nothing there.
-    pub fn refine_starts(&mut self, noise: &Noise, values: &[f64]) -> Result<(), PredictionError> {
-        self.begin_windows(self.windows.clone(), values)?;
+    pub fn refine_starts(
+        &mut self,
+        noise: &Noise,
+        (effects, values): (&[String], &[f64]),
+    ) -> Result<(), PredictionError> {
+        self.begin_windows(self.windows.clone(), (effects, values))?;
         let Some(whitening) = noise.whitening(self, &|_, _| true) else { return Ok(()) };
-        let modelled = self.predict(&self.base, |predict| predict.values_onward(values))??;
+        let modelled = self.predict(&self.free(effects), |predict| predict.values_onward(values))??;
         let residual: Vec<f64> = modelled.iter().zip(&self.layout.measured).map(|(m, y)| m - y).collect();
-        self.begin_windows(displaced(&self.windows, &whitening.best_starts(&residual)), values)
+        self.begin_windows(displaced(&self.windows, &whitening.best_starts(&residual)), (effects, values))
     }
 }

@@ -1,0 +1,140 @@
+//! Windows that begin elsewhere once an effect is known.
+//!
+//! The starts of windows are found under the baseline, and what other starts could bring about is taken out to first order. Where the
+//! baseline lacks an effect that depends on the place, such as ground that wheels have passed, its best starts may be so far from the
+//! right ones that first order is not enough: what is left then looks like a further effect. So the starts are found once more
+//! under the effects that were chosen, and where that leaves less by more than noise, the search goes on from there.
+
+use super::bootstrap::p_value;
+use super::far::costs;
+use super::fits::Task;
+use super::search::Search;
+use super::stage::Stage;
+use super::untried::Untried;
+use crate::diagnosis::thresholds::NAMED;
+
+/// Under what the windows have to begin.
+pub(super) struct MovedStarts {
+    /// Effects beside the baseline.
+    pub effects: Vec<String>,
+    /// Values of the free parameters.
+    pub values: Vec<f64>,
+    /// Single effects and the sets on the way to the chosen one, as they were fitted so far.
+    pub fitted: Vec<(Vec<String>, Vec<f64>)>,
+}
+
+/// What the baseline and its bootstrap cost over the moved windows, in single fits.
+const AROUND_FITS: f64 = 3.0;
+
+impl Search<'_> {
+    /// Whether windows that begin where the chosen effects bring them nearest to the measurements leave less, without any further
+    /// fit, by more than noise alone gives an effect. `stage` is the baseline's.
+    /// `None` also where the model has no answer from there.
+    pub(super) fn moved_starts(&self, stage: &Stage, chosen: &[String]) -> Option<MovedStarts> {
+        if !self.problem.is_cut() || chosen.is_empty() || self.watch.stopped() {
+            return None;
+        }
+        let values = self.fits.get(chosen)?.values();
+        let task = self.problem.task(chosen, vec![values.clone()]);
+        let left = |problem| Some(costs(problem, self.noise, &task)?.0[0]);
+        let mut moved = self.problem.clone();
+        moved.refine_starts(self.noise, (chosen, &values)).ok()?;
+        let fall = left(self.problem)? - left(&moved)?;
+        if p_value(&stage.draws, |draw| draw.single, fall) >= NAMED {
+            return None;
+        }
+        let parts = (2..=chosen.len())
+            .filter_map(|count| Some((chosen[..count].to_vec(), self.fits.get(&chosen[..count])?.values())));
+        let alone = self.fits.of(1).map(|(effects, fit)| (effects.clone(), fit.values()));
+        let fitted: Vec<(Vec<String>, Vec<f64>)> = alone.chain(parts).collect();
+        if !self.watch.has_time(fitted.len() as f64 + AROUND_FITS) {
+            self.watch.leave([Untried::Again(chosen.to_vec())]);
+            return None;
+        }
+        Some(MovedStarts { effects: chosen.to_vec(), values, fitted })
+    }
+
+    /// Makes fits of an earlier search again, each from where it ended.
+    pub(super) fn go_on_from(&mut self, fitted: Vec<(Vec<String>, Vec<f64>)>) {
+        let again = fitted.into_iter().map(|(effects, values)| self.problem.task(&effects, vec![values]));
+        self.settle_all(&again.collect::<Vec<Task>>());
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+mod tests {
+    use super::*;
+    use crate::diagnosis::diagnose::control::Control;
+    use crate::diagnosis::diagnose::prepare::prepare;
+    use crate::diagnosis::diagnose::stage::StageContext;
+    use crate::diagnosis::diagnose::watch::Watch;
+    use crate::diagnosis::kinds::synthetic::experiment;
+    use crate::diagnosis::problem::Problem;
+    use crate::measurement::{Experiment, Table};
+    use crate::model::{ControlKind, Model};
+    use crate::terrain::{Profile, Samples};
+    use bekker_modeldescription::Lookup;
+
+    /// Draws of the bootstrap: p-values reach down to 0.005.
+    const DRAWS: usize = 199;
+    /// Half of a wave of the ground, m: what a start there brings about is not proportional to its displacement.
+    const FAR: f64 = 2.0;
+    const MEASURED: [(&str, f64); 5] =
+        [("x", 0.01), ("velocity", 0.004), ("pitch", 0.002), ("wheel[1].torque", 0.02), ("wheel[2].sinkage", 5e-4)];
+
+    /// The first drive of the synthetic experiment as the model itself makes it.
+    fn driven(model: &Model) -> Experiment {
+        let mut experiment = experiment("speed_command", false);
+        experiment.runs.truncate(1);
+        for run in &mut experiment.runs {
+            let mut model = model.clone();
+            let ground = run.terrain.as_ref().unwrap();
+            let samples = Samples::new(ground.column("x").unwrap(), ground.column("z").unwrap()).unwrap();
+            model.rover.terrain.profile = Profile::Samples(samples.into());
+            let mut simulation = model.start().unwrap();
+            let columns = ["time", "wheel[1].speed_command", "wheel[2].speed_command"];
+            let mut data = Table::new(columns.into_iter().chain(MEASURED.map(|(name, _)| name))).unwrap();
+            for row in 0..run.data.rows() {
+                let mut cells: Vec<f64> = columns.iter().map(|name| run.data.column(name).unwrap()[row]).collect();
+                let mut signals = simulation.signals().clone();
+                cells.extend(MEASURED.map(|(name, _)| signals.get(name).unwrap()));
+                data.push(&cells).unwrap();
+                simulation.inputs_mut().set_all(&cells[1..3]).unwrap();
+                simulation.advance((0.1 / simulation.step_size()).round() as u64).unwrap();
+            }
+            run.data = data;
+        }
+        experiment.noise = MEASURED.map(|(name, noise)| (name.to_owned(), noise)).into();
+        experiment
+    }
+
+    #[test]
+    fn property_starts_are_moved_where_they_leave_more_than_noise() {
+        let mut model = Model::preset("two_wheeled").unwrap();
+        model.control.kind = ControlKind::Speed;
+        model.rover.soil.shear_modulus = 0.01;
+        let experiment = driven(&model);
+        let mut problem = Problem::new(&model, &experiment, &[]).unwrap();
+        problem.keep_candidates(&["drag".to_owned()]).unwrap();
+        problem.coarsen();
+        problem.cut();
+        let prepared = prepare(&mut problem).unwrap();
+        let values = prepared.baseline.values();
+        let moves = |problem: &Problem| {
+            let whitening = prepared.noise.whitening(problem, &|_, _| true).unwrap();
+            let context = StageContext::new(problem, &prepared, &whitening, DRAWS);
+            let control = Control::default();
+            let watch = Watch::new(&control, problem.strategy());
+            let mut search = Search::new(context, prepared.baseline.clone(), &control, &watch);
+            let stage = search.stage(&[]).unwrap().unwrap();
+            search.fit(vec![search.start(&stage, 0)]);
+            search.moved_starts(&stage, &["drag".to_owned()]).is_some()
+        };
+        assert!(!moves(&problem), "as they were found");
+        let mut windows = problem.windows.clone();
+        windows.iter_mut().flatten().for_each(|window| window.displace([FAR, 0.0]));
+        problem.begin_windows(windows, (&[], &values)).unwrap();
+        assert!(moves(&problem), "{FAR} m ahead");
+    }
+}
