@@ -135,9 +135,9 @@ impl Course<'_> {
         let chosen = choose(&mut search, &stage, options)?;
         if first && let Some(moved) = search.moved_starts(&stage, &chosen) {
             match self.over(moved) {
-                // After a stop the first search has to do.
-                Err(CompareError::Interrupted) => {}
-                again => return again,
+                Ok(diagnosis) => return Ok(diagnosis),
+                // After a stop, or where the baseline has no answer from there, the first search has to do.
+                Err(_) => watch.leave([Untried::Again(chosen.clone())]),
             }
         }
 
