@@ -105,8 +105,8 @@ pub(crate) const COMMON: f64 = 0.5;
 /// Most effects of a far baseline that are fitted afresh, and the share of the best gain from which on.
 pub(crate) const MOST_AFRESH: usize = 4;
 pub(crate) const WORTH_AFRESH: f64 = 0.5;
-/// Share of a set's gain from which a rival on a traverse is searched for once more from other places. Local minima have cost 2 % of a gain
-/// (development seed 1009, where a flexible wheel was named in place of a shifted exit angle).
+/// Share of a set's gain from which a rival on a traverse is searched for once more from other places. A local minimum has cost 2 % of a gain
+/// (development seed 1009, where a flexible wheel was named in place of a shifted exit angle); the rest is margin.
 pub(crate) const WORTH_ANOTHER: f64 = 0.9;
 /// A rival is refitted in the place of an effect from this cosine of signatures.
 pub(crate) const WORTH_A_SWAP: f64 = 0.5;

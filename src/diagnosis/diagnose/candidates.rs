@@ -1,7 +1,7 @@
 //! The candidates of a search: single effects, pairs, and rivals of a chosen set.
 
 use super::bootstrap::p_value;
-use super::far::{costs, weakened};
+use super::far::costs;
 use super::fits::Task;
 use super::search::Search;
 use super::stage::Stage;
@@ -154,7 +154,7 @@ impl Search<'_> {
     /// has at least the cosine `worth` with it, or that is the same effect acting elsewhere. `stage` is the baseline's.
     pub fn rivals(&mut self, stage: &Stage, effects: &[String], worth: f64) {
         let Some(values) = self.fits.get(effects).map(Calibration::values) else { return };
-        let mut sets = Vec::new();
+        let mut sets: Vec<Start> = Vec::new();
         for own in effects {
             for (k, signature) in stage.sensitivities.signatures.iter().enumerate() {
                 let elsewhere = plain_effect(own) == plain_effect(&signature.id);
@@ -172,27 +172,32 @@ impl Search<'_> {
                 sets.push((swapped, vec![start]));
             }
         }
-        self.again_beside(effects, &sets);
-        self.fit(sets);
+        let (known, new): (Vec<Start>, Vec<Start>) =
+            sets.into_iter().partition(|(set, _)| self.fits.get(set).is_some());
+        let made: Vec<Vec<String>> = new.iter().map(|(set, _)| set.clone()).collect();
+        self.fit(new);
+        self.again_beside(effects, &known, &made);
     }
 
-    /// Fits rivals of a set that are fitted already once more, where they leave nearly as little: from the set's soil, and from the given soil
-    /// with as much of the rival as was found and with next to nothing of it. Only then have they had as many searches as the set
-    /// has, and a name rests on the effects, not on where searches ended.
-    fn again_beside(&mut self, effects: &[String], rivals: &[Start]) {
+    /// Fits a set and those of its rivals that leave nearly as little once more from the given soil, with as much of the effects as was found and
+    /// with next to nothing of them; rivals that were `known` before, from the soil of the set too. So they have had about as many
+    /// searches as the set has, and a name rests less on where searches ended. `made` are rivals that began at that soil.
+    fn again_beside(&mut self, effects: &[String], known: &[Start], made: &[Vec<String>]) {
         if !self.problem.strategy().budget().refits_from_larger {
             return;
         }
-        let given: Vec<f64> = self.problem.base.iter().map(|free| free.start).collect();
         let least = WORTH_ANOTHER * self.gain(effects);
-        let near = rivals.iter().filter(|(set, _)| self.fits.get(set).is_some() && self.gain(set) >= least);
-        let of = |(set, starts): &Start| {
-            let from_given = starts.iter().map(|start| [&given, &start[given.len()..]].concat());
-            let from_given = self.problem.task(set, from_given.collect());
-            let faint = weakened(self.problem, &from_given);
-            self.problem.task(set, [starts.clone(), from_given.starts, faint.starts].concat())
-        };
-        let tasks: Vec<Task> = near.map(of).collect();
+        let near = |set: &[String]| self.gain(set) >= least;
+        let mut tasks: Vec<Task> = Vec::new();
+        for (set, starts) in known.iter().filter(|(set, _)| near(set)) {
+            let Some(mut task) = self.from_given_soil(set) else { continue };
+            task.starts.extend(starts.iter().cloned());
+            tasks.push(task);
+        }
+        let rivals = known.iter().map(|(set, _)| set).chain(made).any(|set| near(set));
+        let made = made.iter().map(Vec::as_slice).filter(|set| near(set));
+        // Without a rival the set has nothing to be compared with.
+        tasks.extend(made.chain(rivals.then_some(effects)).filter_map(|set| self.from_given_soil(set)));
         self.settle_all(&tasks);
     }
 }

@@ -10,10 +10,10 @@ use super::moved::MovedStarts;
 use super::odd::odd;
 use super::prepare::{Prepared, prepare, prepare_again, prepare_under};
 use super::result::Diagnosis;
-use super::search::Search;
+use super::search::{Search, sorted};
 use super::spared::{WINDOWS, judge_by_spared};
 use super::stage::{Stage, StageContext};
-use super::untried::{Untried, lines};
+use super::untried::{Untried, lines, named};
 use super::verdict::Judgement;
 use super::watch::{Phase, Watch};
 use crate::diagnosis::compare::CompareError;
@@ -127,17 +127,18 @@ impl Course<'_> {
         let whitening = prepared.noise.whitening(problem, &|_, _| true).ok_or(CompareError::NoFit)?;
         let context = StageContext::new(problem, prepared, &whitening, options.draws);
         let mut search = Search::new(context, prepared.baseline.clone(), self.control, watch);
-        let first = moved.is_none();
+        let under = moved.as_ref().map(|moved| moved.effects.clone());
         let stage = self.candidates(&mut search, moved)?;
 
         // The choice: the effects that gain more than noise alone.
         watch.begin(Phase::Sets, "");
         let chosen = choose(&mut search, &stage, options)?;
-        if first && let Some(moved) = search.moved_starts(&stage, &chosen) {
-            match self.over(moved) {
-                Ok(diagnosis) => return Ok(diagnosis),
-                // After a stop, or where the baseline has no answer from there, the first search has to do.
-                Err(_) => watch.leave([Untried::Again(chosen.clone())]),
+        if under.is_none()
+            && let Some(moved) = search.moved_starts(&stage, &chosen)
+        {
+            match self.over(moved)? {
+                Some(diagnosis) => return Ok(diagnosis),
+                None => watch.leave([Untried::Again(chosen.clone())]),
             }
         }
 
@@ -147,6 +148,7 @@ impl Course<'_> {
         watch.begin(Phase::Rivals, "");
         let Judged { mut judgement, chosen } = judge(&mut search, &stage, prepared, &mut evidence, chosen)?;
         limit(&mut judgement, &search, &stage, prepared);
+        judgement.cautions.extend(under.and_then(|under| elsewhere(&under, &chosen)));
         let values = search.fits.get(&chosen).unwrap_or(&prepared.baseline).values();
         let whole = whole_drive(problem, &prepared.noise, &chosen, &values)?;
         if let Some(whole) = &whole {
@@ -180,13 +182,15 @@ impl Course<'_> {
         Ok(diagnosis)
     }
 
-    /// The same once more, over windows that begin where the chosen effects bring them nearest to the measurements.
-    fn over(&self, moved: MovedStarts) -> Result<Diagnosis, CompareError> {
+    /// The same once more, over windows that begin where the chosen effects bring them nearest to the measurements. `None` where the baseline
+    /// has no answer from there, and after a stop: the first search has come further then.
+    fn over(&self, moved: MovedStarts) -> Result<Option<Diagnosis>, CompareError> {
         let mut problem = self.problem.clone();
-        let nothing_yet = |error| if self.watch.stopped() { CompareError::Interrupted } else { error };
-        let prepared =
-            prepare_under(&mut problem, self.prepared, (&moved.effects, &moved.values)).map_err(nothing_yet)?;
-        Course { problem: &problem, prepared: &prepared, ..*self }.run(Some(moved))
+        let Ok(prepared) = prepare_under(&mut problem, self.prepared, &moved) else { return Ok(None) };
+        match (Course { problem: &problem, prepared: &prepared, ..*self }).run(Some(moved)) {
+            Err(CompareError::Interrupted) => Ok(None),
+            diagnosis => Ok(Some(diagnosis?).filter(|diagnosis| !diagnosis.interrupted)),
+        }
     }
 
     /// Fits the candidates; returns what the baseline leaves.
@@ -206,6 +210,16 @@ impl Course<'_> {
         }
         Ok(search.candidates(stage)?)
     }
+}
+
+/// Says where windows begin as effects bring them nearest to the measurements that are not the final ones.
+fn elsewhere(under: &[String], chosen: &[String]) -> Option<String> {
+    (sorted(under) != sorted(chosen)).then(|| {
+        format!(
+            "the starts of the windows were found with {}; with other effects the fits may leave a little more than they have to",
+            named(under)
+        )
+    })
 }
 
 /// What is not known limits a verdict: a noise, answers of the model, and work that was not done.

@@ -19,7 +19,8 @@ const PREDICTION: f64 = 1.0;
 /// Predictions of what was left out, by fitted set.
 pub(crate) struct Evidence {
     pub folds: Vec<Fold>,
-    held: BTreeMap<Vec<String>, HeldOut>,
+    /// With the bits of chi-square of the fit: a set that was fitted once more since predicts anew.
+    held: BTreeMap<Vec<String>, (u64, HeldOut)>,
     /// What "something else" predicts, once it was asked for; none where that could not be computed.
     other: OnceLock<Option<Vec<f64>>>,
 }
@@ -42,17 +43,21 @@ impl Evidence {
         evidence
     }
 
-    /// Predicts with further sets, as far as they are fitted and not predicted with yet.
+    /// Predicts with further sets, as far as they are fitted and not predicted with since.
     pub fn add(&mut self, search: &Search, mut sets: Vec<Vec<String>>) {
         sets.iter_mut().for_each(|set| set.sort());
         let mut known = BTreeSet::new();
-        sets.retain(|set| known.insert(set.clone()) && !self.held.contains_key(set));
+        let bits = |set: &[String]| search.fits.get(set).map(|fit| fit.chi_square.to_bits());
+        let is_held = |set: &[String]| self.held.get(set).is_some_and(|(of, _)| bits(set) == Some(*of));
+        sets.retain(|set| known.insert(set.clone()) && !is_held(set));
         // In the order of their importance, in case there is no time for all.
         let folds = &self.folds;
         let predict = |set: &Vec<String>| held_out(search.problem, search.noise, set, search.fits.get(set)?, folds);
         let untried = |set: &Vec<String>| Untried::LeftOut(set.clone());
         let held = search.watch.pieces(&sets, PREDICTION, |set| named(set), untried, predict);
-        self.held.extend(sets.into_iter().zip(held).filter_map(|(set, held)| Some((set, held?))));
+        let made = sets.into_iter().zip(held).filter_map(|(set, held)| Some((bits(&set)?, held?, set)));
+        let made: Vec<_> = made.map(|(bits, held, set)| (set, (bits, held))).collect();
+        self.held.extend(made);
     }
 
     /// Whether there was no time to predict with a set.
@@ -66,7 +71,7 @@ impl Evidence {
     pub fn of(&self, effects: &[String]) -> Option<&HeldOut> {
         let mut set = effects.to_vec();
         set.sort();
-        self.held.get(&set)
+        self.held.get(&set).map(|(_, held)| held)
     }
 
     /// Probability that one set predicts better than another; `None` where one of them was not predicted with.
@@ -95,7 +100,7 @@ impl Evidence {
         if other.is_none() && search.watch.stopped() {
             return None;
         }
-        let mut densities: Vec<&[f64]> = self.held.values().map(|held| held.density.as_slice()).collect();
+        let mut densities: Vec<&[f64]> = self.held.values().map(|(_, held)| held.density.as_slice()).collect();
         densities.extend(other.as_deref());
         // A candidate at its neutral value is the baseline, so many useless candidates must not outvote "enough".
         let each = (1.0 - PRIOR_ENOUGH - PRIOR_OTHER) / self.held.len().saturating_sub(1).max(1) as f64;

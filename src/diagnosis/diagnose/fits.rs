@@ -32,6 +32,9 @@ pub struct Noise {
     /// Effects beside the baseline with which the windows' starts were found.
     #[serde(default)]
     pub around_effects: Vec<String>,
+    /// Their parameters that are free.
+    #[serde(default)]
+    pub around_parameters: Vec<String>,
     /// Values of all free parameters around which the windows' starts were found and are free.
     #[serde(default)]
     pub around: Vec<f64>,
@@ -55,6 +58,7 @@ impl Noise {
             robust: None,
             windows: Vec::new(),
             around_effects: Vec::new(),
+            around_parameters: Vec::new(),
             around: Vec::new(),
             refined: 0,
             odd: Vec::new(),
@@ -70,6 +74,8 @@ impl Noise {
     pub(super) fn begin_at(&mut self, problem: &Problem, (effects, values): (&[String], &[f64])) {
         self.windows.clone_from(&problem.windows);
         self.around_effects = effects.to_vec();
+        let own = problem.free(effects).into_iter().skip(problem.base.len());
+        self.around_parameters = own.map(|free| free.variable.name).collect();
         self.around = values.to_vec();
     }
 
@@ -225,6 +231,9 @@ pub fn fit_task(
     problem.layout.scale.clone_from(&noise.scale);
     (0..noise.refined).for_each(|_| _ = problem.refine_step());
     if problem.is_cut() && !noise.windows.is_empty() {
+        for candidate in problem.library.iter_mut().filter(|candidate| noise.around_effects.contains(&candidate.id)) {
+            candidate.free.retain(|free| noise.around_parameters.contains(&free.variable.name));
+        }
         problem.begin_windows(noise.windows.clone(), (&noise.around_effects, &noise.around))?;
     }
     Ok(outcome(&problem, noise, task))

@@ -3,7 +3,10 @@
 //! The starts of windows are found under the baseline, and what other starts could bring about is taken out to first order. Where the
 //! baseline lacks an effect that depends on the place, such as ground that wheels have passed, its best starts may be so far from the
 //! right ones that first order is not enough: what is left then looks like a further effect. So the starts are found once more
-//! under the effects that were chosen, and where that leaves less by more than noise, the search goes on from there.
+//! under the effects that were chosen, and where that leaves less by more than noise, the search goes on from there, once.
+//!
+//! Starts found under one model are a little worse for another, which counts in favour of the effects that were chosen, as far as first order is
+//! not enough. They were chosen from starts found under the baseline, where that was against them.
 
 use super::bootstrap::p_value;
 use super::far::costs;
@@ -12,6 +15,7 @@ use super::search::Search;
 use super::stage::Stage;
 use super::untried::Untried;
 use crate::diagnosis::thresholds::NAMED;
+use crate::diagnosis::windows::Windows;
 
 /// Under what the windows have to begin.
 pub(super) struct MovedStarts {
@@ -19,16 +23,15 @@ pub(super) struct MovedStarts {
     pub effects: Vec<String>,
     /// Values of the free parameters.
     pub values: Vec<f64>,
+    /// The windows as they begin then.
+    pub windows: Windows,
     /// Single effects and the sets on the way to the chosen one, as they were fitted so far.
     pub fitted: Vec<(Vec<String>, Vec<f64>)>,
 }
 
-/// What the baseline and its bootstrap cost over the moved windows, in single fits.
-const AROUND_FITS: f64 = 3.0;
-
 impl Search<'_> {
     /// Whether windows that begin where the chosen effects bring them nearest to the measurements leave less, without any further
-    /// fit, by more than noise alone gives an effect. `stage` is the baseline's.
+    /// fit, by more than noise alone gives the best single effect, for which that could be taken. `stage` is the baseline's.
     /// `None` also where the model has no answer from there.
     pub(super) fn moved_starts(&self, stage: &Stage, chosen: &[String]) -> Option<MovedStarts> {
         if !self.problem.is_cut() || chosen.is_empty() || self.watch.stopped() {
@@ -47,11 +50,11 @@ impl Search<'_> {
             .filter_map(|count| Some((chosen[..count].to_vec(), self.fits.get(&chosen[..count])?.values())));
         let alone = self.fits.of(1).map(|(effects, fit)| (effects.clone(), fit.values()));
         let fitted: Vec<(Vec<String>, Vec<f64>)> = alone.chain(parts).collect();
-        if !self.watch.has_time(fitted.len() as f64 + AROUND_FITS) {
+        if !self.watch.has_time_again() {
             self.watch.leave([Untried::Again(chosen.to_vec())]);
             return None;
         }
-        Some(MovedStarts { effects: chosen.to_vec(), values, fitted })
+        Some(MovedStarts { effects: chosen.to_vec(), values, windows: moved.windows, fitted })
     }
 
     /// Makes fits of an earlier search again, each from where it ended.
@@ -66,6 +69,8 @@ impl Search<'_> {
 mod tests {
     use super::*;
     use crate::diagnosis::diagnose::control::Control;
+    use crate::diagnosis::diagnose::engine::DiagnoseOptions;
+    use crate::diagnosis::diagnose::fits::{fit_task, outcome};
     use crate::diagnosis::diagnose::prepare::prepare;
     use crate::diagnosis::diagnose::stage::StageContext;
     use crate::diagnosis::diagnose::watch::Watch;
@@ -115,11 +120,10 @@ mod tests {
         model.control.kind = ControlKind::Speed;
         model.rover.soil.shear_modulus = 0.01;
         let experiment = driven(&model);
-        let mut problem = Problem::new(&model, &experiment, &[]).unwrap();
-        problem.keep_candidates(&["drag".to_owned()]).unwrap();
-        problem.coarsen();
-        problem.cut();
-        let prepared = prepare(&mut problem).unwrap();
+        let drag = ["drag".to_owned()];
+        let options = DiagnoseOptions { candidates: Some(drag.to_vec()), ..DiagnoseOptions::default() };
+        let mut problem = options.problem(&model, &experiment).unwrap();
+        let mut prepared = prepare(&mut problem).unwrap();
         let values = prepared.baseline.values();
         let moves = |problem: &Problem| {
             let whitening = prepared.noise.whitening(problem, &|_, _| true).unwrap();
@@ -129,12 +133,20 @@ mod tests {
             let mut search = Search::new(context, prepared.baseline.clone(), &control, &watch);
             let stage = search.stage(&[]).unwrap().unwrap();
             search.fit(vec![search.start(&stage, 0)]);
-            search.moved_starts(&stage, &["drag".to_owned()]).is_some()
+            search.moved_starts(&stage, &drag)
         };
-        assert!(!moves(&problem), "as they were found");
+        assert!(moves(&problem).is_none(), "as they were found");
         let mut windows = problem.windows.clone();
         windows.iter_mut().flatten().for_each(|window| window.displace([FAR, 0.0]));
         problem.begin_windows(windows, (&[], &values)).unwrap();
-        assert!(moves(&problem), "{FAR} m ahead");
+        let moved = moves(&problem).unwrap();
+
+        // Another machine makes the same fits over the moved windows.
+        problem.begin_windows(moved.windows, (&moved.effects, &moved.values)).unwrap();
+        prepared.noise.begin_at(&problem, (&moved.effects, &moved.values));
+        let task = problem.task(&drag, vec![moved.values]);
+        let here = outcome(&problem, &prepared.noise, &task);
+        assert_eq!(fit_task(&model, &experiment, &options, &prepared.noise, &task).unwrap(), here);
+        assert!(here.is_some());
     }
 }

@@ -7,7 +7,8 @@ use super::baseline::{fitted, fitted_again, refitted};
 use super::discrepancy::{self, Shape};
 use super::fits::Noise;
 use super::inner_step::is_coarse;
-use super::signature::prune;
+use super::moved::MovedStarts;
+use super::signature::{prune, sensitivities};
 use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::compare::CompareError;
 use crate::diagnosis::layout::Layout;
@@ -61,23 +62,29 @@ pub(super) fn prepare_again(problem: &mut Problem, before: &Prepared) -> Result<
     Ok(prepared)
 }
 
-/// The baseline from windows that begin where another model of the drive than the baseline itself brings them nearest to the measurements: with
-/// `effects` at `values`. Noise and rows that count stay as they are.
+/// The baseline over windows whose starts were found with other effects. The noise stays; rows without an answer from there are left out.
 ///
 /// # Errors
-/// [`CompareError`] where the baseline has no answer there.
+/// [`CompareError`] where the baseline has too few answers there.
 pub(super) fn prepare_under(
     problem: &mut Problem,
     before: &Prepared,
-    (effects, values): (&[String], &[f64]),
+    moved: &MovedStarts,
 ) -> Result<Prepared, CompareError> {
+    let under = (moved.effects.as_slice(), moved.values.as_slice());
+    problem.begin_windows(moved.windows.clone(), under)?;
     let mut prepared = before.clone();
-    problem.refine_starts(&prepared.noise, (effects, values))?;
-    prepared.noise.begin_at(problem, (effects, values));
+    prepared.noise.begin_at(problem, under);
     let mut unanswered = Vec::new();
     prepared.baseline = fitted_again(problem, &prepared.noise, &prepared.baseline, &mut unanswered)?;
-    prepared.unanswered.extend(listed(unanswered));
-    prepared.modelled = modelled(problem, &prepared.baseline.values())?.values;
+    if !unanswered.is_empty() {
+        prepared.unanswered.extend(listed(unanswered));
+        prepared.cautions.extend(of_unanswered(problem, &prepared.unanswered));
+    }
+    let values = prepared.baseline.values();
+    prepared.modelled = modelled(problem, &values)?.values;
+    let found = sensitivities(problem, &[], &values)?;
+    problem.know_sensitivities(&values, found);
     Ok(prepared)
 }
 

@@ -81,15 +81,10 @@ impl Search<'_> {
         if !self.problem.strategy().budget().refits_from_larger {
             return false;
         }
-        let given: Vec<f64> = self.problem.base.iter().map(|free| free.start).collect();
-        let (mut before, mut tasks) = (Vec::new(), Vec::new());
-        for set in self.best_additions(stage) {
-            let Some(fit) = self.fits.get(&set) else { continue };
-            let mut task = self.problem.task(&set, vec![[&given, &fit.values()[given.len()..]].concat()]);
-            task.starts.extend(weakened(self.problem, &task).starts);
-            before.push(fit.chi_square);
-            tasks.push(task);
-        }
+        let sets = self.best_additions(stage);
+        let tasks: Vec<Task> = sets.iter().filter_map(|set| self.from_given_soil(set)).collect();
+        let left = |task: &Task| self.fits.get(&task.effects).map_or(f64::INFINITY, |fit| fit.chi_square);
+        let before: Vec<f64> = tasks.iter().map(left).collect();
         self.settle_all(&tasks);
         let is_lower =
             |(task, before): (&Task, &f64)| self.fits.get(&task.effects).is_some_and(|fit| fit.chi_square < *before);
@@ -98,6 +93,15 @@ impl Search<'_> {
             self.lower_valleys(1);
         }
         lower
+    }
+
+    /// A search of a fitted set from the given soil, with as much of its effects as was found and with next to nothing of them.
+    pub(super) fn from_given_soil(&self, set: &[String]) -> Option<Task> {
+        let given: Vec<f64> = self.problem.base.iter().map(|free| free.start).collect();
+        let values = self.fits.get(set)?.values();
+        let mut task = self.problem.task(set, vec![[&given, &values[given.len()..]].concat()]);
+        task.starts.extend(weakened(self.problem, &task).starts);
+        Some(task)
     }
 
     /// The fitted sets of a stage with one effect more that gain most, with at least a share of the largest gain.

@@ -37,7 +37,8 @@ impl Spared {
         (effects, values): (&[String], &[f64]),
     ) -> Result<Self, CompareError> {
         (0..noise.refined).for_each(|_| _ = others.refine_step());
-        begin(others, noise, baseline)?;
+        // Parameters without influence are no longer free.
+        others.library.clone_from(&problem.library);
         let mean_square = |problem: &Problem, effects: &[String], values: &[f64]| {
             let task = Task { prior_factor: NO_PRIORS, ..problem.task(effects, vec![values.to_vec()]) };
             let (chi_squares, freedom) = costs(problem, noise, &task).ok_or(CompareError::NoFit)?;
@@ -50,8 +51,11 @@ impl Spared {
                 |run: usize| problem.windows[run].iter().filter(move |cut| cut.rows.end > problem.layout.starts[run]);
             runs.map(|run| counting(run).count()).sum::<usize>()
         };
+        others.refine_starts(noise, (&[], baseline))?;
+        let of_baseline = mean_square(others, &[], baseline)?;
+        begin_as_in_fits(others, noise)?;
         Ok(Self {
-            baseline: mean_square(others, &[], baseline)?,
+            baseline: of_baseline,
             model: mean_square(others, effects, values)?,
             fitted: mean_square(problem, effects, values)?,
             windows: [count(others), count(others) + count(problem)],
@@ -109,17 +113,16 @@ impl Spared {
     }
 }
 
-/// Finds the starts of the spared windows as those of the fits were found: under the same model or, where that has no answer there, under the
-/// baseline.
-fn begin(others: &mut Problem, noise: &Noise, baseline: &[f64]) -> Result<(), PredictionError> {
-    if !noise.around_effects.is_empty() {
-        match others.refine_starts(noise, (&noise.around_effects, &noise.around)) {
-            Err(PredictionError::Interrupted) => return Err(PredictionError::Interrupted),
-            Err(_) => {}
-            Ok(()) => return Ok(()),
-        }
+/// Finds the starts of the spared windows as those of the fits were found where that was under a model with effects. Where it has no answer
+/// there, the starts stay.
+fn begin_as_in_fits(others: &mut Problem, noise: &Noise) -> Result<(), PredictionError> {
+    if noise.around_effects.is_empty() {
+        return Ok(());
     }
-    others.refine_starts(noise, (&[], baseline))
+    match others.refine_starts(noise, (&noise.around_effects, &noise.around)) {
+        Err(PredictionError::Interrupted) => Err(PredictionError::Interrupted),
+        _ => Ok(()),
+    }
 }
 
 /// Lets the windows that took no part judge what was found. After a stop nothing is said of them.

@@ -225,6 +225,14 @@ impl<'a> Watch<'a> {
         now + fits * state.cost(now).unwrap_or(0.0) <= until
     }
 
+    /// Whether there is time to do once more what was done since the baseline was known.
+    pub fn has_time_again(&self) -> bool {
+        let Some(budget) = self.control.budget else { return true };
+        let (state, now) = (self.state(), self.now());
+        let until = state.known + ROWS[state.phase as usize].until * (budget.as_secs_f64() - state.known);
+        2.0 * now - state.known <= until
+    }
+
     /// Notes what is not done.
     pub fn leave(&self, what: impl IntoIterator<Item = Untried>) {
         self.state().untried.extend(what);
