@@ -190,14 +190,14 @@ impl Search<'_> {
         let near = |set: &[String]| self.gain(set) >= least;
         let mut tasks: Vec<Task> = Vec::new();
         for (set, starts) in known.iter().filter(|(set, _)| near(set)) {
-            let Some(mut task) = self.from_given_soil(set) else { continue };
+            let Some(mut task) = self.search_at_given_soil(set) else { continue };
             task.starts.extend(starts.iter().cloned());
             tasks.push(task);
         }
         let rivals = known.iter().map(|(set, _)| set).chain(made).any(|set| near(set));
         let made = made.iter().map(Vec::as_slice).filter(|set| near(set));
         // Without a rival the set has nothing to be compared with.
-        tasks.extend(made.chain(rivals.then_some(effects)).filter_map(|set| self.from_given_soil(set)));
+        tasks.extend(made.chain(rivals.then_some(effects)).filter_map(|set| self.search_at_given_soil(set)));
         self.settle_all(&tasks);
     }
 }

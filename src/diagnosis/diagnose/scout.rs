@@ -82,7 +82,7 @@ impl Search<'_> {
             return false;
         }
         let sets = self.best_additions(stage);
-        let tasks: Vec<Task> = sets.iter().filter_map(|set| self.from_given_soil(set)).collect();
+        let tasks: Vec<Task> = sets.iter().filter_map(|set| self.search_at_given_soil(set)).collect();
         let left = |task: &Task| self.fits.get(&task.effects).map_or(f64::INFINITY, |fit| fit.chi_square);
         let before: Vec<f64> = tasks.iter().map(left).collect();
         self.settle_all(&tasks);
@@ -96,7 +96,7 @@ impl Search<'_> {
     }
 
     /// A search of a fitted set from the given soil, with as much of its effects as was found and with next to nothing of them.
-    pub(super) fn from_given_soil(&self, set: &[String]) -> Option<Task> {
+    pub(super) fn search_at_given_soil(&self, set: &[String]) -> Option<Task> {
         let given: Vec<f64> = self.problem.base.iter().map(|free| free.start).collect();
         let values = self.fits.get(set)?.values();
         let mut task = self.problem.task(set, vec![[&given, &values[given.len()..]].concat()]);
