@@ -121,7 +121,8 @@ struct Course<'a> {
 }
 
 impl Course<'_> {
-    /// From the baseline to the verdict. `moved` says under what the windows begin and what was fitted before, where they were moved already.
+    /// From the baseline to the verdict. `moved` is there in the second search: the effects under which the starts of the windows were found, and
+    /// what the first search had fitted.
     fn run(&self, moved: Option<MovedStarts>) -> Result<Diagnosis, CompareError> {
         let Self { problem, prepared, options, watch, .. } = self;
         let whitening = prepared.noise.whitening(problem, &|_, _| true).ok_or(CompareError::NoFit)?;
@@ -148,7 +149,7 @@ impl Course<'_> {
         watch.begin(Phase::Rivals, "");
         let Judged { mut judgement, chosen } = judge(&mut search, &stage, prepared, &mut evidence, chosen)?;
         limit(&mut judgement, &search, &stage, prepared);
-        judgement.cautions.extend(under.and_then(|under| elsewhere(&under, &chosen)));
+        judgement.cautions.extend(under.and_then(|under| starts_of_another_set(&under, &chosen)));
         let values = search.fits.get(&chosen).unwrap_or(&prepared.baseline).values();
         let whole = whole_drive(problem, &prepared.noise, &chosen, &values)?;
         if let Some(whole) = &whole {
@@ -212,12 +213,14 @@ impl Course<'_> {
     }
 }
 
-/// Says where windows begin as effects bring them nearest to the measurements that are not the final ones.
-fn elsewhere(under: &[String], chosen: &[String]) -> Option<String> {
+/// A caution where the starts of the windows were found under another set of effects than the final one.
+fn starts_of_another_set(under: &[String], chosen: &[String]) -> Option<String> {
     (sorted(under) != sorted(chosen)).then(|| {
         format!(
-            "the starts of the windows were found with {}; with other effects the fits may leave a little more than they have to",
-            named(under)
+            "the starts of the windows were found with {}, not with what is in the final model ({}), whose error may be a little larger \
+             for that",
+            named(under),
+            named(chosen)
         )
     })
 }

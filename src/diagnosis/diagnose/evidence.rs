@@ -43,7 +43,7 @@ impl Evidence {
         evidence
     }
 
-    /// Predicts with further sets, as far as they are fitted and not predicted with since.
+    /// Predicts with further sets, as far as they are fitted, unless the same fit was predicted with before.
     pub fn add(&mut self, search: &Search, mut sets: Vec<Vec<String>>) {
         sets.iter_mut().for_each(|set| set.sort());
         let mut known = BTreeSet::new();
@@ -55,9 +55,10 @@ impl Evidence {
         let predict = |set: &Vec<String>| held_out(search.problem, search.noise, set, search.fits.get(set)?, folds);
         let untried = |set: &Vec<String>| Untried::LeftOut(set.clone());
         let held = search.watch.pieces(&sets, PREDICTION, |set| named(set), untried, predict);
-        let made = sets.into_iter().zip(held).filter_map(|(set, held)| Some((bits(&set)?, held?, set)));
-        let made: Vec<_> = made.map(|(bits, held, set)| (set, (bits, held))).collect();
-        self.held.extend(made);
+        self.held.extend(sets.into_iter().zip(held).filter_map(|(set, held)| {
+            let of = bits(&set)?;
+            Some((set, (of, held?)))
+        }));
     }
 
     /// Whether there was no time to predict with a set.

@@ -17,43 +17,42 @@ use super::untried::Untried;
 use crate::diagnosis::thresholds::NAMED;
 use crate::diagnosis::windows::Windows;
 
-/// Under what the windows have to begin.
+/// What a second search over windows with other starts needs.
 pub(super) struct MovedStarts {
-    /// Effects beside the baseline.
+    /// Effects beside the baseline under which the starts were found.
     pub effects: Vec<String>,
-    /// Values of the free parameters.
+    /// Values of the free parameters there.
     pub values: Vec<f64>,
-    /// The windows as they begin then.
+    /// The windows with these starts.
     pub windows: Windows,
-    /// Single effects and the sets on the way to the chosen one, as they were fitted so far.
+    /// Single effects, and the chosen set with its last effects left off one by one, each with the fitted values.
     pub fitted: Vec<(Vec<String>, Vec<f64>)>,
 }
 
 impl Search<'_> {
-    /// Whether windows that begin where the chosen effects bring them nearest to the measurements leave less, without any further
-    /// fit, by more than noise alone gives the best single effect, for which that could be taken. `stage` is the baseline's.
-    /// `None` also where the model has no answer from there.
+    /// The windows as they begin where the chosen effects bring them nearest to the measurements, if chi-square of the chosen set is lower over them
+    /// without any further fit, by more than the best single effect gains by noise alone (p < [`NAMED`]): it could be taken for an effect.
+    /// `stage` is the baseline's. `None` also where the model has no answer from there, and where there is no time for a second search.
     pub(super) fn moved_starts(&self, stage: &Stage, chosen: &[String]) -> Option<MovedStarts> {
         if !self.problem.is_cut() || chosen.is_empty() || self.watch.stopped() {
             return None;
         }
-        let values = self.fits.get(chosen)?.values();
-        let task = self.problem.task(chosen, vec![values.clone()]);
-        let left = |problem| Some(costs(problem, self.noise, &task)?.0[0]);
+        let fit = self.fits.get(chosen)?;
+        let values = fit.values();
         let mut moved = self.problem.clone();
         moved.refine_starts(self.noise, (chosen, &values)).ok()?;
-        let fall = left(self.problem)? - left(&moved)?;
-        if p_value(&stage.draws, |draw| draw.single, fall) >= NAMED {
+        let (left, _) = costs(&moved, self.noise, &moved.task(chosen, vec![values.clone()]))?;
+        if p_value(&stage.draws, |draw| draw.single, fit.chi_square - left[0]) >= NAMED {
+            return None;
+        }
+        if !self.watch.has_time_again() {
+            self.watch.leave([Untried::Again(chosen.to_vec())]);
             return None;
         }
         let parts = (2..=chosen.len())
             .filter_map(|count| Some((chosen[..count].to_vec(), self.fits.get(&chosen[..count])?.values())));
         let alone = self.fits.of(1).map(|(effects, fit)| (effects.clone(), fit.values()));
-        let fitted: Vec<(Vec<String>, Vec<f64>)> = alone.chain(parts).collect();
-        if !self.watch.has_time_again() {
-            self.watch.leave([Untried::Again(chosen.to_vec())]);
-            return None;
-        }
+        let fitted = alone.chain(parts).collect();
         Some(MovedStarts { effects: chosen.to_vec(), values, windows: moved.windows, fitted })
     }
 
@@ -110,6 +109,12 @@ mod tests {
             }
             run.data = data;
         }
+        // Two parameters of the soil stay free.
+        let soil = &model.rover.soil;
+        let known =
+            [("cohesion", soil.cohesion), ("k_c", soil.k_c), ("k_phi", soil.k_phi), ("exponent", soil.exponent)];
+        let known = known.into_iter().chain([("c1", soil.c1), ("c2", soil.c2)]);
+        experiment.parameters = known.map(|(name, value)| (format!("soil.{name}"), value)).collect();
         experiment.noise = MEASURED.map(|(name, noise)| (name.to_owned(), noise)).into();
         experiment
     }

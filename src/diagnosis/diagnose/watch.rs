@@ -219,18 +219,20 @@ impl<'a> Watch<'a> {
 
     /// Whether there is time for one more batch that takes as long as `fits` single fits.
     pub fn has_time(&self, fits: f64) -> bool {
-        let Some(budget) = self.control.budget else { return true };
-        let (state, now) = (self.state(), self.now());
-        let until = state.known + ROWS[state.phase as usize].until * (budget.as_secs_f64() - state.known);
-        now + fits * state.cost(now).unwrap_or(0.0) <= until
+        self.ends_in_time(|state, now| fits * state.cost(now).unwrap_or(0.0))
     }
 
     /// Whether there is time to do once more what was done since the baseline was known.
     pub fn has_time_again(&self) -> bool {
+        self.ends_in_time(|state, now| now - state.known)
+    }
+
+    /// Whether what takes so many seconds more ends by the stage's share of the budget.
+    fn ends_in_time(&self, takes: impl Fn(&State, f64) -> f64) -> bool {
         let Some(budget) = self.control.budget else { return true };
         let (state, now) = (self.state(), self.now());
         let until = state.known + ROWS[state.phase as usize].until * (budget.as_secs_f64() - state.known);
-        2.0 * now - state.known <= until
+        now + takes(&state, now) <= until
     }
 
     /// Notes what is not done.
