@@ -97,7 +97,9 @@ fn property_like_runs_go_side_by_side() {
     let mut random = ChaCha8Rng::seed_from_u64(8);
     for (preset, mean) in [("two_wheeled", 1.5), ("gentle_rtc", 0.2), ("rocker_bogie_velocity", 0.1)] {
         let base = Model::preset(preset).unwrap();
-        for effects in [&[][..], &["slip_sinkage"], &["gear_efficiency", "rim_adhesion"]] {
+        for effects in
+            [&[][..], &["slip_sinkage"], &["gear_efficiency", "rim_adhesion"], &["sensor_lag", "tracking_delay"]]
+        {
             let runs = drawn(&base, effects, &mut random, 8);
             for kernel in kernels() {
                 let mut batch = Batch::on(runs.clone(), 1, kernel).unwrap();
@@ -206,8 +208,7 @@ fn agreement_each_effect() {
 #[test]
 fn agreement_all_effects_at_once() {
     let mut random = ChaCha8Rng::seed_from_u64(3);
-    let ids: Vec<&str> =
-        EFFECTS.iter().map(|(id, _)| *id).filter(|id| !["sensor_lag", "tracking_delay"].contains(id)).collect();
+    let ids: Vec<&str> = EFFECTS.iter().map(|(id, _)| *id).collect();
     for preset in ["two_wheeled", "gentle_velocity", "rocker_bogie_velocity"] {
         let runs = drawn(&Model::preset(preset).unwrap(), &ids, &mut random, 16);
         compare(preset, &runs, 20, 10, varied(if preset == "two_wheeled" { 2.0 } else { 0.2 }, 1.5));
@@ -216,15 +217,19 @@ fn agreement_all_effects_at_once() {
 
 #[test]
 fn agreement_events_at_the_same_step() {
-    // Under commands from outside, and with a controller that decides.
+    // Under commands from outside, and with a controller that decides; with signals that are recorded as they are, and later.
     for (kind, mean) in [(ControlKind::Torque, 2.2), (ControlKind::SpeedLoop, 5.0)] {
-        events_at_the_same_step(kind, mean);
+        for dead_time in [0.0, 0.053] {
+            events_at_the_same_step(kind, mean, dead_time);
+        }
     }
 }
 
-fn events_at_the_same_step(kind: ControlKind, mean: f64) {
+fn events_at_the_same_step(kind: ControlKind, mean: f64, dead_time: f64) {
     let mut base = Model::preset("two_wheeled").unwrap();
     base.control.kind = kind;
+    base.set("sensor_lag.dead_time", dead_time).unwrap();
+    base.set("tracking_delay.dead_time", 0.5 * dead_time).unwrap();
     let runs: Vec<Run> = (0..19)
         .map(|k| {
             let mut model = base.clone();
@@ -244,7 +249,14 @@ fn events_at_the_same_step(kind: ControlKind, mean: f64) {
 
 #[test]
 fn agreement_snapshots_and_replacements() {
-    let base = Model::preset("rocker_bogie").unwrap();
+    snapshots_and_replacements(&Model::preset("rocker_bogie").unwrap());
+    let mut lagging = Model::preset("rocker_bogie").unwrap();
+    lagging.set("sensor_lag.time_constant", 0.02).unwrap();
+    lagging.set("sensor_lag.dead_time", 0.013).unwrap();
+    snapshots_and_replacements(&lagging);
+}
+
+fn snapshots_and_replacements(base: &Model) {
     let runs: Vec<Run> = (0..13).map(|_| base.start().unwrap()).collect();
     for kernel in kernels() {
         let mut alone = runs.clone();

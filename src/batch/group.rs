@@ -4,6 +4,7 @@
 
 use super::shard::Slot;
 use crate::model::Run;
+use crate::recording::Recorder;
 use crate::rover::Rover;
 use crate::scalar::{Arch, LaneAccess, Lanes, Mask, Plain, WIDTH};
 use crate::signals::{Command, Drive, Signals};
@@ -25,17 +26,15 @@ pub(crate) struct Kind {
 }
 
 impl Kind {
-    /// The kind of a run; none where it has to go on by itself: bodies of a rigid-body engine, effects of the user's own,
-    /// records that lag.
+    /// The kind of a run; none where it has to go on by itself: bodies of a rigid-body engine, effects of the user's own.
     pub fn of(run: &Run) -> Option<Self> {
         let simulation = run.in_joint_coordinates()?;
         let effects = &simulation.rover().effects;
         let own = effects.custom.iter().next().is_some() || !effects.registered.is_empty();
-        (!simulation.lags() && !own).then(|| Self::of_rover(simulation.rover(), run.drive()))
+        (!own).then(|| Self::of_rover(simulation.rover(), run.drive()))
     }
 
-    /// The kind of a rover under this drive. Effects of the user's own and records that lag, which keep a run out of every group, are not
-    /// looked at.
+    /// The kind of a rover under this drive. Effects of the user's own, which keep a run out of every group, are not looked at.
     pub fn of_rover(rover: &Rover, drive: Drive) -> Self {
         let mut neutral = Vec::new();
         rover.motor.values(&mut |x| neutral.push([x == 0.0, x == 1.0]));
@@ -91,6 +90,8 @@ struct SideBySide<A: Arch> {
     spare: StepState,
     /// Whether the place holds the present motion of its member.
     inside: [bool; WIDTH],
+    /// Whether the members' records lag, so that each has to see its signals after every step.
+    lags: bool,
     /// Whether members have changed since the constants were set side by side.
     changed: bool,
     steps_made: u64,
@@ -111,6 +112,7 @@ impl<A: Arch> SideBySide<A> {
             spare: simulation.motion().clone(),
             members: [None; WIDTH],
             inside: [false; WIDTH],
+            lags: simulation.lags(),
             changed: true,
             steps_made: 0,
             kind,
@@ -216,6 +218,9 @@ impl<A: Arch> SideBySide<A> {
             if self.motion.step(&self.rover, &self.command, self.step_size).is_err() {
                 return (made, false);
             }
+            if self.lags {
+                self.observe(slots, movers, Recorder::step);
+            }
             let outcome = self.motion.outcome(&self.rover, self.step_size);
             if !outcome.ended().any() {
                 continue;
@@ -247,12 +252,26 @@ impl<A: Arch> SideBySide<A> {
         );
     }
 
-    /// Shows member `k` its signals, after so many steps more.
+    /// Lets the recorders of some members take in the present signals.
+    fn observe(&mut self, slots: &mut [Slot], members: &[bool; WIDTH], take: fn(&mut Recorder, &mut Signals)) {
+        self.write_signals();
+        for k in 0..WIDTH {
+            let Some(slot) = mover(&self.members, slots, members, k) else { continue };
+            if let Some(simulation) = slot.run.in_joint_coordinates_mut() {
+                let places = simulation.places();
+                self.signals.take_out(k, places.signals);
+                take(places.recorder, places.signals);
+            }
+        }
+    }
+
+    /// Shows member `k` its signals as they are recorded, after so many steps more.
     fn record(&mut self, k: usize, simulation: &mut Simulation, steps: u64) {
         self.steps_made += steps;
         let places = simulation.places();
         *places.ticks += steps;
         self.signals.take_out(k, places.signals);
+        places.recorder.record(places.signals);
     }
 
     /// Makes the rest of a step, `left` inner steps, run by run: at least one run has reached a case that only the single
@@ -390,6 +409,9 @@ impl<A: Arch> SideBySide<A> {
                 let command = simulation.places().command;
                 self.command.values.iter().zip(&mut command.values).for_each(|(from, to)| *to = from.lane(k));
             }
+        }
+        if self.lags {
+            self.observe(slots, &std::array::from_fn(|k| changes.lane(k)), Recorder::jump);
         }
         true
     }

@@ -5,7 +5,7 @@
 //!
 //! Runs of one kind go eight at a time, number k of every quantity being that of run k ([`Kernel`] has the instruction
 //! sets). A run that needs what only the single run computes is stepped by itself, in the same batch: the plant of rigid bodies, effects of
-//! the user's own, records that lag, and a step in which one of the eight leaves the ground or is not finite.
+//! the user's own, and a step in which one of the eight leaves the ground or is not finite.
 //!
 //! ```
 //! use bekker::batch::Batch;

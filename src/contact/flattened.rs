@@ -10,10 +10,11 @@ use crate::scalar::{Mask, Scalar, lanes};
 use crate::soil::Soil;
 use crate::wheel::Wheel;
 
-/// Bound of the loop: with 60 steps halving the bracket alone would find a z of a millionth of Z to [`CONVERGED`].
+/// Bound of the loop: with 60 steps halving the bracket alone would find a z of a millionth of Z to 1e-12 of it.
 const MAX_STEPS: usize = 60;
-/// Relative step below which the search ends: near the solution the method converges faster than linearly.
-const CONVERGED: f64 = 1e-12;
+/// The search ends where the product of its last two relative steps is below this. The product estimates what a secant step leaves, and
+/// the Newton step that follows the search squares it.
+const CONVERGED: f64 = 1e-8;
 /// Newton steps of the estimate from which the search starts; it need not converge.
 const ESTIMATE_STEPS: usize = 6;
 /// Relative step below which a secant is mostly rounding, and the one before is kept.
@@ -117,6 +118,7 @@ impl<S: Scalar> Flattening<'_, S> {
         let mut z = self.estimate();
         let mut power = self.soil.exponent;
         let mut before = (z, S::from(0.0));
+        let mut last_step = S::from(1.0);
         let mut goes_on = self.outline.over(0.0);
         for k in 0..MAX_STEPS {
             let normal = self.forces(z).normal.larger(S::from(f64::MIN_POSITIVE));
@@ -134,9 +136,10 @@ impl<S: Scalar> Flattening<'_, S> {
             let next = z * (-(rest / (z + power * deflection))).exponential();
             let next = S::select(low.at_most(next) & next.at_most(high), next, (low + high) * 0.5);
             before = (z, normal);
-            let moved = z.larger(next) - z.smaller(next);
+            let step = (next - z).abs() / z;
             z = S::select(goes_on, next, z);
-            goes_on = goes_on & !moved.below(z * CONVERGED);
+            goes_on = goes_on & !(step * last_step).under(CONVERGED);
+            last_step = step;
             if !goes_on.any() {
                 break;
             }
@@ -145,17 +148,16 @@ impl<S: Scalar> Flattening<'_, S> {
         (z, above.plus(below.scaled(S::from(-1.0))).scaled((z * (2.0 * DIFFERENCE)).recip()))
     }
 
-    /// z where N is Bekker's estimate b (k_c/b + k_phi) z^n sqrt(2 r z)/(1 + n/2) on the undeformed wheel, roughly: the
-    /// search starts there. In the logarithm the left side is convex, so Newton's method from Z converges.
+    /// z where N is Bekker's estimate b (k_c/b + k_phi) z^n sqrt(2 r* z)/(1 + n/2), roughly: the search starts there. The arc's length
+    /// sqrt(2 r* z) = sqrt(2 r Z) does not change with z. In the logarithm the left side is convex, so Newton's method from Z converges.
     fn estimate(&self) -> S {
         let (wheel, exponent) = (self.wheel, self.soil.exponent);
-        let power = exponent + 0.5;
-        let modulus = wheel.width * self.soil.modulus(wheel.width) * (wheel.radius * 2.0).sqrt();
+        let modulus = wheel.width * self.soil.modulus(wheel.width) * (wheel.radius * self.outline * 2.0).sqrt();
         let scale = modulus / (exponent * 0.5 + 1.0) * self.surface.compliance;
         let mut z = self.outline;
         for _ in 0..ESTIMATE_STEPS {
-            let deflection = scale * z.power(power);
-            z *= (-((z + deflection - self.outline) / (z + power * deflection))).exponential();
+            let deflection = scale * z.power(exponent);
+            z *= (-((z + deflection - self.outline) / (z + exponent * deflection))).exponential();
         }
         z
     }

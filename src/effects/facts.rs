@@ -92,6 +92,9 @@ pub struct Facts {
     /// Whether the parameters may change while a run is under way: not where a wheel's size or the length of a memory
     /// depends on them.
     pub tunable: bool,
+    /// Parameters, without the effect's id, beside whose neutral value no other law begins once another parameter of the effect is not
+    /// neutral: the same formulas, branches and quadrature hold there, so that a finite difference gives the derivative.
+    pub smooth_at_neutral: &'static [&'static str],
     /// Headers of recorded columns that mean one of the parameters.
     pub headers: &'static [Header],
 }
@@ -107,6 +110,7 @@ impl Facts {
         typical: &[],
         advice: &[],
         tunable: true,
+        smooth_at_neutral: &[],
         headers: &[],
     };
 }

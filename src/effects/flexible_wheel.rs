@@ -24,6 +24,7 @@ impl<S: Scalar> Effect<S> for FlexibleWheel<S> {
         Facts {
             seen_on_carriage: &["sinkage"],
             seen_on_rover: &["wheel[1].sinkage"],
+            smooth_at_neutral: &["arm_share"],
             advice: &[HARD_PLATE],
             ..Facts::USUAL
         }

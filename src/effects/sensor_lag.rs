@@ -67,6 +67,7 @@ impl<S: Scalar> Effect<S> for SensorLag<S> {
     fn facts(&self) -> Facts {
         Facts {
             seen_on_rover: &["velocity"],
+            smooth_at_neutral: &["time_constant", "dead_time"],
             advice: const { &[Advice::rover("start and stop in steps: a lag shows in transients only")] },
             tunable: false,
             ..Facts::USUAL

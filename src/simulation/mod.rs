@@ -298,10 +298,10 @@ impl<S: Scalar> Simulation<S> {
     }
 
     /// Mutable access to the parts that a batch computes in SIMD lanes and writes back: the state after a step, the number of
-    /// steps made, the status, the true signals, the command.
+    /// steps made, the status, the signals and their recorder, the command.
     pub(crate) fn places(&mut self) -> Places<'_, S> {
-        let Self { motion, ticks, status, signals, command, .. } = self;
-        Places { motion, ticks, status, signals, command }
+        let Self { motion, ticks, status, signals, recorder, command, .. } = self;
+        Places { motion, ticks, status, signals, recorder, command }
     }
 
     /// Whether what is recorded depends on the past.
@@ -330,6 +330,7 @@ pub(crate) struct Places<'a, S: Scalar> {
     pub ticks: &'a mut u64,
     pub status: &'a mut Status,
     pub signals: &'a mut Signals<S>,
+    pub recorder: &'a mut Recorder<S>,
     pub command: &'a mut Command,
 }
 

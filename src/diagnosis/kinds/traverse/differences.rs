@@ -4,7 +4,8 @@ use super::prediction::TraversePrediction;
 use super::slopes::Traces;
 use crate::diagnosis::prediction::PredictionError;
 use crate::diagnosis::recorded::{Recorded, Variant, traced};
-use bekker_modeldescription::{Role, Variable};
+use crate::model::Model;
+use bekker_modeldescription::{Parameters, Role, Variable};
 
 /// Forward differences, where a run is cut into windows, over this share of a parameter's range or value, whichever is smaller, but no
 /// less than [`LEAST_DIFFERENCE`] of the range: rounding of a window, about 1e-12, and the curvature over the difference both stay near
@@ -45,7 +46,10 @@ impl TraversePrediction<'_> {
                 Change { parameter: *k, from, to }
             };
             // Exact derivatives are not there in a loop.
-            let exact = |k: usize| !variant.is_looped() && is_neutral(&self.free[k].variable, free[k]);
+            let exact = |k: usize| {
+                let variable = &self.free[k].variable;
+                !variant.is_looped() && is_neutral(variable, free[k]) && !is_smooth(&variant.model, &variable.name)
+            };
             Ok(Some(run.felt.iter().filter(|k| !exact(**k)).map(of).collect()))
         };
         self.runs.iter().map(of_run).collect()
@@ -92,6 +96,21 @@ impl TraversePrediction<'_> {
 /// Whether an effect's parameter is where the effect does not act.
 fn is_neutral(variable: &Variable, value: f64) -> bool {
     variable.role == Role::Effect && value == variable.default
+}
+
+/// Whether a difference gives the derivative in an effect's parameter at its neutral value: the effect acts by another one of its parameters, and
+/// lists this one as smooth there.
+fn is_smooth(model: &Model, name: &str) -> bool {
+    let Some((id, own)) = name.split_once('.') else { return false };
+    if !model.facts_of(id).is_some_and(|facts| facts.smooth_at_neutral.contains(&own)) {
+        return false;
+    }
+    let mut acts = false;
+    model.rover.effects.clone().visit("", &mut |variable, value| {
+        let of_effect = variable.name.split_once('.').is_some_and(|(other, _)| other == id);
+        acts |= of_effect && !is_neutral(&variable, *value);
+    });
+    acts
 }
 
 /// By how much a parameter is changed for a difference: within its bounds.

@@ -235,27 +235,62 @@ mod tests {
         }
     }
 
+    /// Derivatives by differences against exact ones, in each parameter that `of` asks for.
+    fn agree(prediction: &TraversePrediction, values: &[f64], of: &dyn Fn(&str) -> bool, what: &str) {
+        let changes = prediction.changes(values).unwrap();
+        let by_differences = prediction.side_by_side(values, &changes).unwrap();
+        let none: Vec<Option<Changes>> = changes.iter().map(|_| None).collect();
+        for task in prediction.tasks(&none) {
+            let exact = prediction.traces::<WIDTH>(&task, values).unwrap();
+            let at = prediction.runs.iter().position(|run| std::ptr::eq(run, task.run)).unwrap();
+            let own = by_differences[at].as_ref().unwrap();
+            for (k, exact) in task.covered.iter().zip(&exact.slopes) {
+                let name = &prediction.free[*k].variable.name;
+                if !of(name) {
+                    continue;
+                }
+                let place = changes[at].as_ref().unwrap().iter().position(|change| change.parameter == *k).unwrap();
+                let largest = exact.iter().fold(0.0_f64, |most, slope| most.max(slope.abs()));
+                let off = exact.iter().zip(&own.slopes[place]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                assert!(largest > 0.0 && off <= CURVED * largest, "{what} {name}: off by {off} of {largest}");
+            }
+        }
+    }
+
     #[test]
     fn agreement_differences_between_windows_are_exact_derivatives() {
         for drive in ["speed_command", "torque_command"] {
-            checked(drive, false, |prediction, values| {
-                let changes = prediction.changes(values).unwrap();
-                let by_differences = prediction.side_by_side(values, &changes).unwrap();
-                let none: Vec<Option<Changes>> = changes.iter().map(|_| None).collect();
-                for task in prediction.tasks(&none) {
-                    let exact = prediction.traces::<WIDTH>(&task, values).unwrap();
-                    let at = prediction.runs.iter().position(|run| std::ptr::eq(run, task.run)).unwrap();
-                    let own = by_differences[at].as_ref().unwrap();
-                    for (k, exact) in task.covered.iter().zip(&exact.slopes) {
-                        let place =
-                            changes[at].as_ref().unwrap().iter().position(|change| change.parameter == *k).unwrap();
-                        let largest = exact.iter().fold(0.0_f64, |most, slope| most.max(slope.abs()));
-                        let off = exact.iter().zip(&own.slopes[place]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-                        let name = &prediction.free[*k].variable.name;
-                        assert!(off <= CURVED * largest, "{drive} {name}: off by {off} of {largest}");
-                    }
-                }
-            });
+            checked(drive, false, |prediction, values| agree(prediction, values, &|_| true, drive));
         }
+    }
+
+    /// Beside the neutral value of one parameter of an effect that acts by another, where the effect lists it as smooth.
+    #[test]
+    fn agreement_differences_are_exact_derivatives_at_neutral_values_that_effects_list() {
+        let experiment = experiment("torque_command", false);
+        let mut listed = 0;
+        for (id, facts) in Model::preset("two_wheeled").unwrap().rover.effects.facts() {
+            for own in facts.smooth_at_neutral {
+                let mut model = model("torque_command");
+                let neutral = format!("{id}.{own}");
+                let all = model.list().into_iter().filter(|(variable, _)| variable.name.starts_with(&format!("{id}.")));
+                for (variable, _) in all.collect::<Vec<_>>() {
+                    let acting = variable.default + 0.1 * (variable.max - variable.default);
+                    let value = if variable.name == neutral { variable.default } else { acting };
+                    model.set(&variable.name, value).unwrap();
+                }
+                let mut problem = Problem::new(&model, &experiment, &[]).unwrap();
+                problem.coarsen();
+                problem.cut();
+                let mut free = problem.base.clone();
+                let (variable, start) =
+                    model.list().into_iter().find(|(variable, _)| variable.name == neutral).unwrap();
+                free.push(Free { variable, start, prior: None, shared: None, within: None });
+                let values: Vec<f64> = free.iter().map(|free| free.start).collect();
+                agree(&prediction(&problem, &free).unwrap(), &values, &|name| name == neutral, "listed");
+                listed += 1;
+            }
+        }
+        assert!(listed >= 3, "{listed} parameters are listed");
     }
 }
