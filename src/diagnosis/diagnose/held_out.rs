@@ -3,7 +3,7 @@
 //! How the fit to everything becomes one without a fold is said by the [kind](crate::diagnosis::kinds) of the experiment: by a
 //! refit, by one Gauss-Newton step within the bounds where refits are dear, or by a refit of few steps. The left-out runs are then
 //! simulated with those values, so that the prediction itself is not linearised; where the simulation differs from what the step had
-//! promised there, the step went too far and a refit takes its place. A rover that gets stuck in them predicts that it stays there, and
+//! promised there, or has no answer, the step went too far and a refit takes its place. A rover that gets stuck in them predicts that it stays there, and
 //! a row of a carriage without an answer counts as missed, see [`unanswered`](crate::diagnosis::unanswered).
 //! What the kept conditions do not determine widens the prediction: else a fit that extrapolates into a left-out end of the
 //! slips is judged by chance.
@@ -59,12 +59,8 @@ pub(crate) fn held_out(
     };
     let (mut density, mut squares) = (Vec::new(), BTreeMap::<String, (f64, usize)>::new());
     for (fold, kept) in folds.iter().zip(fitted) {
-        let mut kept = kept;
-        let mut modelled = predict(problem, effects, &kept.values, fold)?;
-        if !is_linear(problem, noise, &kept, &modelled, fold)? {
-            kept = opened(problem, noise, effects, refit(fold, None)?, fold)?;
-            modelled = predict(problem, effects, &kept.values, fold)?;
-        }
+        let again = || opened(problem, noise, effects, refit(fold, None)?, fold);
+        let (kept, modelled) = simulated((problem, noise, effects), kept, again, fold)?;
         let inside: BTreeSet<_> = fold.iter().copied().collect();
         let difference: Vec<f64> =
             problem.layout.measured.iter().zip(&modelled).map(|(measured, modelled)| measured - modelled).collect();
@@ -88,6 +84,27 @@ pub(crate) fn held_out(
     }
     let rmse = squares.into_iter().map(|(signal, (sum, count))| (signal, (sum / count.max(1) as f64).sqrt()));
     Some(HeldOut { density, rmse: rmse.collect() })
+}
+
+/// What the kept runs say and the modelled values where the fold lies; `again` gives the former by a refit, which is made where a linear step went
+/// too far: the simulation gives something else than the step had promised, or has no answer there.
+fn simulated(
+    (problem, noise, effects): (&Problem, &Noise, &[String]),
+    kept: Kept,
+    again: impl FnOnce() -> Option<Kept>,
+    fold: &Fold,
+) -> Option<(Kept, Vec<f64>)> {
+    let modelled = predict(problem, effects, &kept.values, fold);
+    let is_linear = match &modelled {
+        Some(modelled) => is_linear(problem, noise, &kept, modelled, fold)?,
+        None => kept.promised.is_none(),
+    };
+    if is_linear {
+        return Some((kept, modelled?));
+    }
+    let kept = again()?;
+    let modelled = predict(problem, effects, &kept.values, fold)?;
+    Some((kept, modelled))
 }
 
 /// Modelled values where a fold lies; elsewhere anything.
@@ -245,8 +262,12 @@ fn precision(free: &[crate::diagnosis::free::Free], columns: &[Vec<f64>]) -> DMa
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 mod tests {
     use super::*;
+    use crate::diagnosis::diagnose::DiagnoseOptions;
+    use crate::diagnosis::kinds::synthetic::experiment;
+    use crate::model::Model;
 
     /// The charge [`PROXIMAL`] of a move, over these bounds 2.5e-9 beside curvatures of 1 and more, shifts the optimum by less.
     const CHARGED: f64 = 1e-6;
@@ -297,5 +318,23 @@ mod tests {
         };
         assert_eq!(at(&POINTS[..3])[1], low.0, "the slope of the first points is lower still");
         assert!(at(&POINTS[2..4])[1] > low.0, "between two of them it is steeper");
+    }
+
+    #[test]
+    fn property_a_step_to_where_the_model_has_no_answer_is_replaced_by_a_refit() {
+        let (experiment, model) = (experiment("torque_command", false), Model::preset("two_wheeled").unwrap());
+        let problem = DiagnoseOptions::default().problem(&model, &experiment).unwrap();
+        let given: Vec<f64> = problem.base.iter().map(|free| free.start).collect();
+        // A model whose soil is no number does not start.
+        let nowhere = vec![f64::NAN; given.len()];
+        let (noise, fold) = (Noise::new(BTreeMap::new()), vec![(0, 0)]);
+        assert!(predict(&problem, &[], &given, &fold).is_some() && predict(&problem, &[], &nowhere, &fold).is_none());
+        let stepped = || Kept { promised: Some(Vec::new()), ..Kept::known(nowhere.clone()) };
+        let found = |kept: Kept, refitted: Option<Kept>| {
+            simulated((&problem, &noise, &[]), kept, || refitted, &fold).map(|(kept, _)| kept.values)
+        };
+        assert_eq!(found(stepped(), Some(Kept::known(given.clone()))), Some(given.clone()));
+        assert_eq!(found(stepped(), None), None, "no refit either");
+        assert_eq!(found(Kept::known(nowhere), Some(Kept::known(given))), None, "a refit is not made twice");
     }
 }
