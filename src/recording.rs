@@ -57,8 +57,7 @@ impl<S: Scalar> Recorder<S> {
 
     /// Replaces the signals by what is recorded at their instant.
     pub fn record(&self, signals: &mut Signals<S>) {
-        if let Some(last) = self.lags.last() {
-            last.record(signals);
-        }
+        // Each from its own memory: what two of them delay is as the later one, behind the other, gives it.
+        self.lags.iter().for_each(|lag| lag.record(signals));
     }
 }

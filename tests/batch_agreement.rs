@@ -219,7 +219,7 @@ fn agreement_all_effects_at_once() {
 fn agreement_events_at_the_same_step() {
     // Under commands from outside, and with a controller that decides; with signals that are recorded as they are, and later.
     for (kind, mean) in [(ControlKind::Torque, 2.2), (ControlKind::SpeedLoop, 5.0)] {
-        for dead_time in [0.0, 0.053] {
+        for dead_time in [0.0, 0.013] {
             events_at_the_same_step(kind, mean, dead_time);
         }
     }

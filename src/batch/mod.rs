@@ -22,15 +22,16 @@
 mod error;
 mod group;
 mod kernel;
+mod kind;
 #[cfg(test)]
 mod operations;
 mod pool;
 mod shard;
 
 pub use error::BatchError;
-#[cfg(feature = "experiments")]
-pub(crate) use group::Kind;
 pub use kernel::Kernel;
+#[cfg(feature = "experiments")]
+pub(crate) use kind::Kind;
 
 use crate::model::{Ahead, Inputs, Run, RunError};
 use crate::signals::{Measurement, Signals};

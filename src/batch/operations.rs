@@ -1,7 +1,8 @@
 //! How much arithmetic a step takes, which no implementation can do without: `cargo test --lib operations -- --nocapture`
 //! prints it; `cargo bench --bench batch` sets it against what the processor can do.
 
-use super::group::{Kind, group};
+use super::group::group;
+use super::kind::Kind;
 use super::shard::Slot;
 use crate::contact::rolling;
 use crate::model::{Model, Run};

@@ -1,7 +1,8 @@
 //! The part of a batch that one thread steps.
 
 use super::Kernel;
-use super::group::{Group, Kind, group};
+use super::group::{Group, group};
+use super::kind::Kind;
 use crate::model::{Run, RunError};
 #[cfg(any(all(feature = "every-kernel", not(test)), not(target_arch = "x86_64")))]
 use crate::scalar::Arrays;
@@ -15,7 +16,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 /// A place of a batch.
 #[derive(Debug)]
 pub struct Slot {
-    /// Its signals, status, time and sensors are always those of the present; its motion may be with a group.
+    /// Its signals, status, time, sensors and the memory of its recorder are always those of the present; its motion may be with a group.
     pub run: Run,
     pub error: Option<RunError>,
     /// Whether the present step moves it.

@@ -104,6 +104,22 @@ fn analytic_a_dead_time_shifts_the_record_and_leaves_the_energies() {
 }
 
 #[test]
+fn analytic_a_delay_of_the_tracked_body_adds_to_that_of_all_signals() {
+    let mut effects = lagging(0.0, 20.0 * STEP);
+    let all = records(effects.clone(), 300);
+    effects.tracking_delay.dead_time = 10.0 * STEP;
+    let (truth, both) = (records(Effects::default(), 300), records(effects, 300));
+    for k in 30..=300 {
+        assert_eq!(both[k].wheels, all[k].wheels, "{k}: wheels are not tracked");
+        assert_eq!(both[k].body.power, all[k].body.power, "{k}: nor is power");
+        let (late, truth) = (&both[k].body, &truth[k - 30].body);
+        for (late, truth) in [(late.x, truth.x), (late.velocity, truth.velocity), (late.pitch, truth.pitch)] {
+            assert!((late - truth).abs() < 1e-9 * (1.0 + truth.abs()), "{k}: {late} and {truth}");
+        }
+    }
+}
+
+#[test]
 fn property_the_record_is_smooth_in_the_dead_time_and_from_zero() {
     let x = |time_constant: f64, dead_time: f64| records(lagging(time_constant, dead_time), 400)[400].body.x;
     let velocity = records(Effects::default(), 400)[400].body.velocity;

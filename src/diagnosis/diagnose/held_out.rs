@@ -3,8 +3,8 @@
 //! How the fit to everything becomes one without a fold is said by the [kind](crate::diagnosis::kinds) of the experiment: by a
 //! refit, by one Gauss-Newton step within the bounds where refits are dear, or by a refit of few steps. The left-out runs are then
 //! simulated with those values, so that the prediction itself is not linearised; where the simulation differs from what the step had
-//! promised there, or has no answer, the step went too far and a refit takes its place. A rover that gets stuck in them predicts that it stays there, and
-//! a row of a carriage without an answer counts as missed, see [`unanswered`](crate::diagnosis::unanswered).
+//! promised there, or has no result, the step went too far and a refit takes its place. A rover that gets stuck in them predicts
+//! that it stays there, and a row of a carriage without an answer counts as missed, see [`unanswered`](crate::diagnosis::unanswered).
 //! What the kept conditions do not determine widens the prediction: else a fit that extrapolates into a left-out end of the
 //! slips is judged by chance.
 
@@ -59,8 +59,8 @@ pub(crate) fn held_out(
     };
     let (mut density, mut squares) = (Vec::new(), BTreeMap::<String, (f64, usize)>::new());
     for (fold, kept) in folds.iter().zip(fitted) {
-        let again = || opened(problem, noise, effects, refit(fold, None)?, fold);
-        let (kept, modelled) = simulated((problem, noise, effects), kept, again, fold)?;
+        let refitted = || opened(problem, noise, effects, refit(fold, None)?, fold);
+        let (kept, modelled) = simulated((problem, noise, effects), kept, refitted, fold)?;
         let inside: BTreeSet<_> = fold.iter().copied().collect();
         let difference: Vec<f64> =
             problem.layout.measured.iter().zip(&modelled).map(|(measured, modelled)| measured - modelled).collect();
@@ -86,23 +86,25 @@ pub(crate) fn held_out(
     Some(HeldOut { density, rmse: rmse.collect() })
 }
 
-/// What the kept runs say and the modelled values where the fold lies; `again` gives the former by a refit, which is made where a linear step went
-/// too far: the simulation gives something else than the step had promised, or has no answer there.
+/// The values that the kept runs give, and what the model gives for the fold with them. Values of a linear step that went too far are replaced by
+/// those of a refit: the simulation gives something else than the step had promised, or nothing.
 fn simulated(
     (problem, noise, effects): (&Problem, &Noise, &[String]),
     kept: Kept,
-    again: impl FnOnce() -> Option<Kept>,
+    refitted: impl FnOnce() -> Option<Kept>,
     fold: &Fold,
 ) -> Option<(Kept, Vec<f64>)> {
     let modelled = predict(problem, effects, &kept.values, fold);
-    let is_linear = match &modelled {
-        Some(modelled) => is_linear(problem, noise, &kept, modelled, fold)?,
-        None => kept.promised.is_none(),
-    };
-    if is_linear {
-        return Some((kept, modelled?));
+    if modelled.is_none() && kept.promised.is_none() {
+        // These are a refit's values already.
+        return None;
     }
-    let kept = again()?;
+    if let Some(modelled) = modelled
+        && is_linear(problem, noise, &kept, &modelled, fold)?
+    {
+        return Some((kept, modelled));
+    }
+    let kept = refitted()?;
     let modelled = predict(problem, effects, &kept.values, fold)?;
     Some((kept, modelled))
 }

@@ -93,7 +93,7 @@ impl TraversePrediction<'_> {
     }
 }
 
-/// Whether an effect's parameter is where the effect does not act.
+/// Whether a parameter is one of an effect and at its neutral value.
 fn is_neutral(variable: &Variable, value: f64) -> bool {
     variable.role == Role::Effect && value == variable.default
 }

@@ -2,8 +2,8 @@
 //!
 //! Derivatives of a run that is cut into windows are differences: windows under several values go side by side, eight at a time,
 //! faster than one with exact derivatives. Derivatives in an effect's parameter at its neutral value are exact, since beside it another
-//! law may begin, and so are those of a run with open-loop commands that is replayed as a whole, since errors of differences grow with
-//! the length of a replay. A run with feedback loops has differences to both sides, larger ones.
+//! law may begin, unless the effect acts by another parameter and lists this one as smooth there. Exact are also those of a run with
+//! open-loop commands that is replayed as a whole, since errors of differences grow with the length of a replay. A run with feedback loops has differences to both sides, larger ones.
 
 use super::differences::Changes;
 use super::prediction::{Ended, TraversePrediction};
@@ -235,8 +235,9 @@ mod tests {
         }
     }
 
-    /// Derivatives by differences against exact ones, in each parameter that `of` asks for.
-    fn agree(prediction: &TraversePrediction, values: &[f64], of: &dyn Fn(&str) -> bool, what: &str) {
+    /// Compares derivatives by differences with exact ones, in each parameter that `of` asks for; how many were compared.
+    fn agree(prediction: &TraversePrediction, values: &[f64], of: &dyn Fn(&str) -> bool, what: &str) -> usize {
+        let mut compared = 0;
         let changes = prediction.changes(values).unwrap();
         let by_differences = prediction.side_by_side(values, &changes).unwrap();
         let none: Vec<Option<Changes>> = changes.iter().map(|_| None).collect();
@@ -253,14 +254,18 @@ mod tests {
                 let largest = exact.iter().fold(0.0_f64, |most, slope| most.max(slope.abs()));
                 let off = exact.iter().zip(&own.slopes[place]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
                 assert!(largest > 0.0 && off <= CURVED * largest, "{what} {name}: off by {off} of {largest}");
+                compared += 1;
             }
         }
+        compared
     }
 
     #[test]
     fn agreement_differences_between_windows_are_exact_derivatives() {
         for drive in ["speed_command", "torque_command"] {
-            checked(drive, false, |prediction, values| agree(prediction, values, &|_| true, drive));
+            checked(drive, false, |prediction, values| {
+                assert!(agree(prediction, values, &|_| true, drive) > 0);
+            });
         }
     }
 
@@ -287,7 +292,8 @@ mod tests {
                     model.list().into_iter().find(|(variable, _)| variable.name == neutral).unwrap();
                 free.push(Free { variable, start, prior: None, shared: None, within: None });
                 let values: Vec<f64> = free.iter().map(|free| free.start).collect();
-                agree(&prediction(&problem, &free).unwrap(), &values, &|name| name == neutral, "listed");
+                let compared = agree(&prediction(&problem, &free).unwrap(), &values, &|name| name == neutral, "listed");
+                assert_eq!(compared, experiment.runs.len(), "{neutral}: once in each run");
                 listed += 1;
             }
         }
