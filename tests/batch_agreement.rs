@@ -8,7 +8,7 @@ use bekker::effects::EFFECTS;
 use bekker::model::{ControlKind, Model, Run};
 use bekker::modeldescription::{Lookup, Parameters, Role};
 use bekker::simulation::Status;
-use bekker::terrain::{Ditch, Profile, Random, Slope, Spectrum, Step, Terrain, Waves};
+use bekker::terrain::{Ditch, Profile, Random, Rocks, Slope, Spectrum, Step, Terrain, Waves};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -167,6 +167,50 @@ fn agreement_grounds() {
             let mean = if preset == "two_wheeled" { 2.0 } else { 0.35 };
             compare(&format!("ground {kind}, {preset}"), &runs, 25, 10, varied(mean, 0.4));
         }
+    }
+}
+
+/// Whether a wheel of the run is about above a rock.
+fn on_rock(run: &Run) -> bool {
+    let rover = run.simulation().rover();
+    let x = run.signals().clone().get("x").unwrap();
+    rover.wheels.iter().any(|wheel| rover.terrain.soil(&rover.soil, x + wheel.mount.x) != rover.soil)
+}
+
+/// Rovers before rocks of several sizes, and one on ground without any.
+#[test]
+fn agreement_rocks() {
+    let mut random = ChaCha8Rng::seed_from_u64(11);
+    for (preset, reach) in [("two_wheeled", 0.6), ("rocker_bogie", 0.35)] {
+        let base = Model::preset(preset).unwrap();
+        let mut placed = |k: u32| {
+            let mut model = base.clone();
+            let spectrum = Spectrum { roughness: 0.01, ..Spectrum::default() };
+            let rocks = Rocks { rock_coverage: 0.09 * f64::from(k % 4), largest_rock: 0.1 + 0.01 * f64::from(k) };
+            let terrain = Terrain::new(Profile::Random(Random::new(spectrum, k).with_rocks(rocks)));
+            let soil = model.rover.soil;
+            let ahead = |x: f64| k % 4 == 0 || terrain.soil(&soil, x + reach) != soil;
+            let x = std::iter::repeat_with(|| 2.0 + 90.0 * random.random::<f64>()).find(|x| ahead(*x)).unwrap();
+            model.start.x0 = x;
+            model.rover.terrain = terrain;
+            model.start().unwrap()
+        };
+        let runs: Vec<Run> = (0..8).map(&mut placed).collect();
+        let mean = if preset == "two_wheeled" { 3.0 } else { 0.45 };
+        compare(&format!("rocks, {preset}"), &runs, 150, 10, varied(mean, 0.4));
+        let mut met = 0;
+        for mut run in runs {
+            let wheels = run.simulation().rover().wheels.len();
+            run.inputs_mut().set_all(&vec![mean; wheels]).unwrap();
+            let mut meets = on_rock(&run);
+            for _ in 0..150 {
+                // A run that has ended stays where it is.
+                let _ = run.advance(10);
+                meets |= on_rock(&run);
+            }
+            met += usize::from(meets);
+        }
+        assert!(met >= 4, "{preset}: {met} of 8 rovers meet a rock");
     }
 }
 

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
 use bekker::scalar::{Dual, Scalar};
-use bekker::terrain::{Ditch, Profile, Random, Samples, Slope, Spectrum, Step, Terrain, TerrainError, Waves};
+use bekker::terrain::{Ditch, Profile, Random, Rocks, Samples, Slope, Spectrum, Step, Terrain, TerrainError, Waves};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::sync::Arc;
@@ -51,7 +51,9 @@ fn grounds(draw: &mut impl Rng) -> Vec<Terrain> {
     ];
     for roughness in [0.01, 0.1] {
         let spectrum = Spectrum { roughness, wavelength: 2.0, exponent: draw.random_range(1.0..3.0) };
-        all.push(Profile::Random(Random::new(spectrum, draw.random())));
+        let random = Random::new(spectrum, draw.random());
+        all.push(Profile::Random(random.clone()));
+        all.push(Profile::Random(random.with_rocks(Rocks { rock_coverage: 0.3, largest_rock: 0.4 })));
     }
     all.into_iter().map(Terrain::new).collect()
 }

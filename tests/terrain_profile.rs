@@ -4,7 +4,9 @@
 
 use bekker::scalar::Dual;
 use bekker::soil::Soil;
-use bekker::terrain::{Ditch, Profile, Random, Samples, Slope, SoilColumn, SoilTable, Spectrum, Step, Terrain, Waves};
+use bekker::terrain::{
+    Ditch, Profile, Random, Rocks, Samples, Slope, SoilColumn, SoilTable, Spectrum, Step, Terrain, Waves,
+};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::sync::Arc;
@@ -87,6 +89,9 @@ fn analytic_samples_of_a_line_are_the_line_and_of_a_parabola_nearly_it() {
     }
 }
 
+/// As many as there can be, up to a size that the model's rovers can cross.
+const ROCKS: Rocks = Rocks { rock_coverage: 0.3, largest_rock: 0.3 };
+
 fn formulas() -> Vec<Profile> {
     let spectrum = Spectrum { roughness: 0.03, wavelength: 3.0, exponent: 1.7 };
     vec![
@@ -96,6 +101,7 @@ fn formulas() -> Vec<Profile> {
         Profile::Ditch(Ditch { depth: 0.2, width: 0.8, position: 2.0 }),
         Profile::Step(Step { height: -0.1, length: 0.3, position: 2.0 }),
         Profile::Random(Random::new(spectrum, 7)),
+        Profile::Random(Random::new(spectrum, 7).with_rocks(ROCKS)),
     ]
 }
 
@@ -180,6 +186,64 @@ fn property_random_ground_is_fixed_by_its_seed() {
     let ground = |seed| Terrain::new(Profile::Random(Random::new(Spectrum::default(), seed)));
     assert_eq!(ground(3).at(1.0), ground(3).at(1.0));
     assert_ne!(ground(3).at(1.0).height, ground(4).at(1.0).height);
+}
+
+#[test]
+fn property_rocks_stand_on_the_ground_and_are_firm() {
+    let spectrum = Spectrum { roughness: 0.02, ..Spectrum::default() };
+    let bare = Terrain::new(Profile::Random(Random::new(spectrum, 5)));
+    let rocky = Terrain::new(Profile::Random(Random::new(spectrum, 5).with_rocks(ROCKS)));
+    let soil = Soil::<f64>::default();
+    let mut highest = 0.0_f64;
+    for i in 0..20_000 {
+        let x = 0.002 * f64::from(i) - 1.0;
+        let (raised, firm) = (rocky.at(x).height - bare.at(x).height, rocky.soil(&soil, x));
+        assert!(raised >= 0.0 && (x > 1.0 || raised == 0.0), "{x}: {raised}");
+        // A foot too low for its rise to be seen in rounding is firmer too.
+        assert!(raised == 0.0 || firm.k_phi > soil.k_phi, "{x}: {firm:?}");
+        assert!(firm.k_phi <= 20.0 * soil.k_phi * (1.0 + ROUNDING) && firm.cohesion >= 0.0);
+        assert!(firm.friction_angle >= soil.friction_angle && firm.friction_angle.tan() <= 0.7 + ROUNDING);
+        assert!(firm.shear_modulus <= soil.shear_modulus && firm.shear_modulus >= 0.002 - ROUNDING);
+        highest = highest.max(raised);
+    }
+    // Half the diameter: of the largest that is there, which is not much smaller than allowed over 39 m.
+    assert!(highest <= 0.15 && highest > 0.05, "{highest}");
+}
+
+#[test]
+fn property_no_rocks_are_no_change() {
+    let bare = Terrain::new(Profile::Random(Random::new(Spectrum::default(), 5)));
+    let none = Rocks { rock_coverage: 0.0, largest_rock: 1.0 };
+    let without = Terrain::new(Profile::Random(Random::new(Spectrum::default(), 5).with_rocks(none)));
+    let soil = Soil::<f64>::default();
+    for i in 0..5000 {
+        let x = 0.01 * f64::from(i);
+        assert_eq!(bare.at(x), without.at(x));
+        assert_eq!(without.soil(&soil, x), soil);
+        let centre = [x, bare.at(x).height + 0.1];
+        assert_eq!(bare.foot(centre), without.foot(centre));
+    }
+}
+
+#[test]
+fn property_soil_on_a_rock_has_the_derivative_along_x() {
+    let ground = Terrain::new(Profile::Random(Random::new(Spectrum::default(), 5).with_rocks(ROCKS)));
+    let base = Soil::<f64>::default();
+    let dual = |v: f64| Dual::<1>::from(v);
+    let slope = |value: Dual<1>| value.eps.unwrap_generic(nalgebra::Const::<1>, nalgebra::U1)[0];
+    let (h, mut changing) = (1e-7, 0);
+    for i in 0..2000 {
+        let at = 1.0 + 0.005 * f64::from(i);
+        let mut x = dual(at);
+        x.eps = num_dual::Derivative::some(nalgebra::SVector::from([1.0]));
+        let soil = ground.map(&|v| dual(v)).soil(&base.map(&|v| dual(v)), x);
+        let [before, after] = [at - h, at + h].map(|x| ground.soil(&base, x).friction_angle);
+        let difference = (after - before) / (2.0 * h);
+        // Kinks, where the foot ends and where all is rock, are between the places compared.
+        assert!((slope(soil.friction_angle) - difference).abs() < 1e-5 * (1.0 + difference.abs()), "{at}");
+        changing += usize::from(difference != 0.0);
+    }
+    assert!(changing > 50, "{changing} places at the foot of a rock");
 }
 
 #[test]

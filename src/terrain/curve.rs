@@ -26,8 +26,8 @@ pub(super) trait Curve<S: Scalar> {
         f64::INFINITY
     }
 
-    /// A bound on |d2z/dx2| for all x, side by side.
-    fn most_bend(&self) -> S {
+    /// A bound on |d2z/dx2| within `reach` of `x`, or for all x where that costs less, side by side.
+    fn most_bend(&self, _x: S, _reach: S) -> S {
         S::from(f64::INFINITY)
     }
 

@@ -161,15 +161,14 @@ fn newton<R: Plain>(curve: &impl Curve<R>, centre: [R; 2], below: Sample<R>, mas
     (x, sample, arrived)
 }
 
-/// The feet below several centres, each on its own of `curves`: those whose profile bends less than `most` everywhere by
-/// Newton's method side by side, the others by `one`.
+/// The feet below several centres, each on its own of `curves`: those whose profile bends little by Newton's method side by
+/// side, the others by `one`.
 ///
 /// # Errors
 /// As [`foot`], of the first that has one.
 #[lanes]
 pub(super) fn side_by_side<R: Plain>(
     curves: &impl Curve<R>,
-    most: R,
     one: impl Fn(usize) -> Result<Foot<f64>, TerrainError>,
     centre: [R; 2],
 ) -> Result<Foot<R>, TerrainError> {
@@ -179,6 +178,7 @@ pub(super) fn side_by_side<R: Plain>(
     let (x, sample, arrived) = newton(curves, centre, below, within);
     let (along, gap) = (x - centre[0], centre[1] - sample.height);
     let reach = (along * along + gap * gap).sqrt();
+    let most = curves.most_bend(centre[0], reach);
     let found = arrived & R::from(0.0).at_most(gap * clearance) & (most * reach).under(1.0);
     let mut feet = frame(x, &sample, centre);
     if !found.all() {
@@ -257,7 +257,7 @@ pub(super) fn on_formula<S: Scalar, C: Curve<f64>>(
         let curve = plain(k);
         foot(&curve, &curve, [centres[0].lane(k), centres[1].lane(k)])
     };
-    Ok(side_by_side(sides, sides.most_bend(), one, centres)?.constant())
+    Ok(side_by_side(sides, one, centres)?.constant())
 }
 
 /// The feet below several centres on several grounds.

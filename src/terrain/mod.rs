@@ -12,6 +12,7 @@ mod lanes;
 mod preset;
 mod profile_file;
 mod random;
+mod rocks;
 mod samples;
 mod soil_table;
 mod spec;
@@ -22,6 +23,7 @@ pub use error::TerrainError;
 pub use foot::Foot;
 pub use preset::{Ditch, Slope, Step, Waves};
 pub use random::{Random, Spectrum};
+pub use rocks::Rocks;
 pub use samples::{Samples, SamplesError};
 pub use soil_table::{SoilColumn, SoilTable, SoilTableError};
 pub use spec::{Preset, SoilSpec, TerrainSpec, TerrainSpecError};
@@ -46,7 +48,7 @@ pub enum Profile<S = f64> {
     Ditch(Ditch<S>),
     /// A step of finite slope.
     Step(Step<S>),
-    /// Random ground.
+    /// Random ground, with rocks or without.
     Random(Random<S>),
     /// A profile by samples.
     Samples(Arc<Samples>),
@@ -146,14 +148,23 @@ impl<S: Scalar> Terrain<S> {
         }
     }
 
-    /// The soil at `x`: `base` with what the table says there; `base` itself, bit for bit, without a table.
+    /// The soil at `x`: `base` with what the table says there, firmer on a rock; `base` itself, bit for bit, without either.
     #[lanes]
     #[must_use]
     pub fn soil(&self, base: &Soil<S>, x: S) -> Soil<S> {
         if let Some(several) = &self.several {
             return several.soil(base, x);
         }
-        self.soil.as_ref().map_or(*base, |table| table.apply(base, x))
+        let soil = self.soil.as_ref().map_or(*base, |table| table.apply(base, x));
+        match &self.profile {
+            Profile::Random(random) => random.rocks.firm(soil, x),
+            _ => soil,
+        }
+    }
+
+    /// Whether the soil differs from place to place.
+    fn varies(&self) -> bool {
+        self.soil.is_some() || matches!(&self.profile, Profile::Random(random) if !random.rocks.view().is_bare())
     }
 
     /// The grounds of several rovers side by side, whose profiles are of one kind; `parameter` gives the numbers of a
@@ -213,7 +224,7 @@ impl<S: Copy> Parameters<S> for Terrain<S> {
             Profile::Waves(group) => group.visit(prefix, f),
             Profile::Ditch(group) => group.visit(prefix, f),
             Profile::Step(group) => group.visit(prefix, f),
-            Profile::Random(random) => random.spectrum.visit(prefix, f),
+            Profile::Random(random) => random.visit(prefix, f),
         }
     }
 
@@ -224,7 +235,7 @@ impl<S: Copy> Parameters<S> for Terrain<S> {
             Profile::Waves(group) => group.values(f),
             Profile::Ditch(group) => group.values(f),
             Profile::Step(group) => group.values(f),
-            Profile::Random(random) => random.spectrum.values(f),
+            Profile::Random(random) => random.values(f),
         }
     }
 }

@@ -111,7 +111,7 @@ impl<S: Scalar> Curve<S> for Waves<S> {
         }
     }
 
-    fn most_bend(&self) -> S {
+    fn most_bend(&self, _: S, _: S) -> S {
         let k = S::from(TAU) / self.wavelength;
         self.amplitude * k * k
     }
@@ -157,7 +157,7 @@ impl<S: Scalar> Curve<S> for Ditch<S> {
         }
     }
 
-    fn most_bend(&self) -> S {
+    fn most_bend(&self, _: S, _: S) -> S {
         let k = S::from(TAU) / self.width;
         self.depth.abs() * 0.5 * k * k
     }
@@ -200,7 +200,7 @@ impl<S: Scalar> Curve<S> for Step<S> {
         if from < left || to > right { face.max(0.0) } else { face }
     }
 
-    fn most_bend(&self) -> S {
+    fn most_bend(&self, _: S, _: S) -> S {
         // At the ends of the face; a little more than rounding makes of it.
         self.height.abs() * 6.000_001 / (self.length * self.length)
     }

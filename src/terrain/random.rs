@@ -1,11 +1,12 @@
-//! Random ground: a sum of sinusoids with a power-law spectrum.
+//! Random ground: a sum of sinusoids with a power-law spectrum, and rocks on it.
 
 use super::curve::{Curve, Sample};
 use super::preset::bend_nearby;
+use super::rocks::{Field, Rocks, View, dome};
 #[cfg(feature = "batch")]
 use crate::scalar::{MOST_LANES, Plain};
 use crate::scalar::{MapScalar, Scalar, lanes};
-use bekker_modeldescription::{Unit, parameters};
+use bekker_modeldescription::{Parameters, Unit, Variable, parameters};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{LN_2, TAU};
@@ -18,6 +19,8 @@ const OCTAVES: usize = 4;
 const VOICES: usize = 4;
 /// Sinusoids altogether.
 const WAVES: usize = OCTAVES * VOICES;
+/// The stream of a seed from which rocks are drawn; the phases are from stream 0.
+const ROCKS: u64 = 1;
 /// 2^(v/4): wavenumbers of the first octave over the lowest.
 const ROOTS: [f64; VOICES] = [1.0, 1.189_207_115_002_721, std::f64::consts::SQRT_2, 1.681_792_830_507_429];
 
@@ -34,18 +37,20 @@ parameters! {
     }
 }
 
-/// Random ground of one seed. The same seed gives the same ground everywhere, whatever the spectrum.
+/// Random ground of one seed. The same seed gives the same ground everywhere, whatever the spectrum, and the same rocks, of
+/// which a smaller coverage shows fewer.
 #[derive(Clone, Debug, PartialEq, MapScalar)]
 pub struct Random<S = f64> {
     /// Roughness, longest wavelength and spectral exponent.
     pub spectrum: Spectrum<S>,
+    pub(super) rocks: Field<S>,
     seed: u32,
     /// (cos, sin) of the phase of each sinusoid.
     phases: Arc<[[f64; 2]; WAVES]>,
 }
 
 impl<S: Scalar> Random<S> {
-    /// Ground with the given spectrum and phases drawn from `seed`.
+    /// Ground with the given spectrum and phases drawn from `seed`, without rocks.
     #[must_use]
     pub fn new(spectrum: Spectrum<S>, seed: u32) -> Self {
         let mut draw = ChaCha8Rng::seed_from_u64(u64::from(seed));
@@ -53,7 +58,21 @@ impl<S: Scalar> Random<S> {
             let (sin, cos) = (TAU * draw.random::<f64>()).sin_cos();
             [cos, sin]
         });
-        Self { spectrum, seed, phases: Arc::new(phases) }
+        draw.set_stream(ROCKS);
+        Self { spectrum, rocks: Field::new(&mut draw), seed, phases: Arc::new(phases) }
+    }
+
+    /// The same ground with rocks.
+    #[must_use]
+    pub fn with_rocks(mut self, rocks: Rocks<S>) -> Self {
+        self.rocks.shown = rocks;
+        self
+    }
+
+    /// Which rocks are there.
+    #[must_use]
+    pub fn rocks(&self) -> &Rocks<S> {
+        &self.rocks.shown
     }
 
     /// The seed of the phases.
@@ -64,19 +83,34 @@ impl<S: Scalar> Random<S> {
 
     /// The sum with its amplitudes worked out, for one or more evaluations.
     pub(super) fn sum<T: Scalar>(&self, f: impl Fn(S) -> T) -> Sum<'_, T> {
-        Sum::new(f(self.spectrum.roughness), f(self.spectrum.wavelength), f(self.spectrum.exponent), &self.phases)
+        let [roughness, wavelength, exponent] =
+            [self.spectrum.roughness, self.spectrum.wavelength, self.spectrum.exponent].map(f);
+        Sum { rocks: self.rocks.view(), ..Sum::new(roughness, wavelength, exponent, &self.phases) }
     }
 }
 
-/// Sum over j of a_j cos(k_j x + phase_j) with k_j = k_0 2^(j/4): the wavenumbers of each octave are twice
+impl<S: Copy> Parameters<S> for Random<S> {
+    fn visit(&mut self, prefix: &str, f: &mut dyn FnMut(Variable, &mut S)) {
+        self.spectrum.visit(prefix, f);
+        self.rocks.shown.visit(prefix, f);
+    }
+
+    fn values(&self, f: &mut dyn FnMut(S)) {
+        self.spectrum.values(f);
+        self.rocks.shown.values(f);
+    }
+}
+
+/// Rocks, and under them the sum over j of a_j cos(k_j x + phase_j) with k_j = k_0 2^(j/4): the wavenumbers of each octave are twice
 /// those of the one before, so that four sines and cosines give all others by doubling the angle.
 pub(super) struct Sum<'a, S> {
     wavenumber: [S; VOICES],
     amplitude: [S; WAVES],
-    /// Bounds on the second and third derivative.
+    /// Bounds on the second and third derivative of the sum.
     bend: [f64; 2],
     /// (cos, sin).
     phases: &'a [[f64; 2]; WAVES],
+    rocks: View<'a>,
 }
 
 impl<'a, S: Scalar> Sum<'a, S> {
@@ -100,7 +134,7 @@ impl<'a, S: Scalar> Sum<'a, S> {
             let second = a.value() * k * k;
             bend = [bend[0] + second, bend[1] + second * k];
         }
-        Self { wavenumber, amplitude, bend, phases }
+        Self { wavenumber, amplitude, bend, phases, rocks: View::default() }
     }
 }
 
@@ -135,16 +169,23 @@ fn sample<S: Scalar + Mul<P, Output = S>, P: Copy>(
 #[lanes]
 impl<S: Scalar> Curve<S> for Sum<'_, S> {
     fn at(&self, x: S) -> Sample<S> {
-        sample(x, |v| self.wavenumber[v], |j| self.amplitude[j], |j| self.phases[j])
+        let ground = sample(x, |v| self.wavenumber[v], |j| self.amplitude[j], |j| self.phases[j]);
+        match self.rocks.at(x.value()) {
+            Some(rock) => ground.plus(dome(x, rock.numbers().map(S::from))),
+            None => ground,
+        }
     }
 
     fn bend(&self, side: f64, from: f64, to: f64, middle: &Sample<f64>) -> f64 {
         let [second, third] = self.bend;
-        bend_nearby(side * middle.curvature, third, 0.5 * (to - from), second)
+        let at = 0.5 * (from + to);
+        let of_rock = self.rocks.at(at).map_or(0.0, |rock| dome(at, rock.numbers()).curvature);
+        let sum = bend_nearby(side * (middle.curvature - of_rock), third, 0.5 * (to - from), second);
+        sum + self.rocks.bend(side, from, to)
     }
 }
 
-/// The sums of several grounds side by side: number k of each row is that of ground k.
+/// The sums of several grounds side by side, without their rocks: number k of each row is that of ground k.
 #[cfg(feature = "batch")]
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Sums {
@@ -188,7 +229,7 @@ impl<R: Plain> Curve<R> for Sums {
         f64::INFINITY
     }
 
-    fn most_bend(&self) -> R {
+    fn most_bend(&self, _: R, _: R) -> R {
         R::from_lanes(|k| self.most_bend[k])
     }
 }
