@@ -10,7 +10,7 @@ from pathlib import Path
 import bekker
 from bekker.arguments import Arguments
 from bekker.randomise import Choice, Distribution, LogUniform, Normal, Uniform
-from bekker.scales import EXTRAS
+from bekker.scales import AHEAD, EXTRAS
 from bekker.tasks import ANY_SEED, PERIOD
 
 PAGE = Path(__file__).with_suffix(".md")
@@ -237,9 +237,18 @@ def chapter(task: bekker.Task) -> str:
         "goal_distance": ("1", "Way left to the goal, as a share."),
         "time_left": ("1", "Time left of that which the way takes at the speed asked for, as a share."),
     }
+    ahead = {
+        "height_ahead": ("m", "Height of the ground at {distance} along x from the body's reference point, above the ground at that point."),
+        "seen_ahead": ("1", "1 where the cell at {distance} is there, 0 where it is missing."),
+    }
     entries = []
     for k, (name, scale) in enumerate(zip(observer.names, observer.scales, strict=True)):
-        unit, doc = extra[name] if name in extra else (about[name]["unit"], about[name]["doc"])
+        kind = name.partition("[")[0]
+        if kind in AHEAD:
+            distance = setup.ahead.distances[int(name[len(kind) + 1 : -1]) - 1]
+            unit, doc = ahead[kind][0], ahead[kind][1].format(distance=f"{distance:g} m")
+        else:
+            unit, doc = extra[name] if name in extra else (about[name]["unit"], about[name]["doc"])
         entries.append((k, f"`{name}`", doc, -1, 1, number(scale), unit))
     draws = [(f"`{name}`", words(d), unit_of(name, about)) for name, d in setup.randomise.items()]
     grades = [(f"`{name}`", *map(number, ends), unit_of(name, about)) for name, ends in setup.grades.items()]

@@ -20,7 +20,7 @@ import numpy as np
 import bekker
 from bekker import baselines, oracles
 
-TASKS = ("SpeedHold", "SlopeClimb", "BlindSlope", "DitchCrossing", "EnergyTraverse", "SlipLimited")
+TASKS = ("SpeedHold", "SlopeClimb", "BlindSlope", "DitchCrossing", "EnergyTraverse", "RockTraverse", "SlipLimited")
 SEEDS = range(20_000, 20_050)
 ROWS = Path(__file__).with_name("training") / "sweep.csv"
 PAGE = Path(__file__).with_name("training.md")
@@ -35,6 +35,7 @@ CONTROLLERS = {
     "RTC": baselines.rtc,
     "RTC with wheel-speed loops": baselines.rtc_speed,
     "slip control": baselines.slip_control,
+    "slow near steep ground": baselines.careful,
 }
 
 
@@ -95,9 +96,10 @@ def ordered(results: list[baselines.Evaluation]) -> float:
 def sweep(task: str) -> list[dict[str, str]]:
     """All rows of one task."""
     env = bekker.RoverEnv(task=task)
-    torques = env.setup.model.control == "torque"
+    torques, sees = env.setup.model.control == "torque", env.setup.ahead is not None
+    wanted = {"velocity control": True, "slow near steep ground": sees}
     plan = [("constant", " ".join(f"{part:g}" for part in action)) for action in constants(env.setup.model.wheels)]
-    plan += [(name, "") for name in CONTROLLERS if torques or name == "velocity control"]
+    plan += [(name, "") for name in CONTROLLERS if wanted.get(name, torques)]
     plan.append(("oracle", ""))
     rows, results = [], []
     for policy, action in plan:

@@ -128,7 +128,7 @@ impl PyModel {
         let Profile::Random(random) = &mut self.core.rover.terrain.profile else {
             return Err(error::ModelError::new_err("terrain.seed: expected the terrain preset `random`"));
         };
-        *random = Random::new(random.spectrum, seed);
+        *random = Random::new(random.spectrum, seed).with_rocks(*random.rocks());
         Ok(())
     }
 

@@ -2,6 +2,7 @@
 
 import sys
 from pathlib import Path
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -26,6 +27,9 @@ SINGLE_PRECISION = 1e-6
 
 # Angle beyond a stop that the drives of the presets reach, rad, as in the core's test.
 BENT = 0.06
+
+# Shares of the way by which the plants differ after rocks: they take jolts in other steps.
+BOTH_PLANTS = 0.05
 
 ROWS = task_sweep.read()
 
@@ -107,7 +111,7 @@ def test_property_drives_keep_their_limits_and_observations_are_not_clipped(task
                 break
 
 
-@pytest.mark.parametrize("task", ["DitchCrossing", "EnergyTraverse"])
+@pytest.mark.parametrize("task", ["DitchCrossing", "EnergyTraverse", "RockTraverse"])
 def test_property_the_bogie_keeps_within_its_stops(task: str) -> None:
     env = single(f"bekker/{task}-v0")
     stop, place = env.setup.model.get("link[1].stop"), env.mechanics.places["link[1].angle"]
@@ -119,6 +123,70 @@ def test_property_the_bogie_keeps_within_its_stops(task: str) -> None:
             assert abs(env.mechanics.signals[0, place]) < stop + BENT
             if terminated:
                 break
+
+
+def driven(env: bekker.RoverEnv, seed: int, driver: bekker.baselines.Policy, **options: float) -> tuple[dict[str, Any], list[float]]:
+    """The last info of an episode, and the pitch rate after each of its steps, rad/s."""
+    observation, info = env.reset(seed=seed, options=options)
+    place, rates, start, over = env.mechanics.places["pitch_rate"], [], True, False
+    while not over:
+        action, _ = driver.predict(observation, episode_start=start)
+        observation, _, over, _, info = env.step(action)
+        start = False
+        rates.append(float(env.mechanics.signals[0, place]))
+    return info, rates
+
+
+def test_property_rocks_want_a_gentle_drive_that_is_in_time() -> None:
+    env = single("bekker/RockTraverse-v0")
+    # A seed of the sweep whose first drive, at an even speed, is in time and not gentle.
+    survey = oracles.Survey()
+    even, rates = driven(env, 20_000, oracles.OnSchedule(env, 0.97, survey))
+    fast = env.setup.period * float((np.abs(rates) > bekker.rewards.PITCH_RATE).sum())
+    assert even["status"] == "goal" and not even["success"] and fast > 0.5
+    gentle, rates = driven(env, 20_000, oracles.Gentle(env, 0.99, survey, 0.04))
+    assert gentle["success"] and env.setup.period * float((np.abs(rates) > bekker.rewards.PITCH_RATE).sum()) <= 0.5
+    assert gentle["time"] * gentle["target_velocity"] <= 4.0
+    # The survey drove as long: no time was saved. A rover that comes late has no success, however gentle.
+    late, _ = driven(env, 20_000, oracles.Gentle(env, 1.1, survey, 0.04))
+    assert late["status"] == "goal" and not late["success"]
+
+
+def test_property_a_rule_that_sees_rocks_is_gentler_than_one_that_does_not() -> None:
+    env = gymnasium.make("bekker/RockTraverse-v0", disable_env_checker=True)
+    seeds = task_sweep.SEEDS[:5]
+    careful = bekker.baselines.evaluate(env, bekker.baselines.careful(env), seeds)
+    blind = bekker.baselines.evaluate(env, oracles.OnSchedule(env, 0.97), seeds)
+    assert careful.returns.mean() > blind.returns.mean() and careful.success.sum() > blind.success.sum()
+    with pytest.raises(bekker.InputError, match="a map of the ground ahead in the observation, which lacks goal_distance, time_left"):
+        bekker.baselines.careful(single("bekker/SpeedHold-v0", control="speed_loop"))
+
+
+def test_property_a_new_seed_of_the_ground_keeps_its_rocks() -> None:
+    env = single("bekker/RockTraverse-v0", observe=["height_ahead"], raw=True, ahead=bekker.Ahead(np.arange(0.0, 20.0, 0.01)))
+    bare = single(
+        "bekker/RockTraverse-v0", observe=["height_ahead"], raw=True, ahead=bekker.Ahead(np.arange(0.0, 20.0, 0.01)),
+        parameters={"terrain.rock_coverage": 0.0},
+    )  # fmt: skip
+    raised = [env.reset(seed=seed)[0] - bare.reset(seed=seed)[0] for seed in (0, 1)]
+    for rise in raised:
+        # 0.36 of the largest diameter; the wheels stand on ground without rocks.
+        assert 0.015 < rise.max() <= 0.36 * 0.08 + 1e-6 and rise.min() > -1e-6
+    assert not np.array_equal(*raised)
+
+
+def test_property_both_plants_drive_over_rocks() -> None:
+    """The same ground and wheel speeds: rigid bodies of order 1 and joint coordinates of order 2, on soil whose forces agree."""
+    distances = []
+    for plant in ("joint_coordinates", "rigid_bodies"):
+        model = f"preset = 'rocker_bogie_velocity'\n[simulation]\nplant = '{plant}'\n"
+        env = single("bekker/RockTraverse-v0", model=model, randomise={"terrain.seed": (20_003, 20_003)})
+        env.reset(seed=0)
+        for _ in range(1200):
+            _, _, terminated, _, info = env.step(np.full(3, 0.3, np.float32))
+            assert not terminated
+        distances.append(info["distance"])
+    assert min(distances) > 2.0 and distances[0] == pytest.approx(distances[1], rel=BOTH_PLANTS)
 
 
 def test_property_the_schedule_wants_neither_early_nor_late() -> None:

@@ -17,7 +17,7 @@ const DENSEST: f64 = 0.3;
 /// Diameters of rocks, m: smaller ones belong to the roughness.
 const DIAMETERS: [f64; 2] = [0.03, 1.0];
 /// Height over diameter.
-const HEIGHT: f64 = 0.5;
+const HEIGHT: f64 = 0.36;
 /// Half the length of a dome at its foot over the diameter, which is the length at half the height: (1 - u^2)^3 = 1/2.
 const REACH: f64 = 0.5 / 0.454_202_024_8;
 /// Places tried for a rock before it is left out.
@@ -26,7 +26,7 @@ const TRIES: usize = 1000;
 const HALVINGS: usize = 28;
 
 /// Bekker's moduli on a rock over those of the soil around it.
-const STIFFNESS: f64 = 20.0;
+const STIFFNESS: f64 = 5.0;
 /// Coefficient of friction on a rock, as on an obstacle.
 const FRICTION: f64 = 0.7;
 /// Shear modulus K on a rock, m.

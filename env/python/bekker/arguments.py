@@ -18,7 +18,7 @@ from .models import ModelLike, as_model
 from .randomise import Distribution, Randomise, distribution
 from .soil import Soil, as_soil
 from .rewards import Term, Terms, terms
-from .scales import Observer, action_scale
+from .scales import AHEAD, Observer, action_scale
 from .simulation import whole
 from .tasks import PERIOD, TARGET, TERRAIN_SEED, Task, task_of
 from .vocabulary import unknown
@@ -64,7 +64,7 @@ class Arguments(TypedDict, total=False):
     """The SI value that an observation of 1 stands for, by the same names."""
     ahead: Ahead
     """The map of the ground ahead of which `observe` names `height_ahead`, `seen_ahead` or `soil_ahead`: where its cells are, their noise,
-    how often one is missing (`bekker.Ahead`)."""
+    how often one is missing (`bekker.Ahead`). Default: that of the task, where it has one."""
     raw: bool
     """Observations in SI units, clipped at ten scales; default false: normalised, within -1 to 1."""
     measured: bool
@@ -116,8 +116,9 @@ class Setup:
         own_scale = self._own_scale(model, given)
         self.action_scale = finite("action_scale", given.get("action_scale", own_scale), above=0.0)
         observed = given.get("observe", self.task.observe)
-        scales = given.get("observation_scales", {})
-        self.ahead = given.get("ahead")
+        scales = {**self.task.observation_scales, **given.get("observation_scales", {})}
+        sees = any(name in AHEAD for name in observed)
+        self.ahead = given.get("ahead", self.task.ahead if sees else None)
         self.observer = Observer(self.model, observed, scales, raw=given.get("raw", False), ahead=self.ahead)
         self._scatter(given)
         self.level = given.get("level", 1.0)

@@ -26,11 +26,13 @@ from .errors import InputError
 
 __all__ = [
     "CONTROLLERS",
+    "CarefulSpeeds",
     "Constant",
     "ControllerPolicy",
     "Evaluation",
     "Policy",
     "WheelSpeeds",
+    "careful",
     "constant",
     "evaluate",
     "rtc",
@@ -49,6 +51,9 @@ CONTROLLERS = ("velocity", "velocity_tuned", "rtc", "rtc_speed", "equal_torque",
 
 _NEEDED = ("pitch", "pitch_rate", "velocity")
 _WHEEL = ("speed", "torque", "contact_angle")
+
+# Share of its schedule by which a rule aims to be early.
+EARLY = 0.05
 
 # Speed of a wheel's centre below which slip says nothing, m/s, as slip control has it.
 _SLOWEST = 0.02
@@ -170,6 +175,76 @@ class WheelSpeeds:
         """The action for one observation."""
         goal = self._speed if self._target is None else float(observation[self._target] * self._scale[self._target])
         return np.full(self._wheels, np.clip(goal * self._per_speed, -1.0, 1.0), dtype=np.float32), state
+
+
+class CarefulSpeeds:
+    """Equal wheel speeds that come to a goal on schedule and are lower near steep ground: a rule for a rover that sees a map.
+
+    The map is `height_ahead` of the observation. Near a wheel is what lies up to a wheel's radius behind and two before it. Where neighbouring
+    cells there differ by a slope above `steep`, the wheels turn for ``slow`` times the speed that is needed to be in time, otherwise for
+    ``fast`` times that speed.
+
+    Args:
+        env: the environment, whose actions must be wheel speeds, and whose observation must have `target_velocity`, `goal_distance`,
+            `time_left`, `height_ahead` and `seen_ahead`.
+        steep: the slope from which ground is steep.
+        slow: see above.
+        fast: see above.
+        slip: by which slip the wheels turn faster than the speed needs.
+
+    Raises:
+        InputError: the actions are no wheel speeds, or the observation lacks something of these.
+    """
+
+    def __init__(
+        self, env: gymnasium.Env[Any, Any], steep: float = 0.2, slow: float = 0.5, fast: float = 2.0, slip: float = 0.1
+    ) -> None:
+        setup = rover_of(env).setup
+        observer, model, ahead = setup.observer, setup.model, setup.ahead
+        needed = ("target_velocity", "goal_distance", "time_left", "height_ahead[1]", "seen_ahead[1]")
+        missing = [name for name in needed if name not in observer.names]
+        if model.control not in ("speed", "speed_loop") or ahead is None or missing:
+            lacks = f", which lacks {', '.join(missing)}" if missing else ""
+            raise InputError(f"expected wheel speeds as actions and a map of the ground ahead in the observation{lacks}")
+        distances = np.array(ahead.distances)
+        self._order = np.argsort(distances)
+        self._distances = distances[self._order]
+        self._scale = observer.scales if np.all(observer.limit == 1.0) else np.ones(len(observer.names))
+        self._names = [observer.names.index(name) for name in needed[:3]]
+        self._heights, self._seen = (
+            np.array([observer.names.index(f"{kind}[{k + 1}]") for k in self._order]) for kind in ("height_ahead", "seen_ahead")
+        )
+        radius = model.get("wheel.radius")
+        self._wheels = np.array([model.get(f"wheel[{k}].x") for k in range(1, model.wheels + 1)])
+        self._reach = (-radius, 2.0 * radius)
+        self._per_speed = 1.0 / ((1.0 - slip) * radius * setup.action_scale)
+        self._steep, self._slow, self._fast = steep, slow, fast
+
+    def predict(
+        self, observation: Any, state: State = None, episode_start: Any = None, deterministic: bool = False
+    ) -> tuple[Actions, State]:
+        """The action for one observation."""
+        values = np.asarray(observation, dtype=np.float64) * self._scale
+        target, way, time = (float(values[k]) for k in self._names)
+        # Time left is a share of the schedule, the way left one of the way. A little early, and never at rest before the goal.
+        needed = target * min(max(way, 0.02) / max(time - EARLY, 0.02), 2.0)
+        speed = (self._slow if self._is_steep(values) else self._fast) * needed
+        return np.full(len(self._wheels), np.clip(speed * self._per_speed, 0.0, 1.0), dtype=np.float32), state
+
+    def _is_steep(self, values: Floats) -> bool:
+        there = values[self._seen] > 0.5
+        x, z = self._distances[there], values[self._heights][there]
+        if len(x) < 2:
+            return False
+        slopes, middles = np.abs(np.diff(z) / np.diff(x)), 0.5 * (x[1:] + x[:-1])
+        apart = middles[:, np.newaxis] - self._wheels
+        near = np.any((apart > self._reach[0]) & (apart < self._reach[1]), axis=1)
+        return bool(np.any(slopes[near] > self._steep))
+
+
+def careful(env: gymnasium.Env[Any, Any], speed: float = 0.0) -> CarefulSpeeds:
+    """Equal wheel speeds that are lower near steep ground; the schedule of the task gives the ``speed``."""
+    return CarefulSpeeds(env)
 
 
 def velocity(env: gymnasium.Env[Any, Any], speed: float = 0.25) -> ControllerPolicy | WheelSpeeds:

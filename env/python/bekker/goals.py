@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .rewards import Step
 
-__all__ = ["Goal", "Hold", "Open", "Reach", "ReachOnSchedule", "ReachWithinSlip", "ReachWithinSpeed", "Way"]
+__all__ = ["Goal", "Hold", "Open", "Reach", "ReachGently", "ReachOnSchedule", "ReachWithinSlip", "ReachWithinSpeed", "Way"]
 
 Bools: TypeAlias = NDArray[np.bool_]
 Floats: TypeAlias = NDArray[np.float64]
@@ -99,6 +99,32 @@ class ReachWithinSpeed(Goal):
         way.tally += moved & (np.abs(step.signal("velocity")) > self.speed)
         reached = moved & ~step.ended & (way.distance >= self.distance)
         return reached, reached & (way.tally <= self.share * way.steps)
+
+
+@dataclass(frozen=True)
+class ReachGently(Goal):
+    """Coming so far ends the episode; success is to have done so on schedule with a chassis that seldom pitched fast.
+
+    The schedule is the time that the way takes at the speed asked for, ``target_velocity``: T = distance/target. Success asks for an
+    arrival within ``late`` T, and for a pitch rate above the limit for at most some time.
+    """
+
+    distance: float
+    late: float
+    pitch_rate: float
+    """The limit, rad/s."""
+    seconds: float
+    """How long the pitch rate may be above it altogether, s."""
+
+    def way(self) -> float:
+        return self.distance
+
+    def judge(self, step: Step, way: Way, moved: Bools) -> tuple[Bools, Bools]:
+        way.tally += moved & (np.abs(step.signal("pitch_rate")) > self.pitch_rate)
+        reached = moved & ~step.ended & (way.distance >= self.distance)
+        # As in ReachOnSchedule.
+        gone = way.steps * (step.seconds * step.target_velocity / self.distance)
+        return reached, reached & (gone <= self.late) & (gone > 0.0) & (way.tally <= self.seconds / step.seconds)
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,9 @@ __all__ = ["TERMS", "Step", "Term", "Terms", "terms"]
 
 Floats: TypeAlias = NDArray[np.float64]
 
+PITCH_RATE = 0.2
+"""Pitch rate beyond which a chassis pitches fast, rad/s."""
+
 
 @dataclass
 class Step:
@@ -111,6 +114,10 @@ def relative_speed_error(step: Step) -> Floats:
     return -relative * step.seconds
 
 
+def fast_pitching(step: Step) -> Floats:
+    return np.where(np.abs(step.signal("pitch_rate")) > PITCH_RATE, -step.seconds, 0.0)
+
+
 def slip_excess(step: Step) -> Floats:
     # One wheel after the other: a sum over an axis may add in an order that depends on the batch.
     total = np.zeros(len(step.after))
@@ -134,6 +141,7 @@ TERMS: dict[str, Term] = {
             "minus the absolute difference between speed and target over the target, integrated over time: seconds; 0 without a target",
             relative_speed_error,
         ),
+        Term("fast_pitching", 1.0, f"minus the time in which the chassis pitches faster than {PITCH_RATE} rad/s: seconds", fast_pitching),
         Term("slip_excess", 1.0, "minus the mean over the wheels of |slip| beyond the limit, integrated over time: seconds", slip_excess),
     )
 }
