@@ -189,7 +189,7 @@ fn agreement_rocks() {
             let rocks = Rocks { rock_coverage: 0.09 * f64::from(k % 4), largest_rock: 0.1 + 0.01 * f64::from(k) };
             let terrain = Terrain::new(Profile::Random(Random::new(spectrum, k).with_rocks(rocks)));
             let soil = model.rover.soil;
-            let ahead = |x: f64| k % 4 == 0 || terrain.soil(&soil, x + reach) != soil;
+            let ahead = |x: f64| k.is_multiple_of(4) || terrain.soil(&soil, x + reach) != soil;
             let x = std::iter::repeat_with(|| 2.0 + 90.0 * random.random::<f64>()).find(|x| ahead(*x)).unwrap();
             model.start.x0 = x;
             model.rover.terrain = terrain;

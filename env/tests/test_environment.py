@@ -62,7 +62,7 @@ def test_property_registration_is_idempotent() -> None:
     importlib.reload(bekker)
     assert all(gymnasium.spec(task) is spec for task, spec in before.items())
     assert before[ID].max_episode_steps == 1000
-    assert len(TASKS) == 7
+    assert len(TASKS) == 8
 
 
 def test_property_gymnasium_imports_the_package_by_its_name() -> None:

@@ -111,6 +111,18 @@ def test_property_loose_soil_is_paler() -> None:
     assert soil(1.0) > soil(0.1) + 10.0
 
 
+STONE = (112, 104, 98)
+
+
+def test_property_rocks_are_stone_and_not_loose_soil() -> None:
+    bare = {"terrain.rock_coverage": 0.0}
+    for parameters, least, most in (({}, 100, 20_000), (bare, 0, 0)):
+        env = made("rgb_array", "RockTraverse", parameters=parameters)
+        # The seed of a sweep's first episode: a rock within a vehicle's length of 2 m.
+        env.reset(seed=20_000, options={"x0": 2.0})
+        assert least <= count_of(env.render(), STONE) <= most
+
+
 def test_property_pulls_are_to_be_seen() -> None:
     """On a slope of 0.1 a wheel pulls with a tenth of its load, which is an arrow of 20 pixels."""
     env = made("rgb_array", "SlopeClimb", parameters={"terrain.slope": 0.1})

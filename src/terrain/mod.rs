@@ -189,6 +189,17 @@ impl<S: Scalar> Terrain<S> {
         Self { profile, soil: None, several: Some(Arc::new(LaneTerrains::new(grounds))) }
     }
 
+    /// By how much a rock at `x` rises above the ground around it, m; 0 where none lies.
+    #[must_use]
+    pub fn rock_height(&self, x: f64) -> f64 {
+        match &self.profile {
+            Profile::Random(random) => {
+                random.rocks.view().at(x).map_or(0.0, |rock| rocks::dome(x, rock.numbers()).height)
+            }
+            _ => 0.0,
+        }
+    }
+
     /// First and last position at which the ground is described, m; infinite for formulas.
     #[must_use]
     pub fn range(&self) -> (f64, f64) {

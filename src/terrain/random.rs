@@ -101,8 +101,8 @@ impl<S: Copy> Parameters<S> for Random<S> {
     }
 }
 
-/// Rocks, and under them the sum over j of a_j cos(k_j x + phase_j) with k_j = k_0 2^(j/4): the wavenumbers of each octave are twice
-/// those of the one before, so that four sines and cosines give all others by doubling the angle.
+/// Rocks, and under them the sum over j of a_j cos(k_j x + phase_j) with k_j = k_0 2^(j/4): the wavenumbers of each
+/// octave are twice those of the one before, so that four sines and cosines give all others by doubling the angle.
 pub(super) struct Sum<'a, S> {
     wavenumber: [S; VOICES],
     amplitude: [S; WAVES],

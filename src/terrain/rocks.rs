@@ -16,8 +16,8 @@ const LAST: f64 = 101.0;
 const DENSEST: f64 = 0.3;
 /// Diameters of rocks, m: smaller ones belong to the roughness.
 const DIAMETERS: [f64; 2] = [0.03, 1.0];
-/// Height over diameter.
-const HEIGHT: f64 = 0.36;
+/// Height over diameter: an assumption for rocks that are partly buried.
+const HEIGHT: f64 = 0.3;
 /// Half the length of a dome at its foot over the diameter, which is the length at half the height: (1 - u^2)^3 = 1/2.
 const REACH: f64 = 0.5 / 0.454_202_024_8;
 /// Places tried for a rock before it is left out.
@@ -25,21 +25,22 @@ const TRIES: usize = 1000;
 /// Halvings that find the coverage from which a rock is there, to 1e-9.
 const HALVINGS: usize = 28;
 
-/// Bekker's moduli on a rock over those of the soil around it.
+/// Bekker's moduli on a rock over those of the soil around it: an assumption. A wheel has one contact, which moves from the soil before
+/// a rock to the rock's face at the depth to which it has sunk in the soil; much stiffer rocks would throw it up there.
 const STIFFNESS: f64 = 5.0;
-/// Coefficient of friction on a rock, as on an obstacle.
+/// Coefficient of friction on a rock: the usual one of an obstacle, which is an assumption.
 const FRICTION: f64 = 0.7;
-/// Shear modulus K on a rock, m.
+/// Shear modulus K on a rock, m: an assumption, small beside that of sand.
 const SHEAR_MODULUS: f64 = 0.002;
 
 parameters! {
     /// Rocks on random ground, whose sizes follow Golombek and Rapp 1997: those of diameter D or more cover the share
-    /// k exp(-(1.79 + 0.152/k) D) of the way, D in m. A rock is a dome, half as high as its diameter and as long as that at
-    /// half its height. It is firm: 20 times as stiff as the soil, with a coefficient of friction of 0.7.
+    /// k exp(-(1.79 + 0.152/k) D) of the way, D in m. A rock is a dome 0.3 times as high as its diameter and, at half its height, as
+    /// long as its diameter. Bekker's moduli on it are 5 times those of the soil, its coefficient of friction is 0.7, and it has no cohesion.
     pub struct Rocks {
-        /// Share k of the ground that rocks of all sizes cover, beyond 1 m and up to 101 m along x; 0 for no rocks.
-        rock_coverage: [Unit::ONE] = 0.0, 0.0..=DENSEST, Fixed, "Golombek and Rapp 1997: 0.05 to 0.4 on Mars";
-        /// Diameter of the largest rock that is there, of diameters from 0.03 m: a rover goes round larger ones.
+        /// Share k of the ground that rocks of all sizes would cover; those that are there lie from 1 m to 101 m along x. 0 for none.
+        rock_coverage: [Unit::ONE] = 0.0, 0.0..=DENSEST, Fixed, "Golombek et al. 2003: 0.05 to 0.4 on Mars";
+        /// Largest diameter of the rocks that are there, the smallest is 0.03 m: as if the path led round larger ones.
         largest_rock: [Unit::METRE] = 0.2, 0.03..=1.0, Fixed, "preset";
     }
 }
@@ -130,9 +131,9 @@ impl<S: Scalar> Field<S> {
         let raised = dome(x, rock.numbers().map(S::from)).height / S::from(rock.height);
         let share = (raised * 2.0).smaller(S::from(1.0));
         soil.scale_moduli(share * (STIFFNESS - 1.0) + 1.0);
-        soil.cohesion = soil.cohesion * (-share + 1.0);
-        soil.friction_angle = soil.friction_angle + (-soil.friction_angle + FRICTION.atan()) * share;
-        soil.shear_modulus = soil.shear_modulus + (-soil.shear_modulus + SHEAR_MODULUS) * share;
+        soil.cohesion *= -share + 1.0;
+        soil.friction_angle += (-soil.friction_angle + FRICTION.atan()) * share;
+        soil.shear_modulus += (-soil.shear_modulus + SHEAR_MODULUS) * share;
         soil
     }
 }
@@ -146,7 +147,7 @@ pub(super) struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    /// Whether there are no rocks for sure.
+    /// Whether the coverage is 0, so that no rock is there.
     pub fn is_bare(&self) -> bool {
         self.coverage <= 0.0
     }
@@ -183,7 +184,9 @@ impl<'a> View<'a> {
     }
 }
 
-/// Density per metre of the way of rocks of `diameter`, at a coverage k: -F'(D)/D, since a rock takes D of the way.
+/// Density per metre of the way of rocks of `diameter`, at a coverage k: -F'(D)/D, since a rock takes D of the way. The published share
+/// is that of an area. Of a straight line it is the same, but a line crosses rocks along chords of pi D/4 on average; here every rock
+/// is crossed through its middle, so that there are pi/4 times as many.
 fn density(coverage: f64, diameter: f64) -> f64 {
     let decay = 1.79 + 0.152 / coverage;
     coverage * decay * (-decay * diameter).exp() / diameter
@@ -195,8 +198,7 @@ fn sizes(draw: &mut ChaCha8Rng) -> Vec<[f64; 2]> {
     // Rocks with density C/D, of which some are there: more than there are of any diameter at the largest coverage.
     let most = smallest * density(DENSEST, smallest);
     let mean = most * (largest / smallest).ln() * (LAST - FIRST);
-    // A mean above 0: there is such a distribution.
-    let count = Poisson::new(mean).map_or(0, |number| number.sample(draw) as usize);
+    let count = Poisson::new(mean).expect("the mean is a positive constant").sample(draw) as usize;
     let mut sizes: Vec<[f64; 2]> = (0..count)
         .filter_map(|_| {
             let diameter = smallest * (largest / smallest).powf(draw.random::<f64>());

@@ -61,7 +61,8 @@ class Arguments(TypedDict, total=False):
     observe: Sequence[str]
     """Signals of the observation; a name such as `wheel.slip` stands for that signal of every wheel."""
     observation_scales: Mapping[str, float]
-    """The SI value that an observation of 1 stands for, by the same names."""
+    """The SI value that an observation of 1 stands for, by the same names. Default: that of the task, where it has one for its own
+    map of the ground, or else the natural scale."""
     ahead: Ahead
     """The map of the ground ahead of which `observe` names `height_ahead`, `seen_ahead` or `soil_ahead`: where its cells are, their noise,
     how often one is missing (`bekker.Ahead`). Default: that of the task, where it has one."""
@@ -116,7 +117,9 @@ class Setup:
         own_scale = self._own_scale(model, given)
         self.action_scale = finite("action_scale", given.get("action_scale", own_scale), above=0.0)
         observed = given.get("observe", self.task.observe)
-        scales = {**self.task.observation_scales, **given.get("observation_scales", {})}
+        # The task's scales are chosen for its own map.
+        own_scales = {} if "ahead" in given else self.task.observation_scales
+        scales = {**own_scales, **given.get("observation_scales", {})}
         sees = any(name in AHEAD for name in observed)
         self.ahead = given.get("ahead", self.task.ahead if sees else None)
         self.observer = Observer(self.model, observed, scales, raw=given.get("raw", False), ahead=self.ahead)

@@ -178,22 +178,22 @@ class WheelSpeeds:
 
 
 class CarefulSpeeds:
-    """Equal wheel speeds that come to a goal on schedule and are lower near steep ground: a rule for a rover that sees a map.
+    """Equal wheel speeds that aim to reach a goal on schedule and are lower where a map shows steep ground near a wheel.
 
-    The map is `height_ahead` of the observation. Near a wheel is what lies up to a wheel's radius behind and two before it. Where neighbouring
-    cells there differ by a slope above `steep`, the wheels turn for ``slow`` times the speed that is needed to be in time, otherwise for
-    ``fast`` times that speed.
+    The map is `height_ahead` of the observation. Near a wheel means up to one radius of a wheel behind its axle and two radii before it.
+    Where the slope between neighbouring cells there is above ``steep``, the wheels turn for ``slow`` times the speed that is needed to
+    arrive 5 % of the schedule early, otherwise for ``fast`` times that speed.
 
     Args:
         env: the environment, whose actions must be wheel speeds, and whose observation must have `target_velocity`, `goal_distance`,
             `time_left`, `height_ahead` and `seen_ahead`.
         steep: the slope from which ground is steep.
-        slow: see above.
-        fast: see above.
-        slip: by which slip the wheels turn faster than the speed needs.
+        slow: factor on the speed near steep ground.
+        fast: factor on the speed elsewhere.
+        slip: slip for which the wheels turn faster than they would roll.
 
     Raises:
-        InputError: the actions are no wheel speeds, or the observation lacks something of these.
+        InputError: the actions are no wheel speeds, the observation lacks something of these, or a number is out of its range.
     """
 
     def __init__(
@@ -206,6 +206,8 @@ class CarefulSpeeds:
         if model.control not in ("speed", "speed_loop") or ahead is None or missing:
             lacks = f", which lacks {', '.join(missing)}" if missing else ""
             raise InputError(f"expected wheel speeds as actions and a map of the ground ahead in the observation{lacks}")
+        if not (steep > 0.0 and 0.0 < slow <= fast and 0.0 <= slip < 1.0):
+            raise InputError(f"steep = {steep}, slow = {slow}, fast = {fast}, slip = {slip}: expected steep > 0, 0 < slow <= fast, 0 <= slip < 1")
         distances = np.array(ahead.distances)
         self._order = np.argsort(distances)
         self._distances = distances[self._order]
@@ -243,7 +245,8 @@ class CarefulSpeeds:
 
 
 def careful(env: gymnasium.Env[Any, Any], speed: float = 0.0) -> CarefulSpeeds:
-    """Equal wheel speeds that are lower near steep ground; the schedule of the task gives the ``speed``."""
+    """As :class:`CarefulSpeeds`. The task's schedule gives the speed: ``speed`` has no effect, and is there because all controllers of the
+    tables are called with one."""
     return CarefulSpeeds(env)
 
 

@@ -124,7 +124,9 @@ class ReachGently(Goal):
         reached = moved & ~step.ended & (way.distance >= self.distance)
         # As in ReachOnSchedule.
         gone = way.steps * (step.seconds * step.target_velocity / self.distance)
-        return reached, reached & (gone <= self.late) & (gone > 0.0) & (way.tally <= self.seconds / step.seconds)
+        # Half a step is added so that a count of just so many steps is within the limit however it is rounded.
+        gentle = way.tally * step.seconds <= self.seconds + 0.5 * step.seconds
+        return reached, reached & (gone <= self.late) & (gone > 0.0) & gentle
 
 
 @dataclass(frozen=True)

@@ -41,6 +41,9 @@ _SMALLEST_TURNING = 0.02
 _LOOK = 0.02
 """How far before a place its speed is commanded, m, since wheels take a while to follow."""
 
+_FASTEST = 0.37
+"""Upper limit of a plan's speed, m/s: full action turns the wheels of RockTraverse for 0.38 m/s without slip."""
+
 _SMOOTHING = 0.5
 """Time over which the ratio is smoothed, s."""
 
@@ -55,9 +58,13 @@ class Survey:
     """rad."""
 
     def turning(self, grid: Floats) -> Floats:
-        """|d pitch/d distance| about the places of ``grid`` (m, at equal distances), rad/m; 0 beyond what was driven."""
+        """|d pitch/d distance| about the places of ``grid`` (m, at equal distances), rad/m; 0 beyond what was driven.
+
+        Raises:
+            InputError: nothing was driven yet.
+        """
         if len(self.distance) < 2:
-            return np.zeros(len(grid))
+            raise InputError("survey: expected one that a drive on the episode's ground has filled")
         pitch = np.interp(grid, np.maximum.accumulate(self.distance), self.pitch)
         per_metre = np.abs(np.gradient(pitch, grid))
         smoothed: Floats = np.convolve(per_metre, np.full(_AROUND, 1.0 / _AROUND), mode="same")
@@ -90,7 +97,7 @@ class OnSchedule:
         """The action for the present state of the environment; what is observed is not looked at."""
         mechanics = self._rover.mechanics
         if episode_start is not None and np.any(episode_start):
-            self._ratio, self._command = _FIRST_RATIO, 0.0
+            self._begin()
         velocity = float(mechanics.signals[0, mechanics.places["velocity"]])
         if self._command > 0.0:
             seen = min(max(self._command / max(velocity, 1e-6), 1.0), _MOST_RATIO)
@@ -104,6 +111,12 @@ class OnSchedule:
         self._command = self._speed(gone, max(time_left, self._period), target) * self._ratio
         action = np.clip(self._command * self._per_speed, 0.0, 1.0)
         return np.full(mechanics.inputs.shape[1], action, dtype=np.float32), state
+
+    def _begin(self) -> None:
+        self._ratio, self._command = _FIRST_RATIO, 0.0
+        if self._notes is not None:
+            self._notes.distance.clear()
+            self._notes.pitch.clear()
 
     def _speed(self, gone: float, time_left: float, target: float) -> float:
         """Speed of the rover after the way ``gone``, m/s."""
@@ -125,11 +138,15 @@ class Gentle(OnSchedule):
         fastest: upper limit of the speed, m/s.
     """
 
-    def __init__(self, env: gymnasium.Env[Any, Any], aim: float, survey: Survey, slowest: float, fastest: float = 0.37) -> None:
+    def __init__(self, env: gymnasium.Env[Any, Any], aim: float, survey: Survey, slowest: float, fastest: float = _FASTEST) -> None:
         super().__init__(env, aim)
         self._survey, self._limits = survey, (slowest, fastest)
         self._grid = np.arange(0.0, self._way, _STEP)
         self._plan: Floats | None = None
+
+    def _begin(self) -> None:
+        super()._begin()
+        self._plan = None
 
     def _speed(self, gone: float, time_left: float, target: float) -> float:
         if self._plan is None:
@@ -168,7 +185,7 @@ def drivers(env: gymnasium.Env[Any, Any]) -> list[Policy]:
     if task == "RockTraverse":
         # The first drive is the survey of the others.
         survey = Survey()
-        gentle = [Gentle(env, aim, survey, slowest) for aim, slowest in ((0.99, 0.04), (0.97, 0.03), (0.97, 0.08))]
+        gentle = [Gentle(env, aim, survey, slowest) for aim, slowest in ((0.99, 0.04), (0.97, 0.03), (0.97, 0.08), (0.97, 0.12))]
         return [OnSchedule(env, 0.97, survey), *gentle]
     kinds: dict[str, Sequence[tuple[str, float]]] = {
         # The speed is the target's there.

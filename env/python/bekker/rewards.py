@@ -23,7 +23,7 @@ __all__ = ["TERMS", "Step", "Term", "Terms", "terms"]
 
 Floats: TypeAlias = NDArray[np.float64]
 
-PITCH_RATE = 0.2
+PITCH_RATE = 0.15
 """Pitch rate beyond which a chassis pitches fast, rad/s."""
 
 

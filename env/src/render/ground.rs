@@ -72,6 +72,8 @@ pub struct Ruts {
     before: Vec<Option<[f64; 2]>>,
 }
 
+/// Colour of rocks.
+const STONE: Colour = [112, 104, 98, 255];
 /// Soil that is weaker by less than this is drawn as the rest.
 const LEAST_WEAKNESS: f64 = 0.02;
 /// Length of a cell along x, m.
@@ -132,6 +134,7 @@ pub fn draw(canvas: &mut Canvas, view: &View, rover: &Rover, scene: &Scene, ruts
     canvas.blend(&soil, (highest, colours.surface), (height, colours.depth));
     loose(canvas, view, rover, colours, &positions, &top);
     grains(canvas, view, colours, &top);
+    rocks(canvas, view, rover, &positions, &top);
     let fresh: Vec<[f32; 2]> = positions.iter().map(|x| view.pixel([*x, rover.terrain.at(*x).height])).collect();
     let faint = [colours.edge[0], colours.edge[1], colours.edge[2], 120];
     canvas.dashed(&fresh, 1.0, faint, [5.0, 5.0]);
@@ -140,8 +143,22 @@ pub fn draw(canvas: &mut Canvas, view: &View, rover: &Rover, scene: &Scene, ruts
     marks(canvas, view, rover);
 }
 
-/// Share by which the soil at x is weaker than the vehicle's nominal one, in stiffness or in cohesion, whichever is more.
+/// Rocks, from their surface down to the ground around them.
+fn rocks(canvas: &mut Canvas, view: &View, rover: &Rover, positions: &[f64], top: &[[f32; 2]]) {
+    for (x, [column, row]) in positions.iter().zip(top) {
+        let height = (rover.terrain.rock_height(*x) * view.scale) as f32;
+        if height > 0.0 {
+            canvas.rectangle([*column, *row], [2.0, height], STONE);
+        }
+    }
+}
+
+/// Share by which the soil at x is weaker than the vehicle's nominal one, in stiffness or in cohesion, whichever is more; 0 on a
+/// rock, which has no cohesion and is firm.
 fn weakness(rover: &Rover, x: f64) -> f64 {
+    if rover.terrain.rock_height(x) > 0.0 {
+        return 0.0;
+    }
     let (nominal, here) = (&rover.soil, rover.terrain.soil(&rover.soil, x));
     let share = |here: f64, nominal: f64| if nominal > 0.0 { 1.0 - here / nominal } else { 0.0 };
     share(here.k_phi, nominal.k_phi).max(share(here.cohesion, nominal.cohesion)).clamp(0.0, 1.0)
