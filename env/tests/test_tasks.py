@@ -28,7 +28,8 @@ SINGLE_PRECISION = 1e-6
 # Angle beyond a stop that the drives of the presets reach, rad, as in the core's test.
 BENT = 0.06
 
-# Relative difference of the ways of the two plants after 24 s over rocks, whose integrators differ in order: 4e-5 was found, and a jolt may fall into another step.
+# Relative difference of the ways of the two plants after 24 s over rocks. Their integrators differ in order and meet the face of a rock in
+# different steps; 4e-5 was found.
 BOTH_PLANTS = 1e-3
 
 ROWS = task_sweep.read()
@@ -155,11 +156,11 @@ def test_property_rocks_want_a_gentle_drive_that_is_in_time() -> None:
 def test_property_a_rule_that_sees_rocks_returns_more_than_an_even_speed() -> None:
     env = gymnasium.make("bekker/RockTraverse-v0", disable_env_checker=True)
     seeds = task_sweep.SEEDS[:8]
-    careful = bekker.baselines.evaluate(env, bekker.baselines.careful(env), seeds)
+    careful = bekker.baselines.evaluate(env, bekker.baselines.CarefulSpeeds(env), seeds)
     blind = bekker.baselines.evaluate(env, oracles.OnSchedule(env, 0.97), seeds)
     assert careful.returns.mean() > blind.returns.mean()
     with pytest.raises(bekker.InputError, match="a map of the ground ahead in the observation, which lacks goal_distance, time_left"):
-        bekker.baselines.careful(single("bekker/SpeedHold-v0", control="speed_loop"))
+        bekker.baselines.CarefulSpeeds(single("bekker/SpeedHold-v0", control="speed_loop"))
 
 
 def test_property_a_new_seed_of_the_ground_keeps_its_rocks() -> None:

@@ -19,8 +19,6 @@ const OCTAVES: usize = 4;
 const VOICES: usize = 4;
 /// Sinusoids altogether.
 const WAVES: usize = OCTAVES * VOICES;
-/// The stream of a seed from which rocks are drawn; the phases are from stream 0.
-const ROCKS: u64 = 1;
 /// 2^(v/4): wavenumbers of the first octave over the lowest.
 const ROOTS: [f64; VOICES] = [1.0, 1.189_207_115_002_721, std::f64::consts::SQRT_2, 1.681_792_830_507_429];
 
@@ -58,8 +56,7 @@ impl<S: Scalar> Random<S> {
             let (sin, cos) = (TAU * draw.random::<f64>()).sin_cos();
             [cos, sin]
         });
-        draw.set_stream(ROCKS);
-        Self { spectrum, rocks: Field::new(&mut draw), seed, phases: Arc::new(phases) }
+        Self { spectrum, rocks: Field::new(seed), seed, phases: Arc::new(phases) }
     }
 
     /// The same ground with rocks.

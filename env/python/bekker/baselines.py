@@ -32,7 +32,6 @@ __all__ = [
     "Evaluation",
     "Policy",
     "WheelSpeeds",
-    "careful",
     "constant",
     "evaluate",
     "rtc",
@@ -52,8 +51,8 @@ CONTROLLERS = ("velocity", "velocity_tuned", "rtc", "rtc_speed", "equal_torque",
 _NEEDED = ("pitch", "pitch_rate", "velocity")
 _WHEEL = ("speed", "torque", "contact_angle")
 
-# Share of its schedule by which a rule aims to be early.
-EARLY = 0.05
+# Share of the schedule by which CarefulSpeeds aims to be early.
+_EARLY = 0.05
 
 # Speed of a wheel's centre below which slip says nothing, m/s, as slip control has it.
 _SLOWEST = 0.02
@@ -229,7 +228,7 @@ class CarefulSpeeds:
         values = np.asarray(observation, dtype=np.float64) * self._scale
         target, way, time = (float(values[k]) for k in self._names)
         # Time left is a share of the schedule, the way left one of the way. A little early, and never at rest before the goal.
-        needed = target * min(max(way, 0.02) / max(time - EARLY, 0.02), 2.0)
+        needed = target * min(max(way, 0.02) / max(time - _EARLY, 0.02), 2.0)
         speed = (self._slow if self._is_steep(values) else self._fast) * needed
         return np.full(len(self._wheels), np.clip(speed * self._per_speed, 0.0, 1.0), dtype=np.float32), state
 
@@ -242,12 +241,6 @@ class CarefulSpeeds:
         apart = middles[:, np.newaxis] - self._wheels
         near = np.any((apart > self._reach[0]) & (apart < self._reach[1]), axis=1)
         return bool(np.any(slopes[near] > self._steep))
-
-
-def careful(env: gymnasium.Env[Any, Any], speed: float = 0.0) -> CarefulSpeeds:
-    """As :class:`CarefulSpeeds`. The task's schedule gives the speed: ``speed`` has no effect, and is there because all controllers of the
-    tables are called with one."""
-    return CarefulSpeeds(env)
 
 
 def velocity(env: gymnasium.Env[Any, Any], speed: float = 0.25) -> ControllerPolicy | WheelSpeeds:

@@ -27,6 +27,12 @@ class Way:
     """A sum that the goal keeps for itself; 0 at the start."""
 
 
+def schedules_gone(step: Step, way: Way, distance: float) -> Floats:
+    """Time of the episodes over that which ``distance`` takes at the speed asked for. A speed of 0, which no arrival keeps, gives 0."""
+    gone: Floats = way.steps * (step.seconds * step.target_velocity / distance)
+    return gone
+
+
 class Goal(ABC):
     """What success is."""
 
@@ -122,8 +128,7 @@ class ReachGently(Goal):
     def judge(self, step: Step, way: Way, moved: Bools) -> tuple[Bools, Bools]:
         way.tally += moved & (np.abs(step.signal("pitch_rate")) > self.pitch_rate)
         reached = moved & ~step.ended & (way.distance >= self.distance)
-        # As in ReachOnSchedule.
-        gone = way.steps * (step.seconds * step.target_velocity / self.distance)
+        gone = schedules_gone(step, way, self.distance)
         # Half a step is added so that a count of just so many steps is within the limit however it is rounded.
         gentle = way.tally * step.seconds <= self.seconds + 0.5 * step.seconds
         return reached, reached & (gone <= self.late) & (gone > 0.0) & gentle
@@ -151,8 +156,7 @@ class ReachOnSchedule(Goal):
 
     def judge(self, step: Step, way: Way, moved: Bools) -> tuple[Bools, Bools]:
         reached = moved & ~step.ended & (way.distance >= self.distance)
-        # In schedules, so that a target of 0, which no arrival keeps, needs no case of its own.
-        gone = way.steps * (step.seconds * step.target_velocity / self.distance)
+        gone = schedules_gone(step, way, self.distance)
         allowed = self.energy + self.energy_per_speed * step.target_velocity
         thrifty = step.signal("electrical_energy") <= allowed * step.weight * self.distance
         return reached, reached & (gone >= self.early) & (gone <= self.late) & (gone > 0.0) & thrifty

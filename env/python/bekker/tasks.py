@@ -237,7 +237,8 @@ TASKS: dict[str, Task] = {
             "time slows down before them and makes up for it between them; some rocks stop a rover that is slow.",
             physics="One side of a six-wheeled rocker-bogie on dry sand (Wong). Every episode has another ground, and beyond one metre rocks with the "
             "sizes that Golombek and Rapp found on Mars, where rocks of all sizes cover 30 % of the ground. Only those with diameters from 3 to 8 cm "
-            "are there, 0.6 per metre on average; the wheels have a diameter of 12 cm. An elevation map shows the ground from 0.3 m behind to 0.8 m before the body's reference point, with noise and missing cells.",
+            "are there, 0.6 per metre on average; the wheels have a diameter of 12 cm. An elevation map shows the ground from 0.3 m behind to "
+            "0.8 m before the body's reference point, with noise and missing cells.",
             success="The rover has moved five metres along x, which ends the episode, within the time that the way takes at the speed asked "
             "for, and its chassis pitched faster than 0.15 rad/s for at most 1.5 s altogether.",
             goal=ReachGently(5.0, late=1.0, pitch_rate=PITCH_RATE, seconds=1.5),
