@@ -2,7 +2,7 @@
 
 use super::contender::{Contender, FIELD, published};
 use super::drive::{Course, Drive, drive, drive_at};
-use super::oracle::bound;
+use super::oracle::{SMOOTH_GROUND, bound};
 use super::{Finding, LinePlot, ReproductionError, Row, Spread};
 use bekker::model::Model;
 use bekker::parallel::map_in_order;
@@ -54,7 +54,8 @@ fn trial(shear_modulus: f64, seed: u32) -> Result<Trial, ReproductionError> {
     let reference = model(&FIELD[0], shear_modulus, seed)?;
     let equal = free.iter().map(|drive| drive_at(&reference, drive.summary.speed, &COURSE));
     let equal = equal.collect::<Result<_, ReproductionError>>()?;
-    let least = free.iter().map(|drive| Ok(bound(&reference, COURSE.length, drive.summary.speed)?.energy));
+    let least =
+        free.iter().map(|drive| Ok(bound(&reference, COURSE.length, drive.summary.speed, SMOOTH_GROUND)?.energy));
     let least = least.collect::<Result<_, ReproductionError>>()?;
     Ok(Trial { free, equal, least })
 }

@@ -15,7 +15,7 @@
 use super::contender::{RTC_SPEED, VELOCITY, with};
 use super::ditch_rover::{DIAMETER, DIGGING, ENTRANTS, Entrant, Trial};
 use super::drive::{Course, drive};
-use super::oracle::bound;
+use super::oracle::{DITCH_POSES, bound};
 use super::{Finding, LinePlot, ReproductionError, Row, Series, Spread};
 use bekker::model::ControlKind;
 use bekker::parallel::map_in_order;
@@ -158,7 +158,7 @@ fn steepest(seed: u32) -> Result<Steepest, ReproductionError> {
     let of_field = |name: &str| ENTRANTS.iter().find(|entrant| entrant.name == name).ok_or("no such entrant");
     let oracle = steepest_wall(|wall| {
         let (model, speed) = trial.model(&ENTRANTS[0], &DIGGING, f64::from(wall).to_radians())?;
-        Ok(bound(&model, COURSE.length, speed)?.passes)
+        Ok(bound(&model, COURSE.length, speed, DITCH_POSES)?.passes)
     })?;
     let walls = [by(of_field(VELOCITY)?)?, by(&TUNED)?, by(of_field(RTC_SPEED)?)?, oracle];
     Ok(Steepest { walls, width: trial.width / SPACING })

@@ -2,7 +2,7 @@
 
 use super::ditch_rover::{DIAMETER, DIGGING, ENTRANTS, LUGS, SMOOTH, Traction, Trial, assumptions};
 use super::drive::{Course, Drive, drive};
-use super::oracle::bound;
+use super::oracle::{DITCH_POSES, bound};
 use super::{Finding, LinePlot, ReproductionError, Row, Series, Spread};
 use bekker::parallel::map_in_order;
 
@@ -69,7 +69,7 @@ impl Cell {
             };
             let drives = ENTRANTS.iter().map(one).collect::<Result<_, _>>()?;
             let (model, speed) = trial.model(&ENTRANTS[0], &traction, wall.to_radians())?;
-            let passes = bound(&model, COURSE.length, speed)?.passes;
+            let passes = bound(&model, COURSE.length, speed, DITCH_POSES)?.passes;
             Ok((trial.depth(wall.to_radians()) / DIAMETER, passes, drives))
         };
         let done: Vec<(f64, bool, Vec<Drive>)> = map_in_order(&seeds, of_seed).into_iter().collect::<Result<_, _>>()?;

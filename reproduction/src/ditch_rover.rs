@@ -114,8 +114,8 @@ impl Trial {
         model.rover.terrain = self.ditch(wall).terrain(model.rover.soil.cohesion)?;
         model.set("grousers.height", traction.lugs)?;
         model.set("slip_sinkage.n1", traction.slip_sinkage)?;
-        (entrant.apply)(&mut model);
         model.control.nominal_soil = Some(as_felt(&model.rover, traction.lugs));
+        (entrant.apply)(&mut model);
         model.sensors.encoder.wheel_speed_noise = 0.05 * LARGEST_SPEED;
         Ok((model, (entrant.command)(self)))
     }
@@ -143,7 +143,9 @@ pub(super) const ENTRANTS: &[Entrant] = &[
 fn mapped(model: &mut Model) {
     by_wheel_speeds(model);
     model.control.soil = SoilSource::Map;
+    model.control.nominal_soil = None;
     model.control.rtc_speed.slip_sinkage = model.rover.effects.slip_sinkage.n1;
+    model.control.rtc_speed.lug_height = model.rover.effects.grousers.height;
 }
 
 /// RTC as in 4.4.2: a body force is commanded, not a speed, and there is no loop around it.

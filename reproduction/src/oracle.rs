@@ -3,9 +3,14 @@
 
 use super::ReproductionError;
 use bekker::model::Model;
+use std::iter;
 
-/// Distance between poses, m: less than half a small wheel's contact.
-const SPACING: f64 = 0.025;
+/// Distance between poses on smooth ground, m: less than half a small wheel's contact.
+pub(super) const SMOOTH_GROUND: f64 = 0.025;
+/// The same in a ditch, m: a wheel leaves one wall for the other within a centimetre, and nowhere is it harder to go on.
+pub(super) const DITCH_POSES: f64 = 0.002;
+/// Where a pose is sought again that finds no rest, over the distance of poses.
+const BESIDE: [f64; 4] = [0.25, -0.25, 0.5, -0.5];
 
 /// What was attainable on a course.
 #[derive(Clone, Copy, Debug)]
@@ -16,19 +21,20 @@ pub(super) struct Bound {
     pub passes: bool,
 }
 
-/// The bound of `model` over `length` m of its ground from its start, at `speed` m/s. A pose in which the rover finds no rest
-/// counts as one that cannot be passed.
+/// The bound of `model` over `length` m of its ground from its start, at `speed` m/s, in poses `spacing` m apart. Where the rover
+/// finds no rest in a pose nor close beside it, it does not pass.
 ///
 /// # Errors
 /// Where the oracle refuses the rover.
-pub(super) fn bound(model: &Model, length: f64, speed: f64) -> Result<Bound, ReproductionError> {
+pub(super) fn bound(model: &Model, length: f64, speed: f64, spacing: f64) -> Result<Bound, ReproductionError> {
     let mut oracle = model.oracle()?;
-    let poses = (length / SPACING).ceil() as usize;
+    let poses = (length / spacing).ceil() as usize;
     let mut energy = 0.0;
     for k in 0..poses {
         let x = model.start.x0 + length * (k as f64 + 0.5) / poses as f64;
-        match model.attainable(&mut oracle, x, speed) {
-            Ok(here) if here.balanced => energy += here.electrical_power / speed / poses as f64,
+        let mut places = iter::once(0.0).chain(BESIDE).map(|shift| x + shift * spacing);
+        match places.find_map(|x| model.attainable(&mut oracle, x, speed).ok()) {
+            Some(here) if here.balanced => energy += here.electrical_power / speed / poses as f64,
             _ => return Ok(Bound { energy: f64::INFINITY, passes: false }),
         }
     }

@@ -1,6 +1,8 @@
 //! What distinguishes a real rim from a smooth, rigid and perfectly rough one.
 
 use crate::scalar::{MapScalar, Scalar, lanes};
+use crate::wheel::Wheel;
+use std::f64::consts::FRAC_PI_2;
 
 /// Share of the motion that is travel over which the resistance of the soil ahead turns with the travel's direction. A
 /// wheel that spins on the spot pushes nothing; at a slip of 0.9 it meets 0.84 of the resistance, without slip 0.9999.
@@ -71,6 +73,18 @@ impl<S: Scalar> Surface<S> {
     #[must_use]
     pub fn smooth(exit_ratio: S) -> Self {
         Self { exit_ratio, ..Self::default() }
+    }
+
+    /// The same rim on `wheel` with lugs of `height` (m), sheared at the share `share` of their height (Ding et al. 2011), whose
+    /// sides add to the strength: c (1 + 2 h/b) and tan phi (1 + 0.64 (h/b) acot(h/b)) (Bekker 1956).
+    #[must_use]
+    pub fn with_lugs(mut self, wheel: &Wheel<S>, height: S, share: S) -> Self {
+        let slenderness = height / wheel.width;
+        let acot = -slenderness.arc_tangent() + FRAC_PI_2;
+        self.shear_radius *= share * height / wheel.radius + 1.0;
+        self.cohesion_gain *= slenderness * 2.0 + 1.0;
+        self.friction_gain *= slenderness * acot * 0.64 + 1.0;
+        self
     }
 
     /// The resistance of the soil ahead at the component `travel` t of the direction of motion, and its slope in it: R t/(t^4 + w^4)^(1/4)

@@ -3,7 +3,6 @@
 use super::{Effect, Facts, Header, Local, Place, SOIL_TEST};
 use crate::scalar::{Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
-use std::f64::consts::FRAC_PI_2;
 
 parameters! {
     /// Lugs hold the soil between them, so it is sheared at r + lambda h (Ding et al. 2011), and along the lugs' sides:
@@ -35,11 +34,6 @@ impl<S: Scalar> Effect<S> for Grousers<S> {
         if self.height.is_exactly(0.0) {
             return;
         }
-        let slenderness = self.height / local.wheel.width;
-        let acot = -slenderness.arc_tangent() + FRAC_PI_2;
-        let surface = &mut local.surface;
-        surface.shear_radius *= self.share * self.height / local.wheel.radius + 1.0;
-        surface.cohesion_gain *= slenderness * 2.0 + 1.0;
-        surface.friction_gain *= slenderness * acot * 0.64 + 1.0;
+        local.surface = local.surface.with_lugs(&local.wheel, self.height, self.share);
     }
 }

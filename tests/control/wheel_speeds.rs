@@ -3,14 +3,21 @@
 //! finds wheels in the air, and is a controller like the others in files and snapshots. What the body does not accelerate
 //! its links do not either.
 
-use bekker::control::rtc::SoilBelief;
-use bekker::control::{ControlError, Controller, Criterion, Footing, Rtc, RtcOptions, Solver};
+use bekker::contact::Surface;
+use bekker::control::rtc::{Distribution, SoilBelief};
+use bekker::control::{
+    ControlError, Controller, Criterion, Footing, Rtc, RtcOptions, Solver, SpeedRoughTerrainControl, SpeedRtc,
+    VelocityControl,
+};
 use bekker::model::{ContactAngleSource, ControlKind, Model, Run, SoilSource, Summary, SummaryBuilder, nominal};
 use bekker::modeldescription::Lookup;
 use bekker::rover::Rover;
 use bekker::signals::{Command, Measurement, Reference};
 use bekker::simulation::Status;
+use bekker::soil::Soil;
 use bekker::terrain::{Incline, LooseDitch, Profile, Rough, Samples, Terrain};
+use nalgebra::{Matrix3, Vector3};
+use std::cell::RefCell;
 
 /// Difference of predicted and true loads in steady driving, of the load: what the issue of the balance accepts.
 const LOADS: f64 = 0.05;
@@ -18,6 +25,8 @@ const LOADS: f64 = 0.05;
 const TORQUES: f64 = 0.01;
 /// Slip over the limit that does not count: between two periods the body's speed changes by about as much.
 const SLIP: f64 = 0.02;
+/// Difference of the largest pull and that of a search over slips, of the weight: the linearised soil's last reach, and the grid's.
+const PULL: f64 = 0.01;
 /// Time beyond the slip limit while the body moves, s: what the issue of the controller accepts.
 const BEYOND: f64 = 0.5;
 /// Energy a metre over that of velocity control at the same speed: what the issue accepts.
@@ -280,6 +289,142 @@ fn agreement_the_oracle_with_a_drive_on_level_ground() {
     pose.wheels.iter_mut().for_each(|wheel| wheel.contact_angle = 1.0);
     let wall = oracle.at(&pose, 0.2, |_| model.rover.soil).unwrap();
     assert!(!wall.balanced && wall.pull < 0.0 && wall.electrical_power.is_infinite(), "{wall:?}");
+}
+
+/// Steepness of the walls of [`lugs_in_digging_sand`], degrees: about the steepest that the rover climbs.
+const STEEP: f64 = 23.0;
+
+/// The FSRL rover with lugs before a ditch whose sand gives way to slip.
+fn lugs_in_digging_sand() -> Model {
+    let mut model = ditch(STEEP, 0.01);
+    model.set("slip_sinkage.n1", 0.4).unwrap();
+    model
+}
+
+/// Largest horizontal force that any slips of the three wheels give the rover at a pose, N, by a search over a grid of slips that is
+/// refined about its best point; the loads follow from weight and moments, which are as many equations as wheels.
+fn largest_pull_by_search(model: &Model, pose: &Measurement, soil: impl Fn(usize) -> Soil) -> f64 {
+    let rover = nominal(&model.rover);
+    let (radius, limit) = (rover.wheel.radius, rover.torque_limit().unwrap());
+    let mut balance = Distribution::new(&rover);
+    let angles = pose.wheels.iter().map(|wheel| wheel.contact_angle);
+    balance.place(&rover, pose.pitch, pose.links.iter().map(|link| link.angle), angles);
+    balance.demand(&rover, 0.0);
+    let surface = Surface::smooth(0.0).with_lugs(&rover.wheel, 0.01, 1.0);
+    let belief = |k: usize| SoilBelief { digging: 0.4, surface, ..SoilBelief::new(rover.wheel, soil(k)) };
+    let pull = |slips: [f64; 3]| -> Option<f64> {
+        let mut loads = [rover.weight() / 3.0; 3];
+        for _ in 0..200 {
+            let states: Vec<_> = (0..3).map(|k| belief(k).at(loads[k], slips[k])).collect();
+            // Rows 1 to 3 are vertical force, moment and the moment about the bogie's joint.
+            let axle = |row: usize, k: usize| balance.axle_coefficient(row, k);
+            let turning = |row: usize, k: usize| balance.rim_coefficients(row, k)[0] - axle(row, k);
+            let soil_force =
+                |row: usize, k: usize| axle(row, k) * states[k].pull + turning(row, k) * states[k].torque / radius;
+            let of_load = Matrix3::from_fn(|row, k| balance.rim_coefficients(row + 1, k)[1]);
+            let wanted = Vector3::from_fn(|row, _| {
+                balance.wanted(row + 1) - (0..3).map(|k| soil_force(row + 1, k)).sum::<f64>()
+            });
+            let next = of_load.try_inverse()? * wanted;
+            let change = (0..3).map(|k| (next[k] - loads[k]).abs()).fold(0.0, f64::max);
+            // Half a step: pull and torque grow with the load.
+            loads = std::array::from_fn(|k| (0.5 * (loads[k] + next[k])).max(1e-3));
+            if change < 1e-6 * rover.weight() {
+                let fits = states.iter().all(|state| state.torque.abs() <= limit * (1.0 + 1e-6) && state.carried);
+                let force = |k: usize| axle(0, k) * states[k].pull + balance.rim_coefficients(0, k)[1] * loads[k];
+                return (fits && next.min() > 0.0).then(|| (0..3).map(force).sum());
+            }
+        }
+        None
+    };
+    let (mut best, mut centre, mut step) = (f64::NEG_INFINITY, [0.3; 3], 0.1);
+    let mut slips: Vec<[f64; 3]> =
+        (0..125).map(|n| [n % 5, n / 5 % 5, n / 25].map(|k| -0.2 + 0.3 * f64::from(k))).collect();
+    for _ in 0..20 {
+        let before = best;
+        for slip in slips.iter().map(|slip| slip.map(|i| i.clamp(-0.5, 0.99))) {
+            if let Some(force) = pull(slip).filter(|&force| force > best) {
+                (best, centre) = (force, slip);
+            }
+        }
+        if best <= before {
+            step *= 0.5;
+        }
+        let around = |n: i32| [n % 3, n / 3 % 3, n / 9].map(|k| f64::from(k - 1) * step);
+        slips = (0..27).map(|n| std::array::from_fn(|k| centre[k] + around(n)[k])).collect();
+    }
+    best
+}
+
+#[test]
+fn agreement_the_largest_pull_with_a_search_over_all_slips() {
+    // Where the rear wheel leaves the ditch's bottom and the others climb, next to nothing is left: here rounds of a linearised
+    // soil take turns between two ends, neither of which the soil gives.
+    let model = lugs_in_digging_sand();
+    let mut oracle = model.oracle().unwrap();
+    let mut hardest = f64::INFINITY;
+    for x in [0.995, 1.0, 1.005, 1.01, 1.05] {
+        let mut there = model.clone();
+        (there.start.x0, there.control.kind) = (x, ControlKind::Torque);
+        let Ok(run) = there.start() else { continue };
+        let signals = run.signals();
+        let mut pose = Measurement::of(3, 1);
+        pose.pitch = signals.body.pitch;
+        pose.wheels.iter_mut().zip(&signals.wheels).for_each(|(seen, wheel)| seen.contact_angle = wheel.contact_angle);
+        pose.links.iter_mut().zip(&signals.links).for_each(|(seen, link)| seen.angle = link.angle);
+        // The oracle asks for the soil under each wheel, rear to front.
+        let soils = RefCell::new(Vec::new());
+        let ground = |along: f64| {
+            let soil = model.rover.terrain.soil(&model.rover.soil, signals.body.x + along);
+            soils.borrow_mut().push(soil);
+            soil
+        };
+        let ours = oracle.at(&pose, 0.06, ground).unwrap();
+        let theirs = largest_pull_by_search(&model, &pose, |k| soils.borrow()[k]);
+        let weight = nominal(&model.rover).weight();
+        assert!((ours.pull - theirs).abs() <= PULL * weight, "x = {x} m: {} and {theirs} N", ours.pull);
+        assert_eq!(ours.balanced, ours.pull >= -PULL * weight, "x = {x} m: {ours:?}");
+        hardest = hardest.min(ours.pull);
+    }
+    assert!(hardest.abs() < 1.0, "one of the poses is near the limit: {hardest} N");
+}
+
+#[test]
+fn property_lugs_that_are_known_are_counted_with() {
+    let incline = Incline { slope: 10.0_f64.to_radians(), length: 8.0, ..Incline::default() };
+    let mut model = by_speeds(Rover { terrain: incline.terrain().unwrap(), ..Rover::fsrl() });
+    model.set("grousers.height", 0.01).unwrap();
+    let off = |height: f64| {
+        let mut model = model.clone();
+        model.control.rtc_speed.lug_height = height;
+        let mut run = started(&model, 0.06);
+        run.advance(11_000).unwrap();
+        let shares = run.speed_rtc().unwrap().shares();
+        let slips = run.signals().wheels.iter().zip(shares).map(|(wheel, share)| (share.slip - wheel.slip).abs());
+        slips.fold(0.0, f64::max)
+    };
+    // The largest difference of planned and true slips: the lugs carry the soil along at 1.16 of the radius.
+    let (known, unknown) = (off(0.01), off(0.0));
+    assert!(known < 0.03 && unknown > 0.1, "{known} with the lugs, {unknown} without");
+}
+
+#[test]
+fn property_a_dip_of_the_speed_does_not_slow_the_wheels_at_once() {
+    let torque = |speed_hold: f64, dip: f64| {
+        let parameters = SpeedRoughTerrainControl { speed_hold, ..Default::default() };
+        let rover = nominal(&firm());
+        let mut rtc = SpeedRtc::new(rover, parameters, VelocityControl::default(), RtcOptions::default()).unwrap();
+        let mut measured = Measurement::of(2, 0);
+        let mut command = Command::torque(vec![0.0; 2]);
+        for period in 0..40 {
+            measured.velocity = if period < 30 { 0.2 } else { dip };
+            measured.wheels.iter_mut().for_each(|wheel| wheel.speed = 2.2);
+            rtc.command(&measured, &Reference { velocity: 0.2 }, &mut command).unwrap();
+        }
+        command.values.iter().sum::<f64>()
+    };
+    assert_eq!(torque(0.3, 0.2), torque(0.0, 0.2), "at a steady speed it changes nothing");
+    assert!(torque(0.3, 0.02) > torque(0.0, 0.02) + 0.5, "{} and {} N m", torque(0.3, 0.02), torque(0.0, 0.02));
 }
 
 #[test]

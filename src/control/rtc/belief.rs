@@ -195,7 +195,7 @@ impl SoilBelief {
             let share = (at_low / (at_low - at_high)).clamp(0.0, 1.0);
             let state = self.from(load, low.slip + share * (high.slip - low.slip), high.sinkage);
             let here = miss(&state);
-            if here.abs() <= 1e-9 * (1.0 + load) {
+            if here.abs() <= 1e-7 * (1.0 + load) {
                 return state;
             }
             if here < 0.0 {

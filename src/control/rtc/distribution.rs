@@ -83,6 +83,9 @@ pub struct Distribution {
     /// Share of a change of the torque's force T_i = tau/r that arrives as pull at the axle, one a wheel; the soil's
     /// resistance takes the rest. 1 takes all torque for pull (4.3).
     pub yields: Vec<f64>,
+    /// Pull at the axle that a change of the load by 1 N brings under the same torque, one a wheel: under zero where the soil
+    /// resists more. 0 takes the resistance for one that does not depend on the load.
+    pub load_yields: Vec<f64>,
     /// Wheel radius, m.
     radius: f64,
     /// Where the bodies are.
@@ -107,6 +110,7 @@ impl Distribution {
             body_force: [0.0; 3],
             joints: (0..nominal.links.len()).map(joint).collect(),
             yields: vec![1.0; wheels],
+            load_yields: vec![0.0; wheels],
             radius: nominal.wheel.radius,
             posture: Posture::new(nominal),
             heading: (0.0, 1.0),
@@ -130,6 +134,7 @@ impl Distribution {
         self.posture.update(nominal, pitch, joint_angles);
         self.heading = pitch.sin_cos();
         self.yields.fill(1.0);
+        self.load_yields.fill(0.0);
         for (k, angle) in angles.enumerate().take(self.contacts.len()) {
             let centre = self.posture.point(nominal.wheel_bodies[k], nominal.wheel_centres[k]);
             let contact = Contact::new(centre, nominal.wheel.radius, angle);
@@ -175,11 +180,12 @@ impl Distribution {
     #[must_use]
     pub fn coefficients(&self, row: usize, wheel: usize) -> [f64; 2] {
         let [traction, load] = self.rim_coefficients(row, wheel);
-        let lost = 1.0 - self.yields[wheel];
-        if lost == 0.0 {
+        let (lost, gained) = (1.0 - self.yields[wheel], self.load_yields[wheel]);
+        if lost == 0.0 && gained == 0.0 {
             return [traction, load];
         }
-        [traction - lost * self.axle_coefficient(row, wheel), load]
+        let axle = self.axle_coefficient(row, wheel);
+        [traction - lost * axle, load + gained * axle]
     }
 
     /// Coefficient of a force along the ground at the axle of wheel `wheel` in row `row`.

@@ -7,6 +7,7 @@
 
 use super::belief::SoilBelief;
 use super::kinematics::{Rolling, rolling};
+use super::problem::Problem;
 use super::sharing::{Demand, Sharing, electrical};
 use super::solver::Solver;
 use super::switch::Criterion;
@@ -16,8 +17,11 @@ use crate::soil::Soil;
 
 /// Least load of a wheel, of the weight: wheels may lift off nearly.
 const LEAST_LOAD: f64 = 1e-4;
-/// Acceleration that no ground gives, of g: asks for all pull that there is.
-const ALL: f64 = 10.0;
+/// Acceleration that no ground gives, of g: asks for all pull that there is. A larger one would ask more of the joints than
+/// their wheels can carry.
+const ALL: f64 = 1.0;
+/// Miss of weight and moments at which forces count as balanced, in units of weight and half base.
+const LAW_TOLERANCE: f64 = 1e-3;
 
 /// What is attainable at a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,8 +50,8 @@ impl Oracle {
     pub fn new(nominal: Nominal, wheel: SoilBelief) -> Result<Self, ControlError> {
         nominal.check()?;
         let wheels = nominal.wheels();
-        let mut sharing = Sharing::new(&nominal, LEAST_LOAD * nominal.weight(), 0.0, Solver::ActiveSet);
-        sharing.beliefs.fill(SoilBelief { sufficient: 1.0, ..wheel });
+        let belief = SoilBelief { sufficient: 1.0, ..wheel };
+        let sharing = Sharing::new(&nominal, LEAST_LOAD * nominal.weight(), belief, Solver::ActiveSet);
         Ok(Self { sharing, rolling: vec![Rolling::default(); wheels], nominal })
     }
 
@@ -71,15 +75,37 @@ impl Oracle {
         }
         rolling(&sharing.problem.distribution, nominal, &sharing.problem.lifted, wheels);
         let mut demand = Demand { acceleration: 0.0, speed, criterion: Criterion::ElectricalPower };
-        let found = sharing.share(nominal, pose.pitch, wheels, &demand)?;
-        let powers = sharing.shares.iter().zip(wheels.iter()).zip(&sharing.beliefs).map(|((share, wheel), belief)| {
-            electrical(nominal, speed.abs() * wheel.along, &belief.at(share.load, share.slip))
-        });
-        let electrical_power = if found.feasible { powers.sum() } else { f64::INFINITY };
+        let found = sharing.share(nominal, pose.pitch, wheels, &demand, |_| None)?;
+        let least = found.feasible.then(|| power(nominal, sharing, wheels, speed));
         demand.acceleration = ALL * nominal.gravity * if speed < 0.0 { -1.0 } else { 1.0 };
-        sharing.share(nominal, pose.pitch, wheels, &demand)?;
-        let missing = sharing.problem.shortfall(0, &sharing.forces);
+        sharing.share(nominal, pose.pitch, wheels, &demand, |_| None)?;
+        let missing = sharing.problem.shortfall(0, &sharing.forces) - sharing.unforeseen();
         let pull = (nominal.mass * demand.acceleration - missing) * speed.signum();
-        Ok(Attainable { balanced: found.feasible, electrical_power, pull })
+        // Slips that pull on balance the rover too, at another power; where the search for the least one fails, theirs stands for it.
+        let goes_on = || {
+            (pull >= 0.0 && keeps_laws(&sharing.problem, &sharing.forces))
+                .then(|| power(nominal, sharing, wheels, speed))
+        };
+        let electrical_power = least.or_else(goes_on);
+        Ok(Attainable {
+            balanced: electrical_power.is_some(),
+            electrical_power: electrical_power.unwrap_or(f64::INFINITY),
+            pull,
+        })
     }
+}
+
+/// Electrical power of all drives at the slips that were found, W.
+fn power(nominal: &Nominal, sharing: &Sharing, wheels: &[Rolling], speed: f64) -> f64 {
+    let states = sharing.shares.iter().zip(wheels).zip(&sharing.beliefs);
+    states
+        .map(|((share, wheel), belief)| {
+            electrical(nominal, speed.abs() * wheel.along, &belief.at(share.load, share.slip))
+        })
+        .sum()
+}
+
+/// Whether forces carry the weight and balance all moments.
+fn keeps_laws(problem: &Problem, forces: &[f64]) -> bool {
+    (1..problem.rows()).all(|row| problem.shortfall(row, forces).abs() <= LAW_TOLERANCE * problem.row_unit(row))
 }

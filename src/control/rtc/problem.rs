@@ -24,8 +24,8 @@ pub struct Problem {
     pub distribution: Distribution,
     /// Least normal force on every wheel (4.13), N.
     pub minimum_load: f64,
-    /// Largest tractive force of a drive, tau_max / r (4.14; wheel side, errata 9), N; `None` without limit.
-    pub drive_limit: Option<f64>,
+    /// Least and largest tractive force of each drive, -+ tau_max / r (4.14; wheel side, errata 9), N; `None` without limit.
+    pub drive_limits: Option<Vec<[f64; 2]>>,
     /// Usable strength that grows with the load (4.16), of that load, one a wheel: tan phi by Mohr and Coulomb.
     pub friction: Vec<f64>,
     /// Usable strength that does not, A_i c (4.16), N, one a wheel.
@@ -53,7 +53,10 @@ impl Problem {
         Self {
             distribution: Distribution::new(nominal),
             minimum_load,
-            drive_limit: nominal.torque_limit().map(|torque| torque / nominal.wheel.radius),
+            drive_limits: nominal.torque_limit().map(|torque| {
+                let limit = torque / nominal.wheel.radius;
+                vec![[-limit, limit]; wheels]
+            }),
             friction: vec![0.0; wheels],
             adhesion: vec![0.0; wheels],
             lifted: vec![false; wheels],
@@ -117,7 +120,7 @@ impl Problem {
     #[must_use]
     pub fn traction_limit(&self, wheel: usize, load: f64) -> f64 {
         let strength = self.adhesion[wheel] + self.friction[wheel] * load;
-        self.drive_limit.map_or(strength, |limit| limit.min(strength))
+        self.drive_limits.as_ref().map_or(strength, |limits| limits[wheel][1].min(strength))
     }
 
     /// Writes G x + slack = f_s, in the optimiser's units: the unknowns after the forces are slack of the
@@ -157,11 +160,11 @@ impl Problem {
         let unit = self.force_unit();
         for wheel in 0..self.wheels() {
             rows.row(-self.minimum_load / unit).term(load_of(wheel), -1.0); // (4.13)
-            for sign in [1.0, -1.0] {
+            for (side, sign) in [(1, 1.0), (0, -1.0)] {
                 let strength = rows.row(self.adhesion[wheel] / unit); // (4.16)
                 strength.term(traction_of(wheel), sign).term(load_of(wheel), -self.friction[wheel]);
-                if let Some(limit) = self.drive_limit {
-                    rows.row(limit / unit).term(traction_of(wheel), sign); // (4.14)
+                if let Some(limits) = &self.drive_limits {
+                    rows.row(sign * limits[wheel][side] / unit).term(traction_of(wheel), sign); // (4.14)
                 }
             }
         }

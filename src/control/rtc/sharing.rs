@@ -1,7 +1,8 @@
 //! A force distribution together with the slips that give it: resistance at the axles, limits at the best slips.
 //!
 //! The optimiser's rows are linear, the soil is not. So the soil is linearised about slips and loads, the forces are found,
-//! the slips that give them under their loads follow from the inverse soil model, and so on until they stay.
+//! the slips that give them under their loads follow from the inverse soil model, and so on until they stay. Where they do not,
+//! near the largest pull, forces may change less and less from round to round.
 
 use super::belief::{SoilBelief, Working};
 use super::kinematics::Rolling;
@@ -12,15 +13,30 @@ use super::switch::Criterion;
 use crate::control::{ControlError, Nominal};
 
 /// Rounds at most; 3 or 4 are usual.
-const MOST_ROUNDS: usize = 8;
+const MOST_ROUNDS: usize = 12;
+/// Rounds after which a force may change less and less: near the largest pull the soil's slope falls to zero within few per
+/// cent of slip, and forces found by the slopes at either end of that range would take turns for ever.
+const FREE_ROUNDS: usize = 3;
+/// Change of a force in the first round after those, of the force at the best slip, and in each of the following over that before.
+const REACH: f64 = 0.5;
+const NARROWING: f64 = 0.6;
+/// Tractive force of a drive without limit, weights.
+const UNLIMITED: f64 = 1e3;
+/// Pull that the last slopes may promise beyond what the soil gives, of the weight, for forces to count as balanced.
+const FORESEEN: f64 = 1e-3;
 /// Change of a slip in a round at which it stays.
 const SLIP_STAYS: f64 = 1e-3;
 /// Change of a load in a round at which it stays, of the weight.
 const LOAD_STAYS: f64 = 1e-4;
-/// Change of a load for which the best slip is not sought again, of the load: i* hardly depends on it.
+/// Change of a load for which the state at the best slip stays, of the load.
 const SAME_LOAD: f64 = 1e-3;
+/// Change of a load for which the best slip is not sought again, of the load: i* hardly depends on it, and the pull about its peak
+/// hardly on the slip.
+const NEAR_LOAD: f64 = 0.1;
 /// Step in the slip over which the soil is linearised.
 const SLIP_STEP: f64 = 0.005;
+/// Change of the load over which the soil is linearised, of the load.
+const LOAD_STEP: f64 = 0.01;
 /// Slip from which the search sets out.
 const FIRST_SLIP: f64 = 0.1;
 /// Least share of a torque's force that counts as pull: at the best slip on digging soil it is zero.
@@ -60,54 +76,94 @@ pub(super) struct Sharing {
     /// Belief of the soil under each wheel.
     pub beliefs: Vec<SoilBelief>,
     pub shares: Vec<Share>,
+    /// Pull of each wheel at its slip beyond what the last slopes promise, along the ground, N.
+    unforeseen: Vec<f64>,
+    /// Pull of each wheel by the last slopes at no torque, in the direction of travel, N.
+    offsets: Vec<f64>,
+    /// Largest tractive force of a drive, N.
+    drive: f64,
 }
 
 impl Sharing {
-    pub fn new(nominal: &Nominal, minimum_load: f64, digging: f64, solver: Solver) -> Self {
-        let problem = Problem::new(nominal, minimum_load);
-        let belief = SoilBelief { digging, ..SoilBelief::new(nominal.wheel, nominal.soil) };
+    pub fn new(nominal: &Nominal, minimum_load: f64, belief: SoilBelief, solver: Solver) -> Self {
+        let mut problem = Problem::new(nominal, minimum_load);
         let wheels = nominal.wheels();
+        let unlimited = UNLIMITED * problem.force_unit();
+        let drive = nominal.torque_limit().map_or(unlimited, |torque| torque / nominal.wheel.radius);
+        problem.drive_limits = Some(vec![[-drive, drive]; wheels]);
         Self {
             optimiser: Optimiser::new(&problem, solver),
             problem,
             forces: vec![0.0; 2 * wheels],
             beliefs: vec![belief; wheels],
             shares: vec![Share::default(); wheels],
+            unforeseen: vec![0.0; wheels],
+            offsets: vec![0.0; wheels],
+            drive,
         }
     }
 
-    /// Finds forces, loads and slips for a demand; the contacts are placed already, `rolling` is each wheel's motion.
+    /// Finds forces, loads and slips for a demand; the contacts are placed already, `rolling` is each wheel's motion. The search
+    /// sets out from the slip and the load that `guess` gives for a wheel.
     pub fn share(
         &mut self,
         nominal: &Nominal,
         pitch: f64,
         rolling: &[Rolling],
         demand: &Demand,
+        guess: impl Fn(usize) -> Option<[f64; 2]>,
     ) -> Result<Found, ControlError> {
         let direction = if demand.speed < 0.0 { -1.0 } else { 1.0 };
         self.problem.distribution.yields.fill(1.0);
+        self.problem.distribution.load_yields.fill(0.0);
         self.problem.expect_loads(nominal, pitch)?;
-        for (share, &load) in self.shares.iter_mut().zip(&self.problem.expected_loads) {
-            *share = Share { load, slip: FIRST_SLIP, ..Share::default() };
+        for (wheel, share) in self.shares.iter_mut().enumerate() {
+            let [slip, load] = guess(wheel).unwrap_or([FIRST_SLIP, self.problem.expected_loads[wheel]]);
+            *share = Share { load, slip, ..Share::default() };
         }
         let mut found = Found { feasible: false, optimal: false, steps: 0 };
-        for _ in 0..MOST_ROUNDS {
+        let mut reach = f64::INFINITY;
+        for round in 0..MOST_ROUNDS {
             self.problem.distribution.demand(nominal, demand.acceleration);
-            self.linearise(nominal, rolling, demand, direction);
-            found = self.solve(demand.criterion)?;
+            self.linearise(nominal, rolling, demand, direction, reach);
+            found = match self.solve(demand.criterion) {
+                Ok(found) => found,
+                // The forces of the round before stay, about which the slopes were taken: nothing is unforeseen there.
+                Err(_) if reach.is_finite() => {
+                    found.feasible &= self.is_foreseen();
+                    self.unforeseen.fill(0.0);
+                    return Ok(found);
+                }
+                Err(unsolved) => return Err(unsolved.into()),
+            };
             if self.follow(nominal.wheel.radius, direction) {
-                break;
+                return Ok(found);
+            }
+            if round + 1 >= FREE_ROUNDS {
+                reach = if reach.is_finite() { NARROWING * reach } else { REACH };
             }
         }
+        found.feasible &= self.is_foreseen();
         Ok(found)
+    }
+
+    fn is_foreseen(&self) -> bool {
+        self.unforeseen().abs() <= FORESEEN * self.problem.force_unit()
+    }
+
+    /// Horizontal force that the soil gives at the slips beyond what the last slopes promise, N.
+    pub fn unforeseen(&self) -> f64 {
+        let balance = &self.problem.distribution;
+        self.unforeseen.iter().enumerate().map(|(wheel, pull)| balance.axle_coefficient(0, wheel) * pull).sum()
     }
 
     fn solve(&mut self, criterion: Criterion) -> Result<Found, Unsolved> {
         self.optimiser.solve(&self.problem, criterion, &mut self.forces)
     }
 
-    /// Writes the soil about the present loads and slips into the problem.
-    fn linearise(&mut self, nominal: &Nominal, rolling: &[Rolling], demand: &Demand, direction: f64) {
+    /// Writes the soil about the present loads and slips into the problem,
+    /// of which each force may change by `reach` of that at the best slip.
+    fn linearise(&mut self, nominal: &Nominal, rolling: &[Rolling], demand: &Demand, direction: f64, reach: f64) {
         let (radius, unit) = (nominal.wheel.radius, self.problem.force_unit());
         let mut costs = self.problem.costs.take().unwrap_or_else(|| vec![[1.0, 0.0]; self.shares.len()]);
         for (wheel, share) in self.shares.iter_mut().enumerate() {
@@ -116,9 +172,12 @@ impl Sharing {
                 continue;
             }
             let belief = &self.beliefs[wheel];
-            let known = share.best.torque > 0.0 && (share.load / share.best.load - 1.0).abs() < SAME_LOAD;
-            if !known {
+            let change =
+                if share.best.torque > 0.0 { (share.load / share.best.load - 1.0).abs() } else { f64::INFINITY };
+            if change >= NEAR_LOAD {
                 share.best = belief.best(share.load);
+            } else if change >= SAME_LOAD {
+                share.best = belief.at(share.load, share.best.slip);
             }
             share.slip = share.slip.min(share.best.slip);
             let states = [-SLIP_STEP, 0.0, SLIP_STEP].map(|step| belief.at(share.load, share.slip + step));
@@ -126,12 +185,26 @@ impl Sharing {
             let change = force[2] - force[0];
             let slope = (states[2].pull - states[0].pull) / change;
             let slope = if slope.is_finite() { slope.clamp(LEAST_YIELD, 1.0) } else { 1.0 };
-            let offset = states[1].pull - slope * force[1];
+            // The pull at the same slip grows with the load by that of `heavier`; at the same torque the slip gives way besides.
+            let heavier = belief.at(share.load * (1.0 + LOAD_STEP), share.slip);
+            let step = LOAD_STEP * share.load;
+            let gained = (heavier.pull - states[1].pull - slope * (heavier.torque / radius - force[1])) / step;
+            let gained = direction * if gained.is_finite() { gained } else { 0.0 };
+            let offset = states[1].pull - slope * force[1] - direction * gained * share.load;
             let balance = &mut self.problem.distribution;
             balance.yields[wheel] = slope;
+            balance.load_yields[wheel] = gained;
             balance.resist(wheel, radius, -direction * offset);
+            self.offsets[wheel] = offset;
             (self.problem.adhesion[wheel], self.problem.friction[wheel]) =
                 (0.0, share.best.torque.max(0.0) / (radius * share.load));
+            // Within the limits, so that there always are forces within reach.
+            let most = share.best.torque.max(0.0) / radius;
+            let here = direction * force[1].clamp(-most, most).clamp(-self.drive, self.drive);
+            let reach = reach * most;
+            if let Some(limits) = &mut self.problem.drive_limits {
+                limits[wheel] = [(here - reach).max(-self.drive), (here + reach).min(self.drive)];
+            }
             if demand.criterion == Criterion::ElectricalPower {
                 let speed = demand.speed.abs() * rolling[wheel].along;
                 let power = states.map(|state| electrical(nominal, speed, &state));
@@ -154,11 +227,18 @@ impl Sharing {
         for (wheel, share) in self.shares.iter_mut().enumerate() {
             if self.problem.lifted[wheel] {
                 *share = Share::default();
+                self.unforeseen[wheel] = 0.0;
                 continue;
             }
             let load = self.forces[load_of(wheel)].max(self.problem.minimum_load);
             let torque = direction * radius * self.forces[traction_of(wheel)];
             let state = self.beliefs[wheel].with_torque(load, torque.min(share.best.torque), &share.best);
+            // By the slopes: slope * force - offset at the axle.
+            let balance = &self.problem.distribution;
+            let [force, at] = [traction_of(wheel), load_of(wheel)].map(|column| self.forces[column]);
+            let promised =
+                balance.yields[wheel] * force + balance.load_yields[wheel] * at + direction * self.offsets[wheel];
+            self.unforeseen[wheel] = direction * state.pull - promised;
             stays &= (state.slip - share.slip).abs() < SLIP_STAYS && (load - share.load).abs() < LOAD_STAYS * unit;
             *share = Share { load, torque, slip: state.slip, best: share.best };
         }

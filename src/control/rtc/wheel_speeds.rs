@@ -7,11 +7,13 @@
 //! answers there. Under the creeping speed that says nothing: the wheels creep, and on soil in which slip digs the rover backs
 //! off after a while and tries again.
 
+use super::belief::SoilBelief;
 use super::kinematics::{Rolling, rolling};
 use super::outcome::Outcome;
 use super::sharing::{Demand, Share, Sharing};
 use super::switch::Criterion;
 use super::{Problem, RtcOptions};
+use crate::contact::Surface;
 use crate::control::error::{ControlError, finite, same_count, same_links, within_bounds};
 use crate::control::{Controller, Nominal, VelocityControl, VelocityController};
 use crate::signals::{Command, Measurement, Reference};
@@ -44,10 +46,15 @@ parameters! {
         minimum_load: [Unit::NEWTON] = 0.2, 1e-3..=1e5, Fixed, "assumption: 2 % of a wheel of 10 N, the lightest built in";
         /// Growth n_1 of the sinkage exponent with slip that the controller believes in.
         slip_sinkage: [Unit::ONE] = 0.0, 0.0..=1.5, Fixed, "neutral; Ding et al. 2011, J. Terramechanics 48: 0.35-0.5";
+        /// Height of the lugs on the wheels that the controller counts with, sheared at their whole height.
+        lug_height: [Unit::METRE] = 0.0, 0.0..=0.03, Fixed, "neutral; vehicle drawing: 5-15 mm on small wheels";
         /// Speed of the body under which it creeps.
         creep: [Unit::METRE_PER_SECOND] = 0.01, 1e-4..=1.0, Fixed, "assumption: a tenth to a quarter of what rovers drive at";
         /// Time constant of the filter on the slips.
         slip_filter: [Unit::SECOND] = 0.1, 0.0..=10.0, Fixed, "assumption: ten periods";
+        /// Time constant with which the speed that limits the wheels' falls: where a wheel meets a slope the body is slower for a
+        /// moment, and wheels that slowed down with it would take the pull away that it needs.
+        speed_hold: [Unit::SECOND] = 0.3, 0.0..=10.0, Fixed, "assumption: half a second beyond the best slip is allowed";
         /// How long the body may creep on digging soil before it backs off.
         patience: [Unit::SECOND] = 2.0, 0.0..=1e3, Fixed, "assumption: longer than a start takes";
         /// How long it backs off; 0 never.
@@ -65,6 +72,17 @@ struct WheelMemory {
     lifted: bool,
     /// Torque commanded last, N m.
     torque: f64,
+    /// Slip of the last force distribution, from which the next one is sought.
+    last_slip: f64,
+    /// Load of that distribution, N; 0 before the first and in the air.
+    last_load: f64,
+}
+
+impl WheelMemory {
+    /// Slip and load of the last force distribution.
+    fn found(&self) -> Option<[f64; 2]> {
+        (self.last_load > 0.0).then_some([self.last_slip, self.last_load])
+    }
 }
 
 /// How the body gets on.
@@ -78,6 +96,8 @@ struct Progress {
     creeps: f64,
     /// How long it still backs off, s.
     backs_off: f64,
+    /// Speed of the body in the direction of travel, which falls no faster than `speed_hold` allows, m/s.
+    forward: f64,
 }
 
 /// Rough-terrain control that commands wheel speeds to loops of its own, and through them torques.
@@ -124,8 +144,13 @@ impl SpeedRtc {
         if load * wheels as f64 >= weight {
             return Err(ControlError::MinimumLoad { load, wheels, weight });
         }
+        let belief = SoilBelief {
+            digging: parameters.slip_sinkage,
+            surface: Surface::smooth(0.0).with_lugs(&nominal.wheel, parameters.lug_height, 1.0),
+            ..SoilBelief::new(nominal.wheel, nominal.soil)
+        };
         Ok(Self {
-            sharing: Sharing::new(&nominal, load, parameters.slip_sinkage, options.solver),
+            sharing: Sharing::new(&nominal, load, belief, options.solver),
             options: RtcOptions { period: loops.period, ..options },
             nominal,
             parameters,
@@ -206,10 +231,12 @@ impl SpeedRtc {
 
     /// Speeds of the loops and limits of their torques, for the body's wanted and measured speed.
     fn set_goals(&mut self, wanted: f64, speed: f64) {
-        let SpeedRoughTerrainControl { creep, slip_filter, .. } = self.parameters;
+        let SpeedRoughTerrainControl { creep, slip_filter, speed_hold, .. } = self.parameters;
         let radius = self.nominal.wheel.radius;
         let direction = if wanted < 0.0 { -1.0 } else { 1.0 };
-        let forward = (direction * speed).max(0.0);
+        let hold = speed_hold / (speed_hold + self.options.period);
+        let forward = (direction * speed).max(hold * self.progress.forward).max(0.0);
+        self.progress.forward = forward;
         let unlimited = self.nominal.torque_limit().unwrap_or(f64::INFINITY);
         let goal = ((wanted + self.progress.trim) * direction).max(0.0);
         let backs_off = self.progress.backs_off > 0.0;
@@ -251,7 +278,7 @@ impl SpeedRtc {
     fn progress(&mut self, wanted: f64, speed: f64, feasible: bool) {
         let SpeedRoughTerrainControl { integral_gain, creep, patience, back_off, .. } = self.parameters;
         let (period, direction) = (self.options.period, wanted.signum());
-        let Progress { trim, creeps, backs_off, slip: _ } = &mut self.progress;
+        let Progress { trim, creeps, backs_off, slip: _, forward: _ } = &mut self.progress;
         if wanted == 0.0 {
             self.progress = Progress::default();
             return;
@@ -302,9 +329,11 @@ impl Controller for SpeedRtc {
         let gravity = self.nominal.gravity;
         let acceleration = (self.parameters.gain * (wanted - speed)).clamp(-gravity, gravity);
         let demand = Demand { acceleration, speed: wanted, criterion: self.criterion(measured) };
-        let found = self.sharing.share(&self.nominal, measured.pitch, &self.rolling, &demand)?;
-        for share in &self.sharing.shares {
+        let wheels = &self.wheels;
+        let found = self.sharing.share(&self.nominal, measured.pitch, &self.rolling, &demand, |k| wheels[k].found())?;
+        for (wheel, share) in self.wheels.iter_mut().zip(&self.sharing.shares) {
             finite("slip of the force distribution", None, share.slip)?;
+            (wheel.last_slip, wheel.last_load) = (share.slip, share.load);
         }
         self.set_goals(wanted, speed);
         let (goals, limits) = (&self.goals, &self.limits);
