@@ -25,6 +25,7 @@ mod outcome;
 mod power;
 mod problem;
 mod sharing;
+mod slopes;
 mod solver;
 mod speed_loop;
 mod strength;

@@ -8,6 +8,7 @@ use super::belief::{SoilBelief, Working};
 use super::kinematics::Rolling;
 use super::optimiser::{Found, Optimiser};
 use super::problem::{Problem, load_of, traction_of};
+use super::slopes::Slopes;
 use super::solver::{Solver, Unsolved};
 use super::switch::Criterion;
 use crate::control::{ControlError, Nominal};
@@ -33,14 +34,8 @@ const SAME_LOAD: f64 = 1e-3;
 /// Change of a load for which the best slip is not sought again, of the load: i* hardly depends on it, and the pull about its peak
 /// hardly on the slip.
 const NEAR_LOAD: f64 = 0.1;
-/// Step in the slip over which the soil is linearised.
-const SLIP_STEP: f64 = 0.005;
-/// Change of the load over which the soil is linearised, of the load.
-const LOAD_STEP: f64 = 0.01;
 /// Slip from which the search sets out.
 const FIRST_SLIP: f64 = 0.1;
-/// Least share of a torque's force that counts as pull: at the best slip on digging soil it is zero.
-const LEAST_YIELD: f64 = 0.02;
 
 /// What one wheel is given.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -53,6 +48,18 @@ pub struct Share {
     pub slip: f64,
     /// State at the best slip i* under this load, in the direction of travel.
     pub best: Working,
+}
+
+impl Share {
+    /// Finds the best slip for the present load where that has changed.
+    fn renew_best(&mut self, belief: &SoilBelief) {
+        let change = if self.best.torque > 0.0 { (self.load / self.best.load - 1.0).abs() } else { f64::INFINITY };
+        if change >= NEAR_LOAD {
+            self.best = belief.best(self.load);
+        } else if change >= SAME_LOAD {
+            self.best = belief.at(self.load, self.best.slip);
+        }
+    }
 }
 
 /// What is asked of a distribution.
@@ -161,63 +168,48 @@ impl Sharing {
         self.optimiser.solve(&self.problem, criterion, &mut self.forces)
     }
 
-    /// Writes the soil about the present loads and slips into the problem,
-    /// of which each force may change by `reach` of that at the best slip.
+    /// Writes the soil about the present loads and slips into the problem; each force may change by `reach` of that at the best slip.
     fn linearise(&mut self, nominal: &Nominal, rolling: &[Rolling], demand: &Demand, direction: f64, reach: f64) {
         let (radius, unit) = (nominal.wheel.radius, self.problem.force_unit());
         let mut costs = self.problem.costs.take().unwrap_or_else(|| vec![[1.0, 0.0]; self.shares.len()]);
-        for (wheel, share) in self.shares.iter_mut().enumerate() {
+        for wheel in 0..self.shares.len() {
+            costs[wheel] = [1.0, 0.0];
             if self.problem.lifted[wheel] {
-                costs[wheel] = [1.0, 0.0];
+                self.allow(wheel, 0.0, self.drive);
                 continue;
             }
-            let belief = &self.beliefs[wheel];
-            let change =
-                if share.best.torque > 0.0 { (share.load / share.best.load - 1.0).abs() } else { f64::INFINITY };
-            if change >= NEAR_LOAD {
-                share.best = belief.best(share.load);
-            } else if change >= SAME_LOAD {
-                share.best = belief.at(share.load, share.best.slip);
-            }
+            let share = &mut self.shares[wheel];
+            share.renew_best(&self.beliefs[wheel]);
             share.slip = share.slip.min(share.best.slip);
-            let states = [-SLIP_STEP, 0.0, SLIP_STEP].map(|step| belief.at(share.load, share.slip + step));
-            let force = states.map(|state| state.torque / radius);
-            let change = force[2] - force[0];
-            let slope = (states[2].pull - states[0].pull) / change;
-            let slope = if slope.is_finite() { slope.clamp(LEAST_YIELD, 1.0) } else { 1.0 };
-            // The pull at the same slip grows with the load by that of `heavier`; at the same torque the slip gives way besides.
-            let heavier = belief.at(share.load * (1.0 + LOAD_STEP), share.slip);
-            let step = LOAD_STEP * share.load;
-            let gained = (heavier.pull - states[1].pull - slope * (heavier.torque / radius - force[1])) / step;
-            let gained = direction * if gained.is_finite() { gained } else { 0.0 };
-            let offset = states[1].pull - slope * force[1] - direction * gained * share.load;
+            let (load, most) = (share.load, share.best.torque.max(0.0) / radius);
+            let slopes = Slopes::about(&self.beliefs[wheel], load, share.slip, radius);
             let balance = &mut self.problem.distribution;
-            balance.yields[wheel] = slope;
-            balance.load_yields[wheel] = gained;
-            balance.resist(wheel, radius, -direction * offset);
-            self.offsets[wheel] = offset;
-            (self.problem.adhesion[wheel], self.problem.friction[wheel]) =
-                (0.0, share.best.torque.max(0.0) / (radius * share.load));
+            balance.yields[wheel] = slopes.over_force;
+            balance.load_yields[wheel] = direction * slopes.over_load;
+            balance.resist(wheel, radius, -direction * slopes.offset);
+            self.offsets[wheel] = slopes.offset;
+            (self.problem.adhesion[wheel], self.problem.friction[wheel]) = (0.0, most / load);
             // Within the limits, so that there always are forces within reach.
-            let most = share.best.torque.max(0.0) / radius;
-            let here = direction * force[1].clamp(-most, most).clamp(-self.drive, self.drive);
-            let reach = reach * most;
-            if let Some(limits) = &mut self.problem.drive_limits {
-                limits[wheel] = [(here - reach).max(-self.drive), (here + reach).min(self.drive)];
-            }
+            let here = direction * slopes.force[1].clamp(-most, most).clamp(-self.drive, self.drive);
+            self.allow(wheel, here, reach * most);
             if demand.criterion == Criterion::ElectricalPower {
                 let speed = demand.speed.abs() * rolling[wheel].along;
-                let power = states.map(|state| electrical(nominal, speed, &state));
-                let [square, linear] = quadratic(force, power, nominal.winding_power(radius));
+                let power = slopes.states.map(|state| electrical(nominal, speed, &state));
+                let [square, linear] = quadratic(slopes.force, power, nominal.winding_power(radius));
                 costs[wheel] = [square, direction * linear];
-            } else {
-                costs[wheel] = [1.0, 0.0];
             }
         }
         // In weights, and of order 1.
         let largest = costs.iter().map(|cost| cost[0]).fold(f64::MIN_POSITIVE, f64::max);
         costs.iter_mut().for_each(|cost| *cost = [cost[0] / largest, cost[1] / (largest * unit)]);
         self.problem.costs = Some(costs);
+    }
+
+    /// Lets the tractive force of a wheel be `reach` from `here` and within the drive's limits, N.
+    fn allow(&mut self, wheel: usize, here: f64, reach: f64) {
+        if let Some(limits) = &mut self.problem.drive_limits {
+            limits[wheel] = [(here - reach).max(-self.drive), (here + reach).min(self.drive)];
+        }
     }
 
     /// Takes the forces that were found over into loads and slips; says whether they have stayed.
@@ -233,7 +225,6 @@ impl Sharing {
             let load = self.forces[load_of(wheel)].max(self.problem.minimum_load);
             let torque = direction * radius * self.forces[traction_of(wheel)];
             let state = self.beliefs[wheel].with_torque(load, torque.min(share.best.torque), &share.best);
-            // By the slopes: slope * force - offset at the axle.
             let balance = &self.problem.distribution;
             let [force, at] = [traction_of(wheel), load_of(wheel)].map(|column| self.forces[column]);
             let promised =
