@@ -37,8 +37,8 @@ pub enum SoilSource {
 /// The two kinds of rough-terrain control.
 #[derive(Clone)]
 enum Law {
-    Torques(Rtc),
-    Speeds(SpeedRtc),
+    Torques(Box<Rtc>),
+    Speeds(Box<SpeedRtc>),
 }
 
 impl Law {
@@ -121,9 +121,9 @@ impl EstimatingRtc {
         let Control { strength, solver, criterion, rtc_timing, .. } = *control;
         let options = RtcOptions { strength, solver, criterion, period: rtc_timing.period };
         let law = if control.kind == ControlKind::RtcSpeed {
-            Law::Speeds(SpeedRtc::new(nominal, control.rtc_speed, control.velocity, options)?)
+            Law::Speeds(Box::new(SpeedRtc::new(nominal, control.rtc_speed, control.velocity, options)?))
         } else {
-            Law::Torques(Rtc::with_options(nominal, control.rtc, options)?)
+            Law::Torques(Box::new(Rtc::with_options(nominal, control.rtc, options)?))
         };
         Ok(Self { law, contact_angles, soil, map, seen: Measurement::default() })
     }
