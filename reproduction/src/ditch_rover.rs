@@ -139,7 +139,8 @@ pub(super) const ENTRANTS: &[Entrant] = &[
     Entrant { name: SLIP, apply: |model| with(model, ControlKind::Slip), command: |trial| trial.speed },
 ];
 
-/// RTC with wheel-speed loops that has the ditch on its map and knows how much slip digs.
+/// RTC with wheel-speed loops that has the ditch on its map and knows the height of the lugs and how much slip digs. Its nominal soil
+/// is the true one: the lugs' strength must not count twice.
 fn mapped(model: &mut Model) {
     by_wheel_speeds(model);
     model.control.soil = SoilSource::Map;

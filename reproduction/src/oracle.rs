@@ -7,9 +7,9 @@ use std::iter;
 
 /// Distance between poses on smooth ground, m: less than half a small wheel's contact.
 pub(super) const SMOOTH_GROUND: f64 = 0.025;
-/// The same in a ditch, m: a wheel leaves one wall for the other within a centimetre, and nowhere is it harder to go on.
+/// The same in a ditch, m: the hardest pose, where a wheel passes from one wall to the other, extends over less than 1 cm.
 pub(super) const DITCH_POSES: f64 = 0.002;
-/// Where a pose is sought again that finds no rest, over the distance of poses.
+/// Where a pose is tried again that gives an error, over the distance of poses.
 const BESIDE: [f64; 4] = [0.25, -0.25, 0.5, -0.5];
 
 /// What was attainable on a course.
@@ -21,8 +21,9 @@ pub(super) struct Bound {
     pub passes: bool,
 }
 
-/// The bound of `model` over `length` m of its ground from its start, at `speed` m/s, in poses `spacing` m apart. Where the rover
-/// finds no rest in a pose nor close beside it, it does not pass.
+/// The bound of `model` over `length` m of its ground from its start, at `speed` m/s, in poses `spacing` m apart. Where a pose gives
+/// an error (the rover finds no rest, or the optimiser fails), the first of four places beside it that gives none stands for it;
+/// without any the rover does not pass.
 ///
 /// # Errors
 /// Where the oracle refuses the rover.

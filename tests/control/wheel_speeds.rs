@@ -25,7 +25,8 @@ const LOADS: f64 = 0.05;
 const TORQUES: f64 = 0.01;
 /// Slip over the limit that does not count: between two periods the body's speed changes by about as much.
 const SLIP: f64 = 0.02;
-/// Difference of the largest pull and that of a search over slips, of the weight: the linearised soil's last reach, and the grid's.
+/// Difference of the largest pull and that of a search over slips, of the weight: the last limit on a change of force (0.8 % of that at
+/// the best slip) and the grid of the search.
 const PULL: f64 = 0.01;
 /// Time beyond the slip limit while the body moves, s: what the issue of the controller accepts.
 const BEYOND: f64 = 0.5;
@@ -291,7 +292,7 @@ fn agreement_the_oracle_with_a_drive_on_level_ground() {
     assert!(!wall.balanced && wall.pull < 0.0 && wall.electrical_power.is_infinite(), "{wall:?}");
 }
 
-/// Steepness of the walls of [`lugs_in_digging_sand`], degrees: about the steepest that the rover climbs.
+/// Steepness of the walls of [`lugs_in_digging_sand`], degrees: the largest pull in the hardest pose is near zero.
 const STEEP: f64 = 23.0;
 
 /// The FSRL rover with lugs before a ditch whose sand gives way to slip.
@@ -302,7 +303,8 @@ fn lugs_in_digging_sand() -> Model {
 }
 
 /// Largest horizontal force that any slips of the three wheels give the rover at a pose, N, by a search over a grid of slips that is
-/// refined about its best point; the loads follow from weight and moments, which are as many equations as wheels.
+/// refined about its best point; the loads follow from weight and moments, which are as many equations as wheels. The geometry is that of the
+/// controller's balance, nothing accelerates: near zero pull that is the same.
 fn largest_pull_by_search(model: &Model, pose: &Measurement, soil: impl Fn(usize) -> Soil) -> f64 {
     let rover = nominal(&model.rover);
     let (radius, limit) = (rover.wheel.radius, rover.torque_limit().unwrap());
@@ -366,7 +368,7 @@ fn agreement_the_largest_pull_with_a_search_over_all_slips() {
     for x in [0.995, 1.0, 1.005, 1.01, 1.05] {
         let mut there = model.clone();
         (there.start.x0, there.control.kind) = (x, ControlKind::Torque);
-        let Ok(run) = there.start() else { continue };
+        let run = there.start().unwrap();
         let signals = run.signals();
         let mut pose = Measurement::of(3, 1);
         pose.pitch = signals.body.pitch;
@@ -383,14 +385,16 @@ fn agreement_the_largest_pull_with_a_search_over_all_slips() {
         let theirs = largest_pull_by_search(&model, &pose, |k| soils.borrow()[k]);
         let weight = nominal(&model.rover).weight();
         assert!((ours.pull - theirs).abs() <= PULL * weight, "x = {x} m: {} and {theirs} N", ours.pull);
-        assert_eq!(ours.balanced, ours.pull >= -PULL * weight, "x = {x} m: {ours:?}");
+        if ours.pull.abs() > PULL * weight {
+            assert_eq!(ours.balanced, ours.pull > 0.0, "x = {x} m: {ours:?}");
+        }
         hardest = hardest.min(ours.pull);
     }
-    assert!(hardest.abs() < 1.0, "one of the poses is near the limit: {hardest} N");
+    assert!(hardest < 1.0, "one of the poses is to leave less than 3 % of the weight: {hardest} N");
 }
 
 #[test]
-fn property_lugs_that_are_known_are_counted_with() {
+fn property_knowing_the_lugs_makes_the_planned_slip_right() {
     let incline = Incline { slope: 10.0_f64.to_radians(), length: 8.0, ..Incline::default() };
     let mut model = by_speeds(Rover { terrain: incline.terrain().unwrap(), ..Rover::fsrl() });
     model.set("grousers.height", 0.01).unwrap();
@@ -409,7 +413,7 @@ fn property_lugs_that_are_known_are_counted_with() {
 }
 
 #[test]
-fn property_a_dip_of_the_speed_does_not_slow_the_wheels_at_once() {
+fn property_a_brief_drop_of_the_body_s_speed_leaves_the_wheels_their_torque() {
     let torque = |speed_hold: f64, dip: f64| {
         let parameters = SpeedRoughTerrainControl { speed_hold, ..Default::default() };
         let rover = nominal(&firm());
@@ -429,7 +433,8 @@ fn property_a_dip_of_the_speed_does_not_slow_the_wheels_at_once() {
 
 #[test]
 fn regress_files_snapshots_and_words() {
-    let text = "preset = 'gentle_rtc_speed'\n[control]\ncriterion = 'electrical_power'\nsoil = 'map'\n[parameters]\nrtc_speed.creep = 0.02\n";
+    let text = "preset = 'gentle_rtc_speed'\n[control]\ncriterion = 'electrical_power'\nsoil = 'map'\n[parameters]\nrtc_speed.creep = 0.02\n\
+                rtc_speed.lug_height = 0.004\nrtc_speed.speed_hold = 0.2\n";
     let model = Model::from_toml(text, None).unwrap();
     assert_eq!(Model::from_toml(&model.to_toml().unwrap(), None).unwrap().control, model.control);
     let mut run = started(&model, 0.2);

@@ -19,6 +19,9 @@ const SECTIONS: usize = 9;
 const MOST_STEPS: usize = 40;
 /// The load is met within this share of it.
 const LOAD_TOLERANCE: f64 = 1e-9;
+/// Miss of the torque (N m) or of the pull (N) at which a slip is found, over 1 + the load: its error in slip is far below that at
+/// which slips of the force distribution stay.
+const MISS: f64 = 1e-7;
 /// A slip is found within this.
 const SLIP_TOLERANCE: f64 = 1e-5;
 
@@ -195,7 +198,7 @@ impl SoilBelief {
             let share = (at_low / (at_low - at_high)).clamp(0.0, 1.0);
             let state = self.from(load, low.slip + share * (high.slip - low.slip), high.sinkage);
             let here = miss(&state);
-            if here.abs() <= 1e-7 * (1.0 + load) {
+            if here.abs() <= MISS * (1.0 + load) {
                 return state;
             }
             if here < 0.0 {

@@ -83,8 +83,8 @@ pub struct Distribution {
     /// Share of a change of the torque's force T_i = tau/r that arrives as pull at the axle, one a wheel; the soil's
     /// resistance takes the rest. 1 takes all torque for pull (4.3).
     pub yields: Vec<f64>,
-    /// Pull at the axle that a change of the load by 1 N brings under the same torque, one a wheel: under zero where the soil
-    /// resists more. 0 takes the resistance for one that does not depend on the load.
+    /// Change of the pull at the axle per newton of load under the same torque, one a wheel; negative where the resistance grows
+    /// faster than the thrust. 0: the resistance does not depend on the load.
     pub load_yields: Vec<f64>,
     /// Wheel radius, m.
     radius: f64,
@@ -175,8 +175,8 @@ impl Distribution {
         }
     }
 
-    /// Row `row` of G at wheel `wheel`: the coefficients of T_i and N_i, where [`yields`](Self::yields) of T_i pulls at
-    /// the axle and all of it turns the body. Rows 0..3 are those of the whole rover.
+    /// Row `row` of G at wheel `wheel`: the coefficients of T_i and N_i, where [`yields`](Self::yields) of T_i and
+    /// [`load_yields`](Self::load_yields) of N_i pull at the axle and all of T_i turns the body. Rows 0..3 are those of the whole rover.
     #[must_use]
     pub fn coefficients(&self, row: usize, wheel: usize) -> [f64; 2] {
         let [traction, load] = self.rim_coefficients(row, wheel);

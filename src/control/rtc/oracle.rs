@@ -7,7 +7,6 @@
 
 use super::belief::SoilBelief;
 use super::kinematics::{Rolling, rolling};
-use super::problem::Problem;
 use super::sharing::{Demand, Sharing, electrical};
 use super::solver::Solver;
 use super::switch::Criterion;
@@ -17,18 +16,20 @@ use crate::soil::Soil;
 
 /// Least load of a wheel, of the weight: wheels may lift off nearly.
 const LEAST_LOAD: f64 = 1e-4;
-/// Acceleration that no ground gives, of g: asks for all pull that there is. A larger one would ask more of the joints than
-/// their wheels can carry.
+/// Wanted acceleration for the largest pull, of g; pull above one weight is not looked for. With 10 g the moments that the bodies'
+/// inertia asks for about the joints have no admissible loads in some poses.
 const ALL: f64 = 1.0;
-/// Miss of weight and moments at which forces count as balanced, in units of weight and half base.
-const LAW_TOLERANCE: f64 = 1e-3;
+/// Largest error of the vertical force (in weights) and of moments (in weights times half the base) at which forces count as
+/// balanced: far below what is known of any soil, and above what the last of the limited rounds leaves.
+const LAW_TOLERANCE: f64 = 0.01;
 
 /// What is attainable at a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Attainable {
     /// Whether some slips balance the rover at a constant speed.
     pub balanced: bool,
-    /// Least electrical power of all drives at that speed, W; infinite where nothing balances.
+    /// Least electrical power of all drives at that speed, W; where the search for it fails, the power at the largest pull; infinite
+    /// where nothing balances.
     pub electrical_power: f64,
     /// Largest horizontal force that is left over, N; under zero where the rover cannot go on.
     pub pull: f64,
@@ -79,13 +80,11 @@ impl Oracle {
         let least = found.feasible.then(|| power(nominal, sharing, wheels, speed));
         demand.acceleration = ALL * nominal.gravity * if speed < 0.0 { -1.0 } else { 1.0 };
         sharing.share(nominal, pose.pitch, wheels, &demand, |_| None)?;
-        let missing = sharing.problem.shortfall(0, &sharing.forces) - sharing.unforeseen();
+        let missing = missing(sharing, 0);
         let pull = (nominal.mass * demand.acceleration - missing) * speed.signum();
-        // Slips that pull on balance the rover too, at another power; where the search for the least one fails, theirs stands for it.
-        let goes_on = || {
-            (pull >= 0.0 && keeps_laws(&sharing.problem, &sharing.forces))
-                .then(|| power(nominal, sharing, wheels, speed))
-        };
+        // Where the search for the least power fails but the largest pull is positive, smaller torques balance the rover. The power
+        // at the largest pull is reported then; it is above the least.
+        let goes_on = || (pull >= 0.0 && keeps_laws(sharing)).then(|| power(nominal, sharing, wheels, speed));
         let electrical_power = least.or_else(goes_on);
         Ok(Attainable {
             balanced: electrical_power.is_some(),
@@ -105,7 +104,13 @@ fn power(nominal: &Nominal, sharing: &Sharing, wheels: &[Rolling], speed: f64) -
         .sum()
 }
 
-/// Whether forces carry the weight and balance all moments.
-fn keeps_laws(problem: &Problem, forces: &[f64]) -> bool {
-    (1..problem.rows()).all(|row| problem.shortfall(row, forces).abs() <= LAW_TOLERANCE * problem.row_unit(row))
+/// What the soil's forces at the slips that were found leave open in row `row` of the balance, N or N m.
+fn missing(sharing: &Sharing, row: usize) -> f64 {
+    sharing.problem.shortfall_beyond(row, &sharing.forces, |row| sharing.unforeseen(row))
+}
+
+/// Whether these forces carry the weight and balance all moments.
+fn keeps_laws(sharing: &Sharing) -> bool {
+    let problem = &sharing.problem;
+    (1..problem.rows()).all(|row| missing(sharing, row).abs() <= LAW_TOLERANCE * problem.row_unit(row))
 }

@@ -24,7 +24,8 @@ pub struct Problem {
     pub distribution: Distribution,
     /// Least normal force on every wheel (4.13), N.
     pub minimum_load: f64,
-    /// Least and largest tractive force of each drive, -+ tau_max / r (4.14; wheel side, errata 9), N; `None` without limit.
+    /// Least and largest tractive force of each drive, N: -+ tau_max / r (4.14; wheel side, errata 9), narrower in the last rounds of
+    /// RTC with wheel-speed loops; `None` without limit.
     pub drive_limits: Option<Vec<[f64; 2]>>,
     /// Usable strength that grows with the load (4.16), of that load, one a wheel: tan phi by Mohr and Coulomb.
     pub friction: Vec<f64>,
@@ -174,7 +175,12 @@ impl Problem {
     /// [`wanted`](Distribution::wanted); a joint's for the acceleration that the horizontal force does give.
     #[must_use]
     pub fn shortfall(&self, row: usize, forces: &[f64]) -> f64 {
-        let missing = |row: usize| self.distribution.wanted(row) - self.distribution.sum(row, forces);
+        self.shortfall_beyond(row, forces, |_| 0.0)
+    }
+
+    /// The same where the soil gives `beyond` (of a row) in addition to G x.
+    pub(super) fn shortfall_beyond(&self, row: usize, forces: &[f64], beyond: impl Fn(usize) -> f64) -> f64 {
+        let missing = |row: usize| self.distribution.wanted(row) - self.distribution.sum(row, forces) - beyond(row);
         match row.checked_sub(3) {
             None => missing(row),
             Some(joint) => missing(row) + self.distribution.joints[joint].inertia * missing(0) / self.mass,

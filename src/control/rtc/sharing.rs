@@ -1,8 +1,8 @@
 //! A force distribution together with the slips that give it: resistance at the axles, limits at the best slips.
 //!
 //! The optimiser's rows are linear, the soil is not. So the soil is linearised about slips and loads, the forces are found,
-//! the slips that give them under their loads follow from the inverse soil model, and so on until they stay. Where they do not,
-//! near the largest pull, forces may change less and less from round to round.
+//! the slips that give them under their loads follow from the inverse soil model, and this repeats until slips and loads no longer
+//! change. After [`FREE_ROUNDS`] rounds without that, the largest change of a force shrinks from round to round.
 
 use super::belief::{SoilBelief, Working};
 use super::kinematics::Rolling;
@@ -15,15 +15,17 @@ use crate::control::{ControlError, Nominal};
 
 /// Rounds at most; 3 or 4 are usual.
 const MOST_ROUNDS: usize = 12;
-/// Rounds after which a force may change less and less: near the largest pull the soil's slope falls to zero within few per
-/// cent of slip, and forces found by the slopes at either end of that range would take turns for ever.
+/// Rounds without a limit on the change of forces. Near the largest pull the slope of pull over torque falls to zero within a few
+/// per cent of slip, and the rounds can alternate between two solutions.
 const FREE_ROUNDS: usize = 3;
-/// Change of a force in the first round after those, of the force at the best slip, and in each of the following over that before.
+/// Largest change of a force in the first limited round, over the force at the best slip.
 const REACH: f64 = 0.5;
+/// Factor on that change from one limited round to the next: in the last round it is 0.8 % of the force at the best slip.
 const NARROWING: f64 = 0.6;
 /// Tractive force of a drive without limit, weights.
 const UNLIMITED: f64 = 1e3;
-/// Pull that the last slopes may promise beyond what the soil gives, of the weight, for forces to count as balanced.
+/// Largest difference between the soil's forces and those of the last linearisation, of the weight and of the weight times half the
+/// base, at which forces count as balanced.
 const FORESEEN: f64 = 1e-3;
 /// Change of a slip in a round at which it stays.
 const SLIP_STAYS: f64 = 1e-3;
@@ -31,8 +33,8 @@ const SLIP_STAYS: f64 = 1e-3;
 const LOAD_STAYS: f64 = 1e-4;
 /// Change of a load for which the state at the best slip stays, of the load.
 const SAME_LOAD: f64 = 1e-3;
-/// Change of a load for which the best slip is not sought again, of the load: i* hardly depends on it, and the pull about its peak
-/// hardly on the slip.
+/// Change of a load in one round for which the best slip is not sought again, of the load: i* hardly depends on the load, and near
+/// its peak the pull changes little with slip.
 const NEAR_LOAD: f64 = 0.1;
 /// Slip from which the search sets out.
 const FIRST_SLIP: f64 = 0.1;
@@ -83,9 +85,9 @@ pub(super) struct Sharing {
     /// Belief of the soil under each wheel.
     pub beliefs: Vec<SoilBelief>,
     pub shares: Vec<Share>,
-    /// Pull of each wheel at its slip beyond what the last slopes promise, along the ground, N.
-    unforeseen: Vec<f64>,
-    /// Pull of each wheel by the last slopes at no torque, in the direction of travel, N.
+    /// Pull of each wheel at its slip and load along x, N; 0 in the air.
+    pulls: Vec<f64>,
+    /// Constant term of each wheel's linearised pull along x, N.
     offsets: Vec<f64>,
     /// Largest tractive force of a drive, N.
     drive: f64,
@@ -104,7 +106,7 @@ impl Sharing {
             forces: vec![0.0; 2 * wheels],
             beliefs: vec![belief; wheels],
             shares: vec![Share::default(); wheels],
-            unforeseen: vec![0.0; wheels],
+            pulls: vec![0.0; wheels],
             offsets: vec![0.0; wheels],
             drive,
         }
@@ -135,12 +137,8 @@ impl Sharing {
             self.linearise(nominal, rolling, demand, direction, reach);
             found = match self.solve(demand.criterion) {
                 Ok(found) => found,
-                // The forces of the round before stay, about which the slopes were taken: nothing is unforeseen there.
-                Err(_) if reach.is_finite() => {
-                    found.feasible &= self.is_foreseen();
-                    self.unforeseen.fill(0.0);
-                    return Ok(found);
-                }
+                // The optimiser finds nothing within reach: the forces of the round before stay, by the slopes written just now.
+                Err(_) if reach.is_finite() => break,
                 Err(unsolved) => return Err(unsolved.into()),
             };
             if self.follow(nominal.wheel.radius, direction) {
@@ -155,13 +153,20 @@ impl Sharing {
     }
 
     fn is_foreseen(&self) -> bool {
-        self.unforeseen().abs() <= FORESEEN * self.problem.force_unit()
+        let problem = &self.problem;
+        (0..problem.rows()).all(|row| self.unforeseen(row).abs() <= FORESEEN * problem.row_unit(row))
     }
 
-    /// Horizontal force that the soil gives at the slips beyond what the last slopes promise, N.
-    pub fn unforeseen(&self) -> f64 {
+    /// What the soil gives at the slips and loads beyond the linearised pulls in row `row` of the balance, N or N m.
+    pub fn unforeseen(&self, row: usize) -> f64 {
         let balance = &self.problem.distribution;
-        self.unforeseen.iter().enumerate().map(|(wheel, pull)| balance.axle_coefficient(0, wheel) * pull).sum()
+        let beyond = |wheel: usize| {
+            let [force, load] = [traction_of(wheel), load_of(wheel)].map(|column| self.forces[column]);
+            let linear = balance.yields[wheel] * force + balance.load_yields[wheel] * load + self.offsets[wheel];
+            self.pulls[wheel] - linear
+        };
+        let touching = (0..self.shares.len()).filter(|&wheel| !self.problem.lifted[wheel]);
+        touching.map(|wheel| balance.axle_coefficient(row, wheel) * beyond(wheel)).sum()
     }
 
     fn solve(&mut self, criterion: Criterion) -> Result<Found, Unsolved> {
@@ -187,11 +192,11 @@ impl Sharing {
             balance.yields[wheel] = slopes.over_force;
             balance.load_yields[wheel] = direction * slopes.over_load;
             balance.resist(wheel, radius, -direction * slopes.offset);
-            self.offsets[wheel] = slopes.offset;
+            self.offsets[wheel] = direction * slopes.offset;
             (self.problem.adhesion[wheel], self.problem.friction[wheel]) = (0.0, most / load);
-            // Within the limits, so that there always are forces within reach.
+            // Within the limits of the drive and of the soil at the present load.
             let here = direction * slopes.force[1].clamp(-most, most).clamp(-self.drive, self.drive);
-            self.allow(wheel, here, reach * most);
+            self.allow(wheel, here, if reach.is_finite() { reach * most } else { reach });
             if demand.criterion == Criterion::ElectricalPower {
                 let speed = demand.speed.abs() * rolling[wheel].along;
                 let power = slopes.states.map(|state| electrical(nominal, speed, &state));
@@ -219,17 +224,15 @@ impl Sharing {
         for (wheel, share) in self.shares.iter_mut().enumerate() {
             if self.problem.lifted[wheel] {
                 *share = Share::default();
-                self.unforeseen[wheel] = 0.0;
+                self.pulls[wheel] = 0.0;
                 continue;
             }
             let load = self.forces[load_of(wheel)].max(self.problem.minimum_load);
             let torque = direction * radius * self.forces[traction_of(wheel)];
             let state = self.beliefs[wheel].with_torque(load, torque.min(share.best.torque), &share.best);
-            let balance = &self.problem.distribution;
-            let [force, at] = [traction_of(wheel), load_of(wheel)].map(|column| self.forces[column]);
-            let promised =
-                balance.yields[wheel] * force + balance.load_yields[wheel] * at + direction * self.offsets[wheel];
-            self.unforeseen[wheel] = direction * state.pull - promised;
+            // The best slip's state is one under the load before.
+            let here = if state.load == load { state } else { self.beliefs[wheel].at(load, state.slip) };
+            self.pulls[wheel] = direction * here.pull;
             stays &= (state.slip - share.slip).abs() < SLIP_STAYS && (load - share.load).abs() < LOAD_STAYS * unit;
             *share = Share { load, torque, slip: state.slip, best: share.best };
         }

@@ -1,4 +1,4 @@
-//! The soil under one wheel as straight lines: pull over tractive force and load, about a load and a slip.
+//! Linearisation of the pull of one wheel over tractive force and load.
 
 use super::belief::{SoilBelief, Working};
 
@@ -6,7 +6,8 @@ use super::belief::{SoilBelief, Working};
 const SLIP_STEP: f64 = 0.005;
 /// Change of the load over which the soil is linearised, of the load.
 const LOAD_STEP: f64 = 0.01;
-/// Least share of a torque's force that counts as pull: at the best slip on digging soil it is zero.
+/// Least share of a torque's force that counts as pull: at the best slip on digging soil it is zero,
+/// which would make the balance singular.
 const LEAST_YIELD: f64 = 0.02;
 
 /// DP = offset + over_force T/r + over_load N, in the direction of travel.
@@ -31,7 +32,7 @@ impl Slopes {
         let force = states.map(|state| state.torque / radius);
         let over_force = (states[2].pull - states[0].pull) / (force[2] - force[0]);
         let over_force = if over_force.is_finite() { over_force.clamp(LEAST_YIELD, 1.0) } else { 1.0 };
-        // At the same slip a heavier wheel has more torque; at the same torque its slip gives way.
+        // Along constant torque: a heavier wheel at the same slip needs more torque, so that its slip falls.
         let heavier = belief.at(load * (1.0 + LOAD_STEP), slip);
         let gained = heavier.pull - states[1].pull - over_force * (heavier.torque / radius - force[1]);
         let over_load = gained / (LOAD_STEP * load);

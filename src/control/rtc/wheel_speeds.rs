@@ -3,7 +3,7 @@
 //! A commanded torque knows no slip: where the soil gives less than it was believed to, the wheel runs away. Here the same
 //! force distribution (4.3) gives, by the inverse soil model, the slip i_k at which each wheel works, and each wheel's loop
 //! holds r omega_k = V_k / (1 - i_k), with V_k from the contact angles and the body's wanted speed. No wheel is asked for more
-//! than its best slip i* at the speed that the body has, r omega_k <= V_k / (1 - i*_k), nor for more torque than the soil
+//! than its best slip i* at the body's speed (which counts as decreasing slowly), r omega_k <= V_k / (1 - i*_k), nor for more torque than the soil
 //! answers there. Under the creeping speed that says nothing: the wheels creep, and on soil in which slip digs the rover backs
 //! off after a while and tries again.
 
@@ -46,15 +46,15 @@ parameters! {
         minimum_load: [Unit::NEWTON] = 0.2, 1e-3..=1e5, Fixed, "assumption: 2 % of a wheel of 10 N, the lightest built in";
         /// Growth n_1 of the sinkage exponent with slip that the controller believes in.
         slip_sinkage: [Unit::ONE] = 0.0, 0.0..=1.5, Fixed, "neutral; Ding et al. 2011, J. Terramechanics 48: 0.35-0.5";
-        /// Height of the lugs on the wheels that the controller counts with, sheared at their whole height.
+        /// Height of the lugs in the controller's model of the soil, which is sheared at their tips.
         lug_height: [Unit::METRE] = 0.0, 0.0..=0.03, Fixed, "neutral; vehicle drawing: 5-15 mm on small wheels";
         /// Speed of the body under which it creeps.
         creep: [Unit::METRE_PER_SECOND] = 0.01, 1e-4..=1.0, Fixed, "assumption: a tenth to a quarter of what rovers drive at";
         /// Time constant of the filter on the slips.
         slip_filter: [Unit::SECOND] = 0.1, 0.0..=10.0, Fixed, "assumption: ten periods";
-        /// Time constant with which the speed that limits the wheels' falls: where a wheel meets a slope the body is slower for a
-        /// moment, and wheels that slowed down with it would take the pull away that it needs.
-        speed_hold: [Unit::SECOND] = 0.3, 0.0..=10.0, Fixed, "assumption: half a second beyond the best slip is allowed";
+        /// Time constant with which the body's speed in the limit of the wheel speeds decreases: where a wheel meets a slope the
+        /// body slows down briefly, and wheels slowed down with it would lose the pull that it needs; 0 takes the measured speed.
+        speed_hold: [Unit::SECOND] = 0.3, 0.0..=10.0, Fixed, "assumption: from 6 to 1 cm/s in 0.54 s; half a second of slip is allowed";
         /// How long the body may creep on digging soil before it backs off.
         patience: [Unit::SECOND] = 2.0, 0.0..=1e3, Fixed, "assumption: longer than a start takes";
         /// How long it backs off; 0 never.
@@ -72,7 +72,7 @@ struct WheelMemory {
     lifted: bool,
     /// Torque commanded last, N m.
     torque: f64,
-    /// Slip of the last force distribution, from which the next one is sought.
+    /// Slip of the last force distribution, start of the next search.
     last_slip: f64,
     /// Load of that distribution, N; 0 before the first and in the air.
     last_load: f64,
@@ -96,8 +96,8 @@ struct Progress {
     creeps: f64,
     /// How long it still backs off, s.
     backs_off: f64,
-    /// Speed of the body in the direction of travel, which falls no faster than `speed_hold` allows, m/s.
-    forward: f64,
+    /// Speed along x that limits the wheel speeds, m/s: the measured one, but decreasing no faster than with `speed_hold`.
+    held: f64,
 }
 
 /// Rough-terrain control that commands wheel speeds to loops of its own, and through them torques.
@@ -235,8 +235,8 @@ impl SpeedRtc {
         let radius = self.nominal.wheel.radius;
         let direction = if wanted < 0.0 { -1.0 } else { 1.0 };
         let hold = speed_hold / (speed_hold + self.options.period);
-        let forward = (direction * speed).max(hold * self.progress.forward).max(0.0);
-        self.progress.forward = forward;
+        let forward = (direction * speed).max(direction * hold * self.progress.held).max(0.0);
+        self.progress.held = direction * forward;
         let unlimited = self.nominal.torque_limit().unwrap_or(f64::INFINITY);
         let goal = ((wanted + self.progress.trim) * direction).max(0.0);
         let backs_off = self.progress.backs_off > 0.0;
@@ -278,7 +278,7 @@ impl SpeedRtc {
     fn progress(&mut self, wanted: f64, speed: f64, feasible: bool) {
         let SpeedRoughTerrainControl { integral_gain, creep, patience, back_off, .. } = self.parameters;
         let (period, direction) = (self.options.period, wanted.signum());
-        let Progress { trim, creeps, backs_off, slip: _, forward: _ } = &mut self.progress;
+        let Progress { trim, creeps, backs_off, slip: _, held: _ } = &mut self.progress;
         if wanted == 0.0 {
             self.progress = Progress::default();
             return;
