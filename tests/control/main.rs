@@ -9,6 +9,7 @@ mod active_set;
 mod baselines;
 mod constraints;
 mod links;
+mod oracle;
 mod power;
 mod readings;
 mod speed_loop;

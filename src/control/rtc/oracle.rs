@@ -20,8 +20,8 @@ const LEAST_LOAD: f64 = 1e-4;
 /// inertia asks for about the joints have no admissible loads in some poses.
 const ALL: f64 = 1.0;
 /// Largest error of the vertical force (in weights) and of moments (in weights times half the base) at which forces count as
-/// balanced: far below what is known of any soil, and above what the last of the limited rounds leaves.
-const LAW_TOLERANCE: f64 = 0.01;
+/// balanced.
+const LAW_TOLERANCE: f64 = 1e-3;
 
 /// What is attainable at a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]

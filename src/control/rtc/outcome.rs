@@ -30,7 +30,8 @@ moving_code!(Footing, "a footing" {
 pub struct Outcome {
     /// What was optimised (4.11).
     pub criterion: Criterion,
-    /// Whether the forces balance the wanted body force; otherwise they are the nearest admissible ones.
+    /// Whether the forces balance the wanted body force; otherwise they are the nearest admissible ones or, with wheel-speed loops, may
+    /// balance it on the linearised soil only.
     pub feasible: bool,
     /// Whether the forces are the criterion's optimum; see [`Found::optimal`].
     pub optimal: bool,

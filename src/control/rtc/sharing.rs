@@ -13,7 +13,7 @@ use super::solver::{Solver, Unsolved};
 use super::switch::Criterion;
 use crate::control::{ControlError, Nominal};
 
-/// Rounds at most; 3 or 4 are usual.
+/// Rounds at most.
 const MOST_ROUNDS: usize = 12;
 /// Rounds without a limit on the change of forces. Near the largest pull the slope of pull over torque falls to zero within a few
 /// per cent of slip, and the rounds can alternate between two solutions.

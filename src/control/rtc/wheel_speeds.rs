@@ -46,7 +46,7 @@ parameters! {
         minimum_load: [Unit::NEWTON] = 0.2, 1e-3..=1e5, Fixed, "assumption: 2 % of a wheel of 10 N, the lightest built in";
         /// Growth n_1 of the sinkage exponent with slip that the controller believes in.
         slip_sinkage: [Unit::ONE] = 0.0, 0.0..=1.5, Fixed, "neutral; Ding et al. 2011, J. Terramechanics 48: 0.35-0.5";
-        /// Height of the lugs in the controller's model of the soil, which is sheared at their tips.
+        /// Height of the lugs in the controller's model of the soil, which the lugs shear at their tips.
         lug_height: [Unit::METRE] = 0.0, 0.0..=0.03, Fixed, "neutral; vehicle drawing: 5-15 mm on small wheels";
         /// Speed of the body under which it creeps.
         creep: [Unit::METRE_PER_SECOND] = 0.01, 1e-4..=1.0, Fixed, "assumption: a tenth to a quarter of what rovers drive at";
@@ -54,7 +54,7 @@ parameters! {
         slip_filter: [Unit::SECOND] = 0.1, 0.0..=10.0, Fixed, "assumption: ten periods";
         /// Time constant with which the body's speed in the limit of the wheel speeds decreases: where a wheel meets a slope the
         /// body slows down briefly, and wheels slowed down with it would lose the pull that it needs; 0 takes the measured speed.
-        speed_hold: [Unit::SECOND] = 0.3, 0.0..=10.0, Fixed, "assumption: from 6 to 1 cm/s in 0.54 s; half a second of slip is allowed";
+        speed_hold: [Unit::SECOND] = 0.3, 0.0..=10.0, Fixed, "assumption: falls from 6 cm/s to the creeping speed in 0.54 s; tried on walls of sand";
         /// How long the body may creep on digging soil before it backs off.
         patience: [Unit::SECOND] = 2.0, 0.0..=1e3, Fixed, "assumption: longer than a start takes";
         /// How long it backs off; 0 never.
