@@ -16,8 +16,8 @@ use crate::soil::Soil;
 
 /// Least load of a wheel, of the weight: wheels may lift off nearly.
 const LEAST_LOAD: f64 = 1e-4;
-/// Wanted acceleration for the largest pull, of g; pull above one weight is not looked for. With 10 g the moments that the bodies'
-/// inertia asks for about the joints have no admissible loads in some poses.
+/// Wanted acceleration for the largest pull, of g; pull above one weight is not looked for. With 10 g the search ended below zero in some
+/// poses in which the rover balances.
 const ALL: f64 = 1.0;
 /// Largest error of the vertical force (in weights) and of moments (in weights times half the base) at which forces count as
 /// balanced.
