@@ -16,9 +16,14 @@ use crate::soil::Soil;
 
 /// Least load of a wheel, of the weight: wheels may lift off nearly.
 const LEAST_LOAD: f64 = 1e-4;
-/// Wanted acceleration for the largest pull, of g; pull above one weight is not looked for. With 10 g the search ended below zero in some
-/// poses in which the rover balances.
+/// Wanted acceleration of the first search for the largest pull, of g; pull above one weight is not looked for. With 10 g the search
+/// ended below zero in some poses in which the rover balances.
 const ALL: f64 = 1.0;
+/// What the further searches want above the largest pull so far, of the weight. A wish far above what the soil gives leaves wheels with
+/// little load short of their largest pull: by 1 % of the weight on level sand.
+const LITTLE_MORE: f64 = 0.03;
+/// Further searches at most.
+const MOST_SEARCHES: usize = 4;
 /// Largest error of the vertical force (in weights) and of moments (in weights times half the base) at which forces count as
 /// balanced.
 const LAW_TOLERANCE: f64 = 1e-3;
@@ -31,8 +36,6 @@ pub struct Attainable {
     /// Least electrical power of all drives at that speed, W; where the search for it fails, the power at the largest pull; infinite
     /// where nothing balances.
     pub electrical_power: f64,
-    /// Largest horizontal force that is left over, N; under zero where the rover cannot go on.
-    pub pull: f64,
 }
 
 /// Finds what is attainable, pose by pose.
@@ -41,6 +44,15 @@ pub struct Oracle {
     nominal: Nominal,
     sharing: Sharing,
     rolling: Vec<Rolling>,
+}
+
+/// The largest pull that was found.
+#[derive(Clone, Copy, Debug)]
+struct Most {
+    /// Horizontal force that is left over, N.
+    pull: f64,
+    /// Electrical power there, W; none where weight or moments are out of balance.
+    power: Option<f64>,
 }
 
 impl Oracle {
@@ -67,6 +79,37 @@ impl Oracle {
         speed: f64,
         soil: impl Fn(f64) -> Soil,
     ) -> Result<Attainable, ControlError> {
+        self.place(pose, soil);
+        let demand = Demand { acceleration: 0.0, speed, criterion: Criterion::ElectricalPower };
+        let found = self.sharing.share(&self.nominal, pose.pitch, &self.rolling, &demand, |_| None)?;
+        // Where the search for the least power fails but the largest pull is positive, smaller torques balance the rover. The power
+        // at the largest pull is reported then; it is above the least.
+        let power = if found.feasible {
+            Some(self.power(speed))
+        } else {
+            let most = self.most(pose, speed)?;
+            most.power.filter(|_| most.pull >= 0.0)
+        };
+        Ok(Attainable { balanced: power.is_some(), electrical_power: power.unwrap_or(f64::INFINITY) })
+    }
+
+    /// The largest horizontal force that any slips leave over at a pose, N, as [`at`](Self::at) takes it; under zero where the rover
+    /// cannot go on.
+    ///
+    /// # Errors
+    /// As [`at`](Self::at).
+    pub fn largest_pull(
+        &mut self,
+        pose: &Measurement,
+        speed: f64,
+        soil: impl Fn(f64) -> Soil,
+    ) -> Result<f64, ControlError> {
+        self.place(pose, soil);
+        Ok(self.most(pose, speed)?.pull)
+    }
+
+    /// Places the contacts on their soil.
+    fn place(&mut self, pose: &Measurement, soil: impl Fn(f64) -> Soil) {
         let Self { nominal, sharing, rolling: wheels } = self;
         let joints = pose.links.iter().map(|link| link.angle);
         let angles = pose.wheels.iter().map(|wheel| wheel.contact_angle);
@@ -75,33 +118,41 @@ impl Oracle {
             belief.soil = soil(sharing.problem.distribution.foot(wheel));
         }
         rolling(&sharing.problem.distribution, nominal, &sharing.problem.lifted, wheels);
-        let mut demand = Demand { acceleration: 0.0, speed, criterion: Criterion::ElectricalPower };
-        let found = sharing.share(nominal, pose.pitch, wheels, &demand, |_| None)?;
-        let least = found.feasible.then(|| power(nominal, sharing, wheels, speed));
-        demand.acceleration = ALL * nominal.gravity * if speed < 0.0 { -1.0 } else { 1.0 };
-        sharing.share(nominal, pose.pitch, wheels, &demand, |_| None)?;
-        let missing = missing(sharing, 0);
-        let pull = (nominal.mass * demand.acceleration - missing) * speed.signum();
-        // Where the search for the least power fails but the largest pull is positive, smaller torques balance the rover. The power
-        // at the largest pull is reported then; it is above the least.
-        let goes_on = || (pull >= 0.0 && keeps_laws(sharing)).then(|| power(nominal, sharing, wheels, speed));
-        let electrical_power = least.or_else(goes_on);
-        Ok(Attainable {
-            balanced: electrical_power.is_some(),
-            electrical_power: electrical_power.unwrap_or(f64::INFINITY),
-            pull,
-        })
     }
-}
 
-/// Electrical power of all drives at the slips that were found, W.
-fn power(nominal: &Nominal, sharing: &Sharing, wheels: &[Rolling], speed: f64) -> f64 {
-    let states = sharing.shares.iter().zip(wheels).zip(&sharing.beliefs);
-    states
-        .map(|((share, wheel), belief)| {
-            electrical(nominal, speed.abs() * wheel.along, &belief.at(share.load, share.slip))
-        })
-        .sum()
+    /// Searches for the largest pull with ever smaller wishes, for as long as that finds more.
+    fn most(&mut self, pose: &Measurement, speed: f64) -> Result<Most, ControlError> {
+        let mut most = self.most_of(pose, speed, ALL)?;
+        for _ in 0..MOST_SEARCHES {
+            let wish = most.pull / self.nominal.weight() + LITTLE_MORE;
+            match self.most_of(pose, speed, wish) {
+                Ok(here) if here.power.is_some() && here.pull > most.pull => most = here,
+                // Nothing more, or the optimiser gives up: what was found stands.
+                _ => break,
+            }
+        }
+        Ok(most)
+    }
+
+    /// The largest pull where `wish` is wanted, of the weight.
+    fn most_of(&mut self, pose: &Measurement, speed: f64, wish: f64) -> Result<Most, ControlError> {
+        let direction = if speed < 0.0 { -1.0 } else { 1.0 };
+        let acceleration = wish * self.nominal.gravity * direction;
+        let demand = Demand { acceleration, speed, criterion: Criterion::ElectricalPower };
+        self.sharing.share(&self.nominal, pose.pitch, &self.rolling, &demand, |_| None)?;
+        let pull = (self.nominal.mass * acceleration - missing(&self.sharing, 0)) * direction;
+        Ok(Most { pull, power: keeps_laws(&self.sharing).then(|| self.power(speed)) })
+    }
+
+    /// Electrical power of all drives at the slips that were found, W.
+    fn power(&self, speed: f64) -> f64 {
+        let states = self.sharing.shares.iter().zip(&self.rolling).zip(&self.sharing.beliefs);
+        states
+            .map(|((share, wheel), belief)| {
+                electrical(&self.nominal, speed.abs() * wheel.along, &belief.at(share.load, share.slip))
+            })
+            .sum()
+    }
 }
 
 /// What the soil's forces at the slips that were found leave open in row `row` of the balance, N or N m.

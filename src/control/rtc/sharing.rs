@@ -114,6 +114,10 @@ impl Sharing {
 
     /// Finds forces, loads and slips for a demand; the contacts are placed already, `rolling` is each wheel's motion. The search
     /// sets out from the slip and the load that `guess` gives for a wheel.
+    ///
+    /// # Errors
+    /// [`ControlError::Optimiser`] where the optimiser gives up in the first round: slips and loads are those of `guess` then, with
+    /// the best slips under these loads.
     pub fn share(
         &mut self,
         nominal: &Nominal,
@@ -137,8 +141,8 @@ impl Sharing {
             self.linearise(nominal, rolling, demand, direction, reach);
             found = match self.solve(demand.criterion) {
                 Ok(found) => found,
-                // The optimiser finds nothing within reach: the forces of the round before stay, by the slopes written just now.
-                Err(_) if reach.is_finite() => break,
+                // The optimiser gives up: the forces of the round before stay, by the slopes written just now.
+                Err(_) if round > 0 => break,
                 Err(unsolved) => return Err(unsolved.into()),
             };
             if self.follow(nominal.wheel.radius, direction) {

@@ -9,6 +9,7 @@
 
 use super::belief::SoilBelief;
 use super::kinematics::{Rolling, rolling};
+use super::optimiser::Found;
 use super::outcome::Outcome;
 use super::sharing::{Demand, Share, Sharing};
 use super::switch::Criterion;
@@ -321,7 +322,9 @@ impl SpeedRtc {
 
 impl Controller for SpeedRtc {
     fn command(&mut self, measured: &Measurement, goal: &Reference, command: &mut Command) -> Result<(), ControlError> {
-        let mut outcome = self.outcome.take().unwrap_or_default();
+        let before = self.outcome.take();
+        let has_found = before.is_some();
+        let mut outcome = before.unwrap_or_default();
         self.check(measured)?;
         let wanted = finite("the goal's velocity", None, goal.velocity)?;
         let speed = measured.velocity;
@@ -330,7 +333,12 @@ impl Controller for SpeedRtc {
         let acceleration = (self.parameters.gain * (wanted - speed)).clamp(-gravity, gravity);
         let demand = Demand { acceleration, speed: wanted, criterion: self.criterion(measured) };
         let wheels = &self.wheels;
-        let found = self.sharing.share(&self.nominal, measured.pitch, &self.rolling, &demand, |k| wheels[k].found())?;
+        let shared = self.sharing.share(&self.nominal, measured.pitch, &self.rolling, &demand, |k| wheels[k].found());
+        let found = match shared {
+            // A rover that drives must have a command: the slips and loads found last stay, and the outcome says that they do not balance.
+            Err(ControlError::Optimiser(_)) if has_found => Found { feasible: false, optimal: false, steps: 0 },
+            other => other?,
+        };
         for (wheel, share) in self.wheels.iter_mut().zip(&self.sharing.shares) {
             finite("slip of the force distribution", None, share.slip)?;
             (wheel.last_slip, wheel.last_load) = (share.slip, share.load);
