@@ -76,6 +76,9 @@ fn on_sand(traction: &Traction, seeds: &[u32]) -> Result<Finding, ReproductionEr
             "FSRL rover on level loose sand of the thesis's bevameter (0.18 kPa), 6 cm/s commanded; RTC as in the thesis is \
              commanded a body force of one weight. The sled resists in proportion to its speed."
                 .to_owned(),
+            "Where slip digs, the sinkage exponent follows the slip at once (Ding et al. 2011 give it for steady slip): where slips change \
+             quickly the rover hops, and pulls less than at steady slips."
+                .to_owned(),
         ],
     })
 }
@@ -96,9 +99,7 @@ fn curves(seed: u32, traction: &Traction) -> Result<(Curves, f64), ReproductionE
         let (level, speed) = trial.level(entrant, traction)?;
         let point = |resistance: f64| -> Result<[f64; 2], ReproductionError> {
             let done = drive(&with_sled(level.clone(), resistance)?, speed, &COURSE)?;
-            let velocity = done.column("velocity");
-            let samples = ((AVERAGED / COURSE.sample) as usize).clamp(1, velocity.len());
-            let mean = velocity[velocity.len() - samples..].iter().sum::<f64>() / samples as f64;
+            let mean = done.final_speed(AVERAGED);
             Ok([mean / SPEED, 100.0 * resistance * mean / WEIGHT])
         };
         curves.push(SLEDS.iter().map(|&resistance| point(resistance)).collect::<Result<_, _>>()?);
