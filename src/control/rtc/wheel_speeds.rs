@@ -334,11 +334,7 @@ impl Controller for SpeedRtc {
         let demand = Demand { acceleration, speed: wanted, criterion: self.criterion(measured) };
         let wheels = &self.wheels;
         let shared = self.sharing.share(&self.nominal, measured.pitch, &self.rolling, &demand, |k| wheels[k].found());
-        let found = match shared {
-            // A rover that drives must have a command: the slips and loads found last stay, and the outcome says that they do not balance.
-            Err(ControlError::Optimiser(_)) if has_found => Found { feasible: false, optimal: false, steps: 0 },
-            other => other?,
-        };
+        let found = or_as_before(shared, has_found)?;
         for (wheel, share) in self.wheels.iter_mut().zip(&self.sharing.shares) {
             finite("slip of the force distribution", None, share.slip)?;
             (wheel.last_slip, wheel.last_load) = (share.slip, share.load);
@@ -365,5 +361,31 @@ impl Controller for SpeedRtc {
         self.inner.reset();
         self.wheels.fill(WheelMemory::default());
         self.progress = Progress::default();
+    }
+}
+
+/// A rover that drives must have a command: where the optimiser gives up and something was found before, the slips and loads of that
+/// stay, and it is said that they do not balance.
+fn or_as_before(shared: Result<Found, ControlError>, has_found: bool) -> Result<Found, ControlError> {
+    match shared {
+        Err(ControlError::Optimiser(_)) if has_found => Ok(Found { feasible: false, optimal: false, steps: 0 }),
+        other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::rtc::Unsolved;
+
+    #[test]
+    fn property_only_the_optimiser_s_error_and_only_after_a_command_is_driven_through() {
+        let gave_up = || Err(Unsolved { problem: "forces", status: "too many iterations".into() }.into());
+        let as_before = Found { feasible: false, optimal: false, steps: 0 };
+        assert_eq!(or_as_before(gave_up(), true), Ok(as_before));
+        assert!(matches!(or_as_before(gave_up(), false), Err(ControlError::Optimiser(_))));
+        assert!(matches!(or_as_before(Err(ControlError::NoLaw), true), Err(ControlError::NoLaw)));
+        let found = Found { feasible: true, optimal: true, steps: 3 };
+        assert_eq!(or_as_before(Ok(found), true), Ok(found));
     }
 }
