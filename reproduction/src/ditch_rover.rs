@@ -103,7 +103,12 @@ impl Trial {
     pub fn level(&self, entrant: &Entrant, traction: &Traction) -> Result<(Model, f64), ReproductionError> {
         let mut trial = self.clone();
         trial.model.rover.soil.cohesion = COHESION;
-        let (mut model, speed) = trial.model(entrant, traction, 0.0)?;
+        trial.level_outside(entrant, traction)
+    }
+
+    /// The same on level ground of the soil outside the ditch.
+    pub fn level_outside(&self, entrant: &Entrant, traction: &Traction) -> Result<(Model, f64), ReproductionError> {
+        let (mut model, speed) = self.model(entrant, traction, 0.0)?;
         model.rover.terrain = Terrain::default();
         Ok((model, speed))
     }

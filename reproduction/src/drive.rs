@@ -97,13 +97,15 @@ impl Drive {
         self.table.column(name).unwrap_or_default()
     }
 
-    /// Mean speed along x over the last `duration` s, m/s. The signal `velocity`, the speed along the path, also counts hops.
+    /// Mean speed along x over the last `duration` s, or the whole drive where that is shorter, m/s; 0 where it ends at once. The
+    /// signal `velocity`, the speed along the path, also counts hops.
     #[must_use]
     pub fn final_speed(&self, duration: f64) -> f64 {
         let (time, x) = (self.column("time"), self.column("x"));
-        let last = x.len() - 1;
-        let first = time.partition_point(|&t| t < time[last] - duration).min(last.saturating_sub(1));
-        (x[last] - x[first]) / (time[last] - time[first])
+        let (Some(end), Some(there)) = (time.last(), x.last()) else { return 0.0 };
+        let first = time.partition_point(|t| *t < end - duration);
+        let elapsed = end - time[first];
+        if elapsed > 0.0 { (there - x[first]) / elapsed } else { 0.0 }
     }
 
     /// Sum over the wheels of a wheel's signal, row by row.

@@ -94,7 +94,6 @@ fn at(curve: &[[f64; 2]], share: f64) -> Option<f64> {
 fn curves(seed: u32, traction: &Traction) -> Result<(Curves, f64), ReproductionError> {
     let trial = Trial { speed: SPEED, body_force: BODY_FORCE, ..Trial::new(seed)? };
     let mut curves = Vec::new();
-    let mut most = 0.0;
     for entrant in ENTRANTS {
         let (level, speed) = trial.level(entrant, traction)?;
         let point = |resistance: f64| -> Result<[f64; 2], ReproductionError> {
@@ -103,9 +102,10 @@ fn curves(seed: u32, traction: &Traction) -> Result<(Curves, f64), ReproductionE
             Ok([mean / SPEED, 100.0 * resistance * mean / WEIGHT])
         };
         curves.push(SLEDS.iter().map(|&resistance| point(resistance)).collect::<Result<_, _>>()?);
-        most = 100.0 * level.largest_pull(&mut level.oracle()?, 0.0, SPEED)? / WEIGHT;
     }
-    Ok((curves, most))
+    let (level, _) = trial.level(&ENTRANTS[0], traction)?;
+    let most = level.largest_pull(&mut level.oracle()?, 0.0, SPEED)?;
+    Ok((curves, 100.0 * most / WEIGHT))
 }
 
 /// The model pulling a sled that resists with `resistance` (N s/m) times its speed.

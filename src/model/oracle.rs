@@ -51,8 +51,8 @@ impl Model {
         oracle.at(&rest.pose, speed, |along| rest.soil(self, along)).map_err(refused)
     }
 
-    /// The largest horizontal force that any slips leave over there, N, as [`attainable`](Self::attainable) takes it; minus infinity
-    /// where the rest is an event.
+    /// The largest horizontal force that is left at any slips, N, at `x` and `speed` as in [`attainable`](Self::attainable); minus
+    /// infinity where the rest is an event.
     ///
     /// # Errors
     /// As [`attainable`](Self::attainable).

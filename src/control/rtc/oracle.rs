@@ -93,7 +93,7 @@ impl Oracle {
         Ok(Attainable { balanced: power.is_some(), electrical_power: power.unwrap_or(f64::INFINITY) })
     }
 
-    /// The largest horizontal force that any slips leave over at a pose, N, as [`at`](Self::at) takes it; under zero where the rover
+    /// The largest horizontal force that is left at any slips at a pose, N, as [`at`](Self::at) takes it; under zero where the rover
     /// cannot go on.
     ///
     /// # Errors
@@ -120,13 +120,14 @@ impl Oracle {
         rolling(&sharing.problem.distribution, nominal, &sharing.problem.lifted, wheels);
     }
 
-    /// Searches for the largest pull with ever smaller wishes, for as long as that finds more.
+    /// Searches for all at first, then a few times for a little more than was found, until that gives no more. A search whose forces do
+    /// not carry the weight and balance the moments counts only where none does.
     fn most(&mut self, pose: &Measurement, speed: f64) -> Result<Most, ControlError> {
         let mut most = self.most_of(pose, speed, ALL)?;
         for _ in 0..MOST_SEARCHES {
-            let wish = most.pull / self.nominal.weight() + LITTLE_MORE;
+            let wish = (most.pull / self.nominal.weight() + LITTLE_MORE).min(ALL);
             match self.most_of(pose, speed, wish) {
-                Ok(here) if here.power.is_some() && here.pull > most.pull => most = here,
+                Ok(here) if here.power.is_some() && (most.power.is_none() || here.pull > most.pull) => most = here,
                 // Nothing more, or the optimiser gives up: what was found stands.
                 _ => break,
             }

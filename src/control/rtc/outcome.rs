@@ -31,7 +31,7 @@ pub struct Outcome {
     /// What was optimised (4.11).
     pub criterion: Criterion,
     /// Whether the forces balance the wanted body force; otherwise they are the nearest admissible ones or, with wheel-speed loops, may
-    /// balance it on the linearised soil only.
+    /// balance it on the linearised soil only, or are those of the command before where the optimiser gave up.
     pub feasible: bool,
     /// Whether the forces are the criterion's optimum; see [`Found::optimal`].
     pub optimal: bool,

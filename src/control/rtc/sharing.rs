@@ -116,8 +116,8 @@ impl Sharing {
     /// sets out from the slip and the load that `guess` gives for a wheel.
     ///
     /// # Errors
-    /// [`ControlError::Optimiser`] where the optimiser gives up in the first round: slips and loads are those of `guess` then, with
-    /// the best slips under these loads.
+    /// [`ControlError::Singular`] where the contact points coincide. [`ControlError::Optimiser`] where the optimiser gives up in the first
+    /// round: slips (no more than the best ones) and loads are those of `guess` then, and no torques are known.
     pub fn share(
         &mut self,
         nominal: &Nominal,

@@ -7,20 +7,24 @@
 //! answers there. Under the creeping speed that says nothing: the wheels creep, and on soil in which slip digs the rover backs
 //! off after a while and tries again.
 
+mod memory;
+mod parameters;
+
+use self::memory::{Progress, WheelMemory};
+pub use self::parameters::SpeedRoughTerrainControl;
 use super::belief::SoilBelief;
 use super::kinematics::{Rolling, rolling};
 use super::optimiser::Found;
 use super::outcome::Outcome;
 use super::sharing::{Demand, Share, Sharing};
 use super::switch::Criterion;
-use super::{Problem, RtcOptions};
+use super::{Problem, RtcOptions, load_of, traction_of};
 use crate::contact::Surface;
 use crate::control::error::{ControlError, finite, same_count, same_links, within_bounds};
 use crate::control::{Controller, Nominal, VelocityControl, VelocityController};
 use crate::signals::{Command, Measurement, Reference};
 use crate::snapshot::Moving;
 use crate::soil::Soil;
-use bekker_modeldescription::{Unit, parameters};
 
 /// A wheel off the ground is told by its torque: under the least on the ground, where this many times as much is expected.
 const EXPECTED: f64 = 4.0;
@@ -30,76 +34,8 @@ const CARRIES: f64 = 2.0;
 const MOST_TRIM: f64 = 1.0;
 /// How long it has to look like that, s.
 const LIFTED_AFTER: f64 = 0.1;
-
-parameters! {
-    /// Rough-terrain control with wheel-speed loops, whose gains are those of velocity control.
-    pub struct SpeedRoughTerrainControl {
-        /// Gain K of the acceleration K (v_desired - v) that the force distribution counts with.
-        gain: [Unit::PER_SECOND] = 0.5, 0.0..=1e3, Fixed, "assumption: 2 s, longer than the loops of the wheels need to follow";
-        /// Gain of the wanted speed on the integral of v_desired - v, against slip that the soil model does not foresee.
-        integral_gain: [Unit::PER_SECOND] = 0.05, 0.0..=100.0, Fixed, "assumption: 20 s, slower than hills come";
-        /// Time constant with which the rims' mean speed follows the slip: until then the body slows down where slip grows, which
-        /// takes less energy than to hold its speed there; 0 holds it.
-        rim_time: [Unit::SECOND] = 20.0, 0.0..=1e4, Fixed, "assumption: slower than hills come";
-        /// Contact angle C above which traction counts instead of power (4.11).
-        switch_angle: [Unit::RADIAN] = 15.0_f64.to_radians(), 0.0..=1.6, Fixed, "Iagnemma 2001, 4.4.1";
-        /// Least normal force asked of every wheel, for N_i > 0 (4.13).
-        minimum_load: [Unit::NEWTON] = 0.2, 1e-3..=1e5, Fixed, "assumption: 2 % of a wheel of 10 N, the lightest built in";
-        /// Growth n_1 of the sinkage exponent with slip that the controller believes in.
-        slip_sinkage: [Unit::ONE] = 0.0, 0.0..=1.5, Fixed, "neutral; Ding et al. 2011, J. Terramechanics 48: 0.35-0.5";
-        /// Height of the lugs in the controller's model of the soil, which the lugs shear at their tips.
-        lug_height: [Unit::METRE] = 0.0, 0.0..=0.03, Fixed, "neutral; vehicle drawing: 5-15 mm on small wheels";
-        /// Speed of the body under which it creeps.
-        creep: [Unit::METRE_PER_SECOND] = 0.01, 1e-4..=1.0, Fixed, "assumption: a tenth to a quarter of what rovers drive at";
-        /// Time constant of the filter on the slips.
-        slip_filter: [Unit::SECOND] = 0.1, 0.0..=10.0, Fixed, "assumption: ten periods";
-        /// Time constant with which the body's speed in the limit of the wheel speeds decreases: where a wheel meets a slope the
-        /// body slows down briefly, and wheels slowed down with it would lose the pull that it needs; 0 takes the measured speed.
-        speed_hold: [Unit::SECOND] = 0.3, 0.0..=10.0, Fixed, "assumption: falls from 6 cm/s to the creeping speed in 0.54 s; tried on walls of sand";
-        /// How long the body may creep on digging soil before it backs off.
-        patience: [Unit::SECOND] = 2.0, 0.0..=1e3, Fixed, "assumption: longer than a start takes";
-        /// How long it backs off; 0 never.
-        back_off: [Unit::SECOND] = 2.0, 0.0..=1e3, Fixed, "assumption: a contact's length at a few centimetres a second";
-    }
-}
-
-/// What one wheel remembers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Moving)]
-struct WheelMemory {
-    /// Filtered slip.
-    slip: Option<f64>,
-    /// For how long it has looked as if in the air, s.
-    light: f64,
-    lifted: bool,
-    /// Torque commanded last, N m.
-    torque: f64,
-    /// Slip of the last force distribution, start of the next search.
-    last_slip: f64,
-    /// Load of that distribution, N; 0 before the first and in the air.
-    last_load: f64,
-}
-
-impl WheelMemory {
-    /// Slip and load of the last force distribution.
-    fn found(&self) -> Option<[f64; 2]> {
-        (self.last_load > 0.0).then_some([self.last_slip, self.last_load])
-    }
-}
-
-/// How the body gets on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Moving)]
-struct Progress {
-    /// What is added to the wanted speed, m/s.
-    trim: f64,
-    /// Filtered mean slip.
-    slip: Option<f64>,
-    /// For how long it has crept, s.
-    creeps: f64,
-    /// How long it still backs off, s.
-    backs_off: f64,
-    /// Speed along x that limits the wheel speeds, m/s: the measured one, but decreasing no faster than with `speed_hold`.
-    held: f64,
-}
+/// How long the optimiser may give up before that is an error, s.
+const MOST_LOST: f64 = 1.0;
 
 /// Rough-terrain control that commands wheel speeds to loops of its own, and through them torques.
 #[derive(Clone, Moving)]
@@ -176,7 +112,8 @@ impl SpeedRtc {
         &self.nominal
     }
 
-    /// What the last [`command`](Controller::command) found; `None` before the first, and after one that failed.
+    /// What the last [`command`](Controller::command) found, or kept of the one before where the optimiser gave up; `None` before the first,
+    /// and after one that failed.
     #[must_use]
     pub fn outcome(&self) -> Option<&Outcome> {
         self.outcome.as_ref()
@@ -279,7 +216,7 @@ impl SpeedRtc {
     fn progress(&mut self, wanted: f64, speed: f64, feasible: bool) {
         let SpeedRoughTerrainControl { integral_gain, creep, patience, back_off, .. } = self.parameters;
         let (period, direction) = (self.options.period, wanted.signum());
-        let Progress { trim, creeps, backs_off, slip: _, held: _ } = &mut self.progress;
+        let Progress { trim, creeps, backs_off, slip: _, held: _, lost: _ } = &mut self.progress;
         if wanted == 0.0 {
             self.progress = Progress::default();
             return;
@@ -320,40 +257,64 @@ impl SpeedRtc {
     }
 }
 
-impl Controller for SpeedRtc {
-    fn command(&mut self, measured: &Measurement, goal: &Reference, command: &mut Command) -> Result<(), ControlError> {
-        let before = self.outcome.take();
-        let has_found = before.is_some();
-        let mut outcome = before.unwrap_or_default();
-        self.check(measured)?;
-        let wanted = finite("the goal's velocity", None, goal.velocity)?;
-        let speed = measured.velocity;
-        self.place(measured);
-        let gravity = self.nominal.gravity;
-        let acceleration = (self.parameters.gain * (wanted - speed)).clamp(-gravity, gravity);
-        let demand = Demand { acceleration, speed: wanted, criterion: self.criterion(measured) };
-        let wheels = &self.wheels;
-        let shared = self.sharing.share(&self.nominal, measured.pitch, &self.rolling, &demand, |k| wheels[k].found());
-        let found = or_as_before(shared, has_found)?;
+impl SpeedRtc {
+    /// Commands torques for what the force distribution gave; `before` is the outcome of the last command.
+    fn act(
+        &mut self,
+        shared: Result<Found, ControlError>,
+        demand: &Demand,
+        measured: &Measurement,
+        before: Option<Outcome>,
+        command: &mut Command,
+    ) -> Result<(), ControlError> {
+        let gave_up = matches!(shared, Err(ControlError::Optimiser(_)));
+        self.progress.lost = if gave_up { self.progress.lost + self.options.period } else { 0.0 };
+        let found = match (shared, &before) {
+            (Err(ControlError::Optimiser(_)), Some(last)) if self.progress.lost <= MOST_LOST => self.keep(last),
+            (other, _) => other?,
+        };
         for (wheel, share) in self.wheels.iter_mut().zip(&self.sharing.shares) {
             finite("slip of the force distribution", None, share.slip)?;
             (wheel.last_slip, wheel.last_load) = (share.slip, share.load);
         }
-        self.set_goals(wanted, speed);
+        self.set_goals(demand.speed, measured.velocity);
         let (goals, limits) = (&self.goals, &self.limits);
         self.inner.hold_within(measured, |index| goals[index], |index| limits[index], command)?;
-        self.watch(&command.values);
-        self.progress(wanted, speed, found.feasible);
-        outcome.renew(
-            &self.nominal,
-            &self.sharing.problem,
-            &self.sharing.forces,
-            demand.criterion,
-            found,
-            &command.values,
-        );
+        if !gave_up {
+            self.watch(&command.values);
+        }
+        self.progress(demand.speed, measured.velocity, found.feasible);
+        let Sharing { problem, forces, .. } = &self.sharing;
+        let mut outcome = before.unwrap_or_default();
+        outcome.renew(&self.nominal, problem, forces, demand.criterion, found, &command.values);
         self.outcome = Some(outcome);
         Ok(())
+    }
+
+    /// Where the optimiser gives up the forces, slips and loads of the last command stay, but for wheels that have lifted since.
+    fn keep(&mut self, last: &Outcome) -> Found {
+        let Sharing { problem, forces, shares, .. } = &mut self.sharing;
+        forces.copy_from_slice(&last.forces);
+        for (wheel, _) in problem.lifted.iter().enumerate().filter(|(_, lifted)| **lifted) {
+            (forces[traction_of(wheel)], forces[load_of(wheel)]) = (0.0, 0.0);
+            shares[wheel] = Share::default();
+        }
+        Found { feasible: false, optimal: false, steps: 0 }
+    }
+}
+
+impl Controller for SpeedRtc {
+    fn command(&mut self, measured: &Measurement, goal: &Reference, command: &mut Command) -> Result<(), ControlError> {
+        let before = self.outcome.take();
+        self.check(measured)?;
+        let wanted = finite("the goal's velocity", None, goal.velocity)?;
+        self.place(measured);
+        let gravity = self.nominal.gravity;
+        let acceleration = (self.parameters.gain * (wanted - measured.velocity)).clamp(-gravity, gravity);
+        let demand = Demand { acceleration, speed: wanted, criterion: self.criterion(measured) };
+        let wheels = &self.wheels;
+        let shared = self.sharing.share(&self.nominal, measured.pitch, &self.rolling, &demand, |k| wheels[k].found());
+        self.act(shared, &demand, measured, before, command)
     }
 
     fn reset(&mut self) {
@@ -364,28 +325,5 @@ impl Controller for SpeedRtc {
     }
 }
 
-/// A rover that drives must have a command: where the optimiser gives up and something was found before, the slips and loads of that
-/// stay, and it is said that they do not balance.
-fn or_as_before(shared: Result<Found, ControlError>, has_found: bool) -> Result<Found, ControlError> {
-    match shared {
-        Err(ControlError::Optimiser(_)) if has_found => Ok(Found { feasible: false, optimal: false, steps: 0 }),
-        other => other,
-    }
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::control::rtc::Unsolved;
-
-    #[test]
-    fn property_only_the_optimiser_s_error_and_only_after_a_command_is_driven_through() {
-        let gave_up = || Err(Unsolved { problem: "forces", status: "too many iterations".into() }.into());
-        let as_before = Found { feasible: false, optimal: false, steps: 0 };
-        assert_eq!(or_as_before(gave_up(), true), Ok(as_before));
-        assert!(matches!(or_as_before(gave_up(), false), Err(ControlError::Optimiser(_))));
-        assert!(matches!(or_as_before(Err(ControlError::NoLaw), true), Err(ControlError::NoLaw)));
-        let found = Found { feasible: true, optimal: true, steps: 3 };
-        assert_eq!(or_as_before(Ok(found), true), Ok(found));
-    }
-}
+mod tests;
