@@ -326,4 +326,5 @@ impl Controller for SpeedRtc {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 mod tests;
