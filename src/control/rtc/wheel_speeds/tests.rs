@@ -2,12 +2,22 @@
 
 use super::*;
 use crate::control::rtc::Unsolved;
-use crate::model::nominal;
-use crate::rover::Rover;
+use crate::motor::Motor;
+use crate::wheel::Wheel;
 
-/// A controller of the two-wheeled rover, rolling on level ground at 0.2 m/s.
+/// A controller of a rover of 10 kg on two wheels, rolling on level ground at 0.2 m/s.
 fn rolling_on_level_ground() -> (SpeedRtc, Measurement, Demand, Command) {
-    let rover = nominal(&Rover::two_wheeled());
+    let rover = Nominal {
+        gravity: 9.81,
+        mass: 10.0,
+        centre_of_mass: [0.0, 0.05],
+        wheel_centres: vec![[-0.2, 0.0], [0.2, 0.0]],
+        wheel_bodies: vec![0, 0],
+        links: Vec::new(),
+        wheel: Wheel::default(),
+        motor: Motor::default(),
+        soil: Soil { shear_modulus: 0.01, ..Soil::default() },
+    };
     let mut measured = Measurement::of(2, 0);
     measured.velocity = 0.2;
     measured.wheels.iter_mut().for_each(|wheel| wheel.speed = 0.2 / rover.wheel.radius);
