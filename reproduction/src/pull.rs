@@ -53,7 +53,9 @@ fn on_sand(traction: &Traction, seeds: &[u32]) -> Result<Finding, ReproductionEr
         quantity: "the oracle: largest pull at any slips, of the weight, %".to_owned(),
         thesis: None,
         ours,
-        reason: "Quasi-static, by the simulation's own wheel and soil".to_owned(),
+        reason: "Quasi-static, by the simulation's own wheel and soil. It is a force at the centre of mass, the sled pulls at the chassis \
+                 reference point, which loads the wheels otherwise: a drive may pull more"
+            .to_owned(),
     }));
     let series = ENTRANTS.iter().enumerate().map(|(k, entrant)| {
         let column = |axis: usize| done[0].0[k].iter().map(|point| point[axis]).collect();
