@@ -59,10 +59,10 @@ struct Steepest {
 
 const NAMES: [&str; 5] =
     [VELOCITY, TUNED.name, RTC_SPEED, "RTC with wheel-speed loops, at velocity control's speed", "the oracle"];
-/// Places of RTC in them, and what decides by each.
+/// The two entries of RTC, as indices of [`NAMES`], and a remark for the reader of their rows.
 const BY_RTC: [(usize, &str); 2] =
     [(2, "At least 50 % was asked for"), (3, "Chosen after trials 0 to 27; the oracle is at the commanded speed")];
-/// Place of the oracle.
+/// Index of the oracle in [`NAMES`].
 const ORACLE: usize = 4;
 
 /// Steepest walls that are crossed on digging sand.
