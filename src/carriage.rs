@@ -124,6 +124,7 @@ impl<S: Scalar> Rig<S> {
             passes: zero,
             contact_angle: zero,
             slip,
+            dug_slip: slip.abs(),
             sinkage,
             normal_velocity: zero,
             velocity,

@@ -135,6 +135,24 @@ fn agreement_rims_of_all_kinds() {
     }
 }
 
+/// Wheels that dig at once, within several lengths and not at all stand side by side.
+#[test]
+fn agreement_digging_of_all_kinds() {
+    for (preset, mean) in [("two_wheeled", 1.5), ("two_wheeled_speed", 2.0), ("rocker_bogie", 0.3)] {
+        let diggers = [[0.0, 0.0], [0.4, 0.0], [0.4, 0.05], [0.0, 0.05], [0.2, 0.5], [0.5, 0.001], [0.4, 0.02], [0.3, 0.0]];
+        let run = |[n1, length]: [f64; 2]| {
+            let mut model = Model::preset(preset).unwrap();
+            model.rover.set("slip_sinkage.n1", n1).unwrap();
+            model.rover.set("slip_sinkage.length", length).unwrap();
+            model.start().unwrap()
+        };
+        let runs: Vec<Run> = diggers.into_iter().map(run).collect();
+        compare(preset, &runs, 12, 7, varied(mean, 0.3));
+        // Reversing and spinning against the motion.
+        compare(preset, &runs, 12, 7, varied(0.5 * mean, 2.5));
+    }
+}
+
 #[test]
 fn agreement_grounds() {
     let mut random = ChaCha8Rng::seed_from_u64(1);

@@ -142,6 +142,7 @@ fn property_effects_act_in_the_same_way() {
     let command = Command::torque(vec![0.38; 3]);
     let plain = both(&rover, &command, 0.002, 2.0).1.signals().body.x;
     rover.effects.slip_sinkage.n1 = 0.4;
+    rover.effects.slip_sinkage.length = 0.05;
     rover.effects.drag.force = 0.5;
     rover.effects.payload.mass = 0.3;
     rover.effects.suspension_friction.moment = 0.1;

@@ -31,7 +31,7 @@ const NOISE: [(&str, f64); 5] = [
 ];
 
 /// Effects with every kind of memory that there is.
-const MEMORIES: [(&str, f64); 8] = [
+const MEMORIES: [(&str, f64); 9] = [
     ("multi_pass.growth", 0.3),
     ("sensor_lag.time_constant", 0.05),
     ("sensor_lag.dead_time", 0.033),
@@ -40,6 +40,7 @@ const MEMORIES: [(&str, f64); 8] = [
     ("winding_heat.time_constant", 2.0),
     ("suspension_friction.moment", 0.05),
     ("slip_sinkage.n1", 0.4),
+    ("slip_sinkage.length", 0.05),
 ];
 
 fn models() -> Vec<Model> {

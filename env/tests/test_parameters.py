@@ -39,6 +39,7 @@ TOGETHER = {
     "sensor.wheel_speed_resolution": ("rtc.speed_kp", 0.5),
     "sensor.wheel_speed_period": ("rtc.speed_kp", 0.5),
     "winding_heat.time_constant": ("winding_heat.thermal_resistance", 5.0),
+    "slip_sinkage.length": ("slip_sinkage.n1", 0.4),
     "grousers.share": ("grousers.height", 0.01),
     "bulldozing.unit_weight": ("bulldozing.share", 1.0),
     "rim_adhesion.rounding": ("rim_adhesion.loss", 0.8),

@@ -38,12 +38,18 @@ pub(super) struct Traction {
     pub lugs: f64,
     /// Growth of the sinkage exponent with slip.
     pub slip_sinkage: f64,
+    /// Way of the rim within which the sinkage follows the slip, m; 0 at once.
+    pub digging_length: f64,
 }
 
-pub(super) const SMOOTH: Traction = Traction { name: "smooth wheels", lugs: 0.0, slip_sinkage: 0.0 };
-pub(super) const LUGS: Traction = Traction { name: "lugs of 10 mm", lugs: 0.01, slip_sinkage: 0.0 };
+pub(super) const SMOOTH: Traction =
+    Traction { name: "smooth wheels", lugs: 0.0, slip_sinkage: 0.0, digging_length: 0.0 };
+pub(super) const LUGS: Traction = Traction { name: "lugs of 10 mm", lugs: 0.01, ..SMOOTH };
 pub(super) const DIGGING: Traction =
-    Traction { name: "lugs of 10 mm, sand in which slip digs", lugs: 0.01, slip_sinkage: 0.4 };
+    Traction { name: "lugs of 10 mm, sand in which slip digs", slip_sinkage: 0.4, ..LUGS };
+/// Within about the length of a contact, 0.6 wheel radii.
+pub(super) const DIGGING_ALONG: Traction =
+    Traction { name: "lugs of 10 mm, sand in which slip digs along the way", digging_length: 0.04, ..DIGGING };
 
 /// What differs from trial to trial; the thesis names irregular soil, the way taken and the commands.
 #[derive(Clone, Debug)]
@@ -119,6 +125,7 @@ impl Trial {
         model.rover.terrain = self.ditch(wall).terrain(model.rover.soil.cohesion)?;
         model.set("grousers.height", traction.lugs)?;
         model.set("slip_sinkage.n1", traction.slip_sinkage)?;
+        model.set("slip_sinkage.length", traction.digging_length)?;
         model.control.nominal_soil = Some(as_felt(&model.rover, traction.lugs));
         (entrant.apply)(&mut model);
         model.sensors.encoder.wheel_speed_noise = 0.05 * LARGEST_SPEED;

@@ -64,6 +64,7 @@ pub const STUDIES: &[Study] = &[
     Study { id: "sled", run: sled::sled },
     Study { id: "pull", run: pull::pull },
     Study { id: "digging", run: digging::digging },
+    Study { id: "digging_along", run: digging::digging_along },
 ];
 
 /// Trials as the studies of contact angles count them.

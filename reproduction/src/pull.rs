@@ -3,7 +3,7 @@
 //! A sled that resists in proportion to its speed lets the rover settle; several such sleds give pull over speed. At 80 % of the
 //! commanded speed a wheel that turns at that speed slips by 20 %.
 
-use super::ditch_rover::{DIGGING, ENTRANTS, LUGS, Traction, Trial, WEIGHT};
+use super::ditch_rover::{DIGGING_ALONG, ENTRANTS, LUGS, Traction, Trial, WEIGHT};
 use super::drive::{Course, drive};
 use super::{Finding, LinePlot, ReproductionError, Row, Series, Spread};
 use bekker::model::Model;
@@ -28,7 +28,7 @@ const SHARES: [f64; 2] = [0.8, 0.5];
 /// Whatever a drive says.
 pub fn pull(trials: usize) -> Result<Vec<Finding>, ReproductionError> {
     let seeds: Vec<u32> = (0..trials.div_ceil(2).max(1) as u32).collect();
-    [LUGS, DIGGING].iter().map(|traction| on_sand(traction, &seeds)).collect()
+    [LUGS, DIGGING_ALONG].iter().map(|traction| on_sand(traction, &seeds)).collect()
 }
 
 /// Speed, of the commanded, and pull, of the weight in %, of every entrant behind every sled.
@@ -78,8 +78,8 @@ fn on_sand(traction: &Traction, seeds: &[u32]) -> Result<Finding, ReproductionEr
             "FSRL rover on level loose sand of the thesis's bevameter (0.18 kPa), 6 cm/s commanded; RTC as in the thesis is \
              commanded a body force of one weight. The sled resists in proportion to its speed."
                 .to_owned(),
-            "Where slip digs, the sinkage exponent follows the slip at once (Ding et al. 2011 give it for steady slip): where slips change \
-             quickly the rover hops, and pulls less than at steady slips."
+            "Where slip digs, the sinkage exponent follows the slip (Ding et al. 2011 give it for steady slip) within 4 cm of the rim's way, \
+             about the length of a contact. Where it follows at once, the rover hops behind heavy sleds."
                 .to_owned(),
         ],
     })

@@ -35,6 +35,12 @@ pub trait Effect<S: Scalar>: Parameters<S> {
         false
     }
 
+    /// Way of rim or wheel (m) within which the ground under a wheel follows its slip, where the effect needs [`Place::dug_slip`];
+    /// 0 in those side by side that do not need it.
+    fn dug_within(&self) -> Option<S> {
+        None
+    }
+
     /// Changes the forces of a contact, after the stresses are integrated.
     fn forces(&self, place: &Place<S>, local: &Local<S>, forces: &mut Forces<S>) {
         let _ = (place, local, forces);

@@ -61,6 +61,7 @@ pub use place::{BodyMotion, Local, Place};
 pub use registered::{RegisteredEffect, Registrable};
 pub(crate) use sensor_lag::Lagged;
 pub use sensor_lag::{Delayed, RecordingLag};
+pub(crate) use slip_sinkage::Digging;
 pub use winding_heat::Warming;
 
 pub use crate::motor::Geared;

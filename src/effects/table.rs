@@ -115,6 +115,14 @@ macro_rules! effects {
                 self.registered.counts_passes() $(|| self.$id.counts_passes())*
             }
 
+            /// Way within which the ground under a wheel follows its slip: that of the first effect that gives one.
+            pub(crate) fn dug_within(&self) -> Option<S> {
+                $(if let Some(length) = self.$id.dug_within() {
+                    return Some(length);
+                })*
+                self.registered.dug_within()
+            }
+
             /// The true wheel, where it is not the nominal one.
             pub(crate) fn wheel(&self, nominal: &Wheel<S>) -> Option<Wheel<S>> {
                 let mut changed = None;

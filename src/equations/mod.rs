@@ -155,7 +155,7 @@ impl<S: Scalar> Equations<S> {
         let (speed, weight) = (0.1, self.rover.total_mass().value() * self.rover.environment.gravity.value());
         [radius, radius, 0.1, speed, speed, 0.1].into_iter().for_each(&mut f);
         (0..self.rover.links.len()).for_each(|_| [0.1, 0.1].into_iter().for_each(&mut f));
-        (0..self.rover.wheels.len()).for_each(|_| [speed / radius, 1.0, 1.0, 10.0].into_iter().for_each(&mut f));
+        (0..self.rover.wheels.len()).for_each(|_| [speed / radius, 1.0, 1.0, 10.0, 1.0].into_iter().for_each(&mut f));
         (0..5).for_each(|_| f(weight * radius));
     }
 
@@ -194,6 +194,7 @@ impl<S: Scalar> Equations<S> {
             f(rate[j]);
             f(acceleration[j]);
         }
+        let (length, radius) = (self.rover.effects.dug_within(), self.rover.true_wheel().radius);
         for (k, (wheel, state)) in self.evaluation.wheels.iter().zip(&self.state.wheels).enumerate() {
             f(self.evaluation.spin_rate(&self.rover, k));
             // What the memory exceeds its bound by fades like the memory itself.
@@ -202,6 +203,7 @@ impl<S: Scalar> Equations<S> {
             f(wheel.touch.rate.turn + (hold.turn - bounded.turn) * own);
             let warming = self.rover.effects.warming(wheel.winding_power());
             f(warming.map_or(S::from(0.0), |warming| warming.rate(state.winding_rise)));
+            f(length.map_or(S::from(0.0), |length| wheel.digging(radius).rate(state.dug_slip, length)));
         }
         let powers = self.evaluation.powers();
         [powers.dissipated, powers.electrical, powers.drive, powers.soil_loss, powers.other_loss]

@@ -1,6 +1,6 @@
 //! The continuous states of a rover by name, unit and typical size.
 
-use crate::rover::State;
+use crate::rover::{State, WheelState};
 use crate::scalar::Scalar;
 use crate::simulation::Energies;
 use bekker_modeldescription::{Parameters, Unit, Variable, parameters};
@@ -46,6 +46,8 @@ parameters! {
         hold_turn: [Unit::ONE] = 0.0, ANY, Signal, "state";
         /// How much warmer than its surroundings the motor's winding is; constant without the effect winding_heat.
         winding_rise: [Unit::KELVIN] = 0.0, ANY, Signal, "state";
+        /// Slip to which the ground under the wheel is dug; constant without the effect slip_sinkage and its length.
+        dug_slip: [Unit::ONE] = 0.0, ANY, Signal, "state";
     }
 }
 
@@ -98,18 +100,19 @@ impl<S: Copy> Parameters<S> for States<S> {
 impl<S: Scalar> States<S> {
     /// How many there are of a rover with so many wheels and links.
     pub(super) fn count(wheels: usize, links: usize) -> usize {
-        11 + 2 * links + 4 * wheels
+        11 + 2 * links + 5 * wheels
     }
 
     pub(super) fn of(state: &State<S>, energies: &Energies<S>) -> Self {
         let [x, z, pitch] = [0, 1, 2].map(|i| state.position[i]);
         let [velocity_x, velocity_z, pitch_rate] = [0, 1, 2].map(|i| state.rate[i]);
         let joint = |j: usize| JointStates { angle: state.position[j], rate: state.rate[j] };
-        let wheel = |wheel: &crate::rover::WheelState<S>| WheelStates {
+        let wheel = |wheel: &WheelState<S>| WheelStates {
             spin: wheel.spin,
             hold_travel: wheel.hold.travel,
             hold_turn: wheel.hold.turn,
             winding_rise: wheel.winding_rise,
+            dug_slip: wheel.dug_slip,
         };
         Self {
             body: BodyStates { x, z, pitch, velocity_x, velocity_z, pitch_rate },
@@ -135,9 +138,8 @@ pub(super) fn places<S: Scalar>(state: &mut State<S>, energies: &mut Energies<S>
         f(rate);
     }
     for wheel in &mut state.wheels {
-        [&mut wheel.spin, &mut wheel.hold.travel, &mut wheel.hold.turn, &mut wheel.winding_rise]
-            .into_iter()
-            .for_each(&mut f);
+        let WheelState { spin, hold, winding_rise, dug_slip, .. } = wheel;
+        [spin, &mut hold.travel, &mut hold.turn, winding_rise, dug_slip].into_iter().for_each(&mut f);
     }
     let Energies { dissipated, electrical, drive, soil_loss, other_loss } = energies;
     [dissipated, electrical, drive, soil_loss, other_loss].into_iter().for_each(&mut f);

@@ -151,6 +151,7 @@ impl<S: Scalar> Integrator<S> {
         for wheel in &mut self.predicted.wheels {
             wheel.hold = wheel.hold.bounded();
         }
+        dig(rover, [&self.now, &self.ahead], &mut self.predicted, h);
         self.ahead.update(rover, &self.predicted, command)?;
         std::mem::swap(&mut self.now, &mut self.ahead);
         std::mem::swap(state, &mut self.predicted);
@@ -180,6 +181,7 @@ impl<S: Scalar> Integrator<S> {
             self.first.solve(rover, &self.now, &self.condensed, &factors, command.drive, gh);
             self.predicted.copy_from(state);
             self.first.add_to(&mut self.predicted, h);
+            dig(rover, [&self.now, &self.now], &mut self.predicted, h);
             self.ahead.update(rover, &self.predicted, command)?;
             self.second.set(rover, &self.predicted, &self.ahead);
             self.second.add_scaled(&self.first, -2.0, rover.coordinates());
@@ -210,5 +212,17 @@ impl<S: Scalar> Integrator<S> {
             matrix[3 + j][3 + j] += (friction + stop) * gh;
         }
         Factors::new(&matrix, n).ok_or(DynamicsError::NotFinite)
+    }
+}
+
+/// Digs the ground under the wheels over `h` seconds, where it follows their slip: in the mean motion of two evaluations. That law is
+/// slow, so that it needs no implicit step; with the motions at the two stages it is of order 2.
+#[lanes]
+pub(crate) fn dig<S: Scalar>(rover: &Rover<S>, [from, to]: [&Evaluation<S>; 2], state: &mut State<S>, h: f64) {
+    let Some(length) = rover.effects.dug_within() else { return };
+    let radius = rover.true_wheel().radius;
+    for ((wheel, from), to) in state.wheels.iter_mut().zip(&from.wheels).zip(&to.wheels) {
+        let motion = from.digging(radius).mean(to.digging(radius));
+        wheel.dug_slip = motion.after(wheel.dug_slip, length, h);
     }
 }

@@ -22,6 +22,7 @@ impl Model {
             passes: 0.0,
             contact_angle: 0.0,
             slip: 0.0,
+            dug_slip: 0.0,
             sinkage: 0.0,
             normal_velocity: 0.0,
             velocity: 0.0,

@@ -3,7 +3,7 @@
 use super::contacts::{Before, RigidLoad};
 use super::loads::Loads;
 use super::world::World;
-use crate::integrator::Integrator;
+use crate::integrator::{Integrator, dig};
 use crate::linear::{add_scaled, zeros};
 use crate::obstacle::Obstacle;
 use crate::recording::Recorder;
@@ -205,6 +205,8 @@ impl RigidBodies {
             wheel.hold.turn += (1.5 * first[k][2] + 0.5 * second[k][2]) * h;
             wheel.hold = wheel.hold.bounded();
         }
+        let Integrator { now, ahead, .. } = &self.integrator;
+        dig(&self.rover, [now, ahead], &mut self.state, h);
         for (before, handle) in self.wheels_before.iter_mut().zip(&self.world.wheels) {
             *before = self.world.motion_of(*handle);
         }

@@ -3,7 +3,7 @@
 use super::kinematics::{Frames, turn_jacobian};
 use super::{LinkParameters, Rover, State, Track};
 use crate::contact::{Motion, Surface, Touch, slip, touch};
-use crate::effects::{BodyMotion, ExpressionFailure, Place};
+use crate::effects::{BodyMotion, Digging, ExpressionFailure, Place};
 use crate::linear::{Factors, Matrix, Vector, add_outer, add_scaled, dot, zeros};
 use crate::motor::{self, Motor};
 use crate::scalar::{LaneAccess, Scalar, lanes};
@@ -281,6 +281,7 @@ impl<S: Scalar> Evaluation<S> {
             passes: if rover.effects.counts_passes() { Track::passes(tracks, k, x) } else { S::from(0.0) },
             contact_angle: foot.angle,
             slip: motion.established_slip(&true_wheel, &soil),
+            dug_slip: state.wheels[k].dug_slip,
             sinkage: motion.sinkage,
             normal_velocity: wheel.normal_velocity,
             velocity: wheel.velocity,
@@ -397,6 +398,12 @@ impl<S: Scalar> WheelEvaluation<S> {
             drive_slope: o,
         }
     }
+
+    /// How the wheel digs in the ground under it, with the radius (m) of the true wheel.
+    pub fn digging(&self, radius: S) -> Digging<S> {
+        Digging::new(self.velocity, radius * self.spin, self.sinkage.over(0.0))
+    }
+
     /// Power dissipated in the winding, W (4.6).
     pub fn winding_power(&self) -> S {
         self.motor.resistance * self.current * self.current

@@ -109,6 +109,8 @@ pub struct WheelState<S = f64> {
     pub hold: Hold<S>,
     /// How much warmer than its surroundings the motor's winding is, K.
     pub winding_rise: S,
+    /// Slip to which the ground under the wheel is dug, see [`Place`](crate::effects::Place); kept where an effect needs it.
+    pub dug_slip: S,
     /// Ground that the wheel has covered.
     pub track: Track<S>,
 }
@@ -147,7 +149,13 @@ impl<S: Scalar> State<S> {
             rate: vec![zero; position.len()],
             position,
             wheels: vec![
-                WheelState { spin: zero, hold: Hold::default(), winding_rise: zero, track: Track::default() };
+                WheelState {
+                    spin: zero,
+                    hold: Hold::default(),
+                    winding_rise: zero,
+                    dug_slip: zero,
+                    track: Track::default()
+                };
                 rover.wheels.len()
             ],
             start_x: x,

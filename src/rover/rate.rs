@@ -14,7 +14,8 @@ pub struct StateRate<S = f64> {
     /// Their accelerations; m/s^2, rad/s^2.
     pub rate: Vec<S>,
     /// Angular acceleration of each wheel (rad/s^2; of no meaning where speeds are imposed) and the rate
-    /// of its contact's memory (1/s).
+    /// of its contact's memory (1/s). What changes slowly beside them, the heat of windings and the slip to which the ground is dug,
+    /// has its rates in [`crate::equations`].
     pub wheels: Vec<(S, Hold<S>)>,
 }
 

@@ -1,7 +1,7 @@
 //! A rover in motion: where the simulation of a recorded drive begins.
 
 use super::SettleError;
-use crate::contact::Hold;
+use crate::contact::{Hold, slip};
 use crate::linear::{Factors, Vector, zeros};
 use crate::rover::dynamics::{DynamicsError, Evaluation};
 use crate::rover::{Rover, State, Track};
@@ -42,7 +42,7 @@ impl<S: Scalar> Rover<S> {
         for ((wheel, speed), hold) in state.wheels.iter_mut().zip(speeds).zip(holds) {
             wheel.spin = *speed;
             if let Some(hold) = hold.moves() {
-                wheel.hold = hold;
+                (wheel.hold, wheel.dug_slip) = (hold, hold.dug_slip(self));
             }
         }
         Ok(state)
@@ -74,6 +74,14 @@ impl<S: Scalar> Hold<S> {
     /// The same where there is any motion.
     fn moves(self) -> Option<Self> {
         (self.travel.value() != 0.0 || self.turn.value() != 0.0).then_some(self)
+    }
+
+    /// The slip to which ground is dug over which a wheel has always moved so, where an effect of the rover keeps it.
+    fn dug_slip(self, rover: &Rover<S>) -> S {
+        match rover.effects.dug_within() {
+            Some(_) => slip(self.travel, self.turn).abs().smaller(S::from(1.0)),
+            None => S::from(0.0),
+        }
     }
 }
 
@@ -108,7 +116,9 @@ impl<'h, S: Scalar> Across<'h, S> {
         unknowns: &Vector<S>,
     ) -> Result<Vector<S>, DynamicsError> {
         let n = rover.coordinates();
-        state.wheels.iter_mut().zip(self.holds).for_each(|(wheel, hold)| wheel.hold = *hold);
+        for (wheel, hold) in state.wheels.iter_mut().zip(self.holds) {
+            (wheel.hold, wheel.dug_slip) = (*hold, hold.dug_slip(rover));
+        }
         state.position[1..].copy_from_slice(&unknowns[..n - 1]);
         self.evaluation.update(rover, state, &self.command)?;
         let mut across = zeros();

@@ -60,6 +60,7 @@ fn place(x: f64, angle: f64) -> Place {
         passes: 0.0,
         contact_angle: angle,
         slip: 0.0,
+        dug_slip: 0.0,
         sinkage: 0.01,
         normal_velocity: 0.0,
         velocity: 0.0,

@@ -13,3 +13,4 @@ mod drive;
 mod formulas;
 mod registered;
 mod sensors;
+mod slip_sinkage;

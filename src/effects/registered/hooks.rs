@@ -52,6 +52,11 @@ impl<S: Scalar> RegisteredEffects<S> {
         self.0.iter().any(RegisteredEffect::counts_passes)
     }
 
+    #[inline]
+    pub(in crate::effects) fn dug_within(&self) -> Option<S> {
+        self.0.iter().find_map(|effect| effect.number(&|effect, _| effect.dug_within()))
+    }
+
     /// The true wheel where the library makes `changed` of the `nominal` one.
     #[inline]
     pub(in crate::effects) fn wheel(&self, nominal: &Wheel<S>, changed: Option<Wheel<S>>) -> Option<Wheel<S>> {
