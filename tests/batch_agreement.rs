@@ -139,7 +139,8 @@ fn agreement_rims_of_all_kinds() {
 #[test]
 fn agreement_digging_of_all_kinds() {
     for (preset, mean) in [("two_wheeled", 1.5), ("two_wheeled_speed", 2.0), ("rocker_bogie", 0.3)] {
-        let diggers = [[0.0, 0.0], [0.4, 0.0], [0.4, 0.05], [0.0, 0.05], [0.2, 0.5], [0.5, 0.001], [0.4, 0.02], [0.3, 0.0]];
+        let diggers =
+            [[0.0, 0.0], [0.4, 0.0], [0.4, 0.05], [0.0, 0.05], [0.2, 0.5], [0.5, 0.001], [0.4, 0.02], [0.3, 0.0]];
         let run = |[n1, length]: [f64; 2]| {
             let mut model = Model::preset(preset).unwrap();
             model.rover.set("slip_sinkage.n1", n1).unwrap();

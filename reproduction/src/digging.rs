@@ -78,8 +78,10 @@ struct Steepest {
 const NAMES: [&str; 5] =
     [VELOCITY, TUNED.name, RTC_SPEED, "RTC with wheel-speed loops, at velocity control's speed", "the oracle"];
 /// The two entries of RTC, as indices of [`NAMES`], and a remark for the reader of their rows.
-const BY_RTC: [(usize, &str); 2] =
-    [(2, "At least 50 % was asked for"), (3, "Chosen after other trials were seen; the oracle is at the commanded speed")];
+const BY_RTC: [(usize, &str); 2] = [
+    (2, "At least 50 % was asked for"),
+    (3, "Chosen after other trials were seen; the oracle is at the commanded speed"),
+];
 /// Index of the oracle in [`NAMES`].
 const ORACLE: usize = 4;
 
