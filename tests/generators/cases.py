@@ -37,6 +37,8 @@ FORMS = [
     Form("slip_sinkage", "ding", 0.5, 1.0, BOTH, library=True),
     Form("slip_sinkage", "lyasko", 1.0, 1.5, BOTH),
     Form("slip_sinkage", "quadratic", 0.4, 0.8, BOTH),
+    # The library has it too, but with a length that is no free parameter of a diagnosis.
+    Form("slip_sinkage", "gradual", 0.5, 1.0, R),
     Form("exit_angle", "ishigami", 0.8, 1.2, BOTH, library=True),
     Form("exit_angle", "share", 0.6, 0.9, BOTH),
     Form("multi_pass", "holm", 0.5, 1.0, R, library=True),

@@ -7,6 +7,7 @@ turns parameters and the place of a contact into what contact.forces sums; `adde
 import numpy as np
 
 RATE_SPEED = 0.01  # m/s, reference speed of the rate laws
+DIGGING = 0.05  # m, way of the rim within which a gradual slip-sinkage follows the slip
 FLEXIBLE = ("arc", "load", "axle")  # forms of a flexible wheel
 ROUNDED = 0.02  # rad, of a slope's size
 GRAVITY_OF_SOIL = 16e3  # N/m^3, unit weight of sand
@@ -22,8 +23,9 @@ def on(p, key):
     return p.get(key)
 
 
-def place_at(slip, velocity, sinkage, load, angle=0.0, x=0.0, passed=0.0, lead_slip=0.0):
-    """Where and how a wheel touches; `passed` is 1 where another wheel has passed, with the slip `lead_slip`."""
+def place_at(slip, velocity, sinkage, load, angle=0.0, x=0.0, passed=0.0, lead_slip=0.0, dug=0.0):
+    """Where and how a wheel touches; `passed` is 1 where another wheel has passed, with the slip `lead_slip`; `dug` is the slip to which the
+    wheel has dug the ground by now."""
     return {
         "slip": slip,
         "speed": np.abs(velocity),
@@ -33,6 +35,7 @@ def place_at(slip, velocity, sinkage, load, angle=0.0, x=0.0, passed=0.0, lead_s
         "x": x,
         "passed": passed,
         "lead_slip": lead_slip,
+        "dug": dug,
     }
 
 
@@ -87,6 +90,8 @@ def slip_sinkage(p, at, soil):
         soil["exponent"] = soil["exponent"] + s * size
     if (s := on(p, "slip_sinkage.lyasko")) is not None:  # z = z0 (1 + i)/(1 - 0.5 i), the share s of its growth
         soil["sinkage_factor"] = 1.0 + s * ((1.0 + size) / (1.0 - 0.5 * size) - 1.0)
+    if (s := on(p, "slip_sinkage.gradual")) is not None:  # Ding's, of the slip to which the ground is dug by now
+        soil["exponent"] = soil["exponent"] + s * np.clip(at["dug"], 0.0, 1.0)
     if (s := on(p, "slip_sinkage.quadratic")) is not None:  # n = n0 + n1 |i| + n2 i^2 with n2 = n1/2 (Ding's second form)
         soil["exponent"] = soil["exponent"] + s * (size + 0.5 * size * size)
 

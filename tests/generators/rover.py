@@ -88,7 +88,8 @@ class Rover:
         return place, (u[..., 0] - np.sum(u[..., 2:] * z, axis=-1), u[..., 1] + np.sum(u[..., 2:] * x, axis=-1))
 
     def touch(self, q, u, hold, command, held):
-        """Forces of the wheels. `hold` is the contact's memory; `held` is the time for which it has followed this motion."""
+        """Forces of the wheels. `hold` is the contact's memory, and the slip to which the ground is dug; `held` is the time for which they
+        have followed this motion."""
         p = self.per_wheel
         _, lever_x, lever_z, v_x, v_z = self.geometry(q, u)
         foot, distance, cos, sin = self.profile.foot(q[..., 0:1] + lever_x.sum(-2), q[..., 1:2] + lever_z.sum(-2))
@@ -97,6 +98,7 @@ class Rover:
         rim = p["radius"] * spin
         speed = np.hypot(along, rim)
         memory = follow(hold, along, rim, speed, held, p["hold"])
+        dug = dig(hold[2], along, rim, distance < p["radius"], held)
         scale = 1.0 / (p["hold"] + HOLD_TIME * speed)
         travel = (p["hold"] * memory[0] + HOLD_TIME * along) * scale
         turn = (p["hold"] * memory[1] + HOLD_TIME * rim) * scale
@@ -104,7 +106,7 @@ class Rover:
         angle = np.arctan2(sin, cos)
         nominal = contact.slip_of(travel, turn) * length
         passed, lead = self.passed(foot, command, nominal)
-        place = ground.place_at(nominal, along, p["radius"] - distance, self.load, angle, foot, passed, lead)
+        place = ground.place_at(nominal, along, p["radius"] - distance, self.load, angle, foot, passed, lead, dug)
         if len(self.flexible):
             place["load"] = self.carried(place, travel, turn, length)
         soil, place, turn, (normal, pull, torque) = self.contact(p, place, travel, turn, length)
@@ -113,7 +115,7 @@ class Rover:
         torque = torque + ground.added_torque(p, np.maximum(normal, 0.0), turn) * length
         normal = np.where(sinkage > 0.0, np.maximum(normal - p["damping"] * smooth(sinkage / DAMPING_DEPTH) * up, 0.0), 0.0)
         slip = contact.slip_of(along, soil.get("true_radius", p["radius"]) * spin)
-        return normal, pull, torque, (lever_x, lever_z, cos, sin), (memory, sinkage, slip, spin)
+        return normal, pull, torque, (lever_x, lever_z, cos, sin), ((*memory, dug), sinkage, slip, spin)
 
     def contact(self, p, place, travel, turn, length):
         """The soil, the place with the soil's sinkage, the turning of the true rim, and the forces, of contacts at the sinkage of the
@@ -211,7 +213,7 @@ class Rover:
             (x, z), _ = self.reference_point(q, np.zeros_like(q))
             q = np.concatenate([np.stack([x0 - x, y[..., 1] - z], axis=-1), y[..., 2:]], axis=-1)
             shape = y.shape[:-1] + (self.count,)
-            hold = (np.broadcast_to(-np.clip(y[..., 0:1], -1.0, 1.0), shape), np.zeros(shape))
+            hold = (np.broadcast_to(-np.clip(y[..., 0:1], -1.0, 1.0), shape), np.zeros(shape), np.zeros(shape))
             return self.acceleration(q, 0.0 * q, hold, zero, 0.0), q, hold
 
         for _ in range(60):
@@ -301,6 +303,14 @@ def follow(hold, along, rim, speed, span, distance):
     left = np.exp(-way)
     gain = span / distance * np.where(way > 1e-6, -np.expm1(-way) / np.maximum(way, 1e-6), 1.0)
     return left * hold[0] + gain * along, left * hold[1] + gain * rim
+
+
+def dig(dug, along, rim, touches, span):
+    """The slip to which the ground is dug after `span` seconds of this motion: s' = (min(|r omega - V|, v) - s v)/l, v = max(|V|, |r omega|)
+    on the ground; off it v = |V| and no slip."""
+    fastest = np.where(touches, np.maximum(np.abs(along), np.abs(rim)), np.abs(along))
+    slip = np.where(touches, np.minimum(np.abs(rim - along), fastest), 0.0) / np.maximum(fastest, 1e-12)
+    return slip + (dug - slip) * np.exp(-span * fastest / ground.DIGGING)
 
 
 def loaded(p):

@@ -29,6 +29,10 @@ PAIRS = {
 }
 
 
+# Forms that join a set behind all others, so that those keep their order.
+MORE_FORMS = {cases.WHEEL: (), cases.ROVER: (("slip_sinkage", "gradual"),)}
+
+
 @dataclass(frozen=True)
 class Job:
     set_name: str
@@ -67,7 +71,7 @@ def all_cases(kind, under=()):
 def jobs(set_name, kinds, size, wanted, noises, seeds, first_seed=None, drawn=False):
     """All experiments; where `drawn`, those of a traverse are under the conditions, the noise among them, that their seed draws."""
     first = FIRST_SEED[set_name] if first_seed is None else first_seed
-    made = []
+    made, more = [], []
     for kind in kinds:
         for seed in range(first, first + seeds):
             under = conditions.drawn(seed) if drawn and kind == cases.ROVER else ()
@@ -76,7 +80,9 @@ def jobs(set_name, kinds, size, wanted, noises, seeds, first_seed=None, drawn=Fa
                 if case in all_cases(kind, under):
                     form = form_for(set_name, kind, case)
                     made += [Job(set_name, kind, size, case, form, level, seed, under) for level in levels]
-    return made
+                others = [form for of, form in MORE_FORMS[kind] if of == case]
+                more += [Job(set_name, kind, size, case, form, level, seed, under) for form in others for level in levels]
+    return made + more
 
 
 def quick():

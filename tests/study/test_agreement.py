@@ -28,6 +28,7 @@ SEED = 1005
 # The library's parameters of a form at strength s.
 PARAMETERS = {
     "slip_sinkage.ding": lambda s: {"slip_sinkage.n1": s},
+    "slip_sinkage.gradual": lambda s: {"slip_sinkage.n1": s, "slip_sinkage.length": 0.05},
     "exit_angle.ishigami": lambda s: {"exit_angle.lambda": s},
     "multi_pass.holm": lambda s: {"multi_pass.growth": s},
     "grousers.lugs": lambda s: {"grousers.height": s},
@@ -60,7 +61,7 @@ PARAMETERS = {
 
 def test_agreement_the_model_drives_as_the_generator_with_each_form_of_the_library(tmp_path):
     bench = hidden.make_bench(cases.ROVER, SEED, "reduced", False, ("rocker_bogie",))
-    forms = cases.library(cases.ROVER, bench.jointed)
+    forms = [*cases.library(cases.ROVER, bench.jointed), cases.find(cases.ROVER, "slip_sinkage", "gradual")]
     # Side by side, which takes a fraction of the time.
     signals = bench.simulate([{form.key: STRENGTH * form.typical} for form in forms])
     too_far = {}

@@ -117,13 +117,6 @@ impl Problem {
         }
     }
 
-    /// Largest tractive force that ground and drive allow wheel `wheel` under the load `load` (N), N.
-    #[must_use]
-    pub fn traction_limit(&self, wheel: usize, load: f64) -> f64 {
-        let strength = self.adhesion[wheel] + self.friction[wheel] * load;
-        self.drive_limits.as_ref().map_or(strength, |limits| limits[wheel][1].min(strength))
-    }
-
     /// Writes G x + slack = f_s, in the optimiser's units: the unknowns after the forces are slack of the
     /// first `slacks` rows, and the horizontal force is asked for within `limit` weights.
     ///

@@ -58,3 +58,37 @@ fn property_without_a_command_before_the_error_is_the_answer() {
     let answer = rtc.act(gives_up(), &demand, &measured, None, &mut command);
     assert!(matches!(answer, Err(ControlError::Optimiser(_))) && rtc.outcome().is_none(), "{answer:?}");
 }
+
+/// Torques and loads of two solutions of one problem by an interior-point method, relative: its gap of 1e-8 of the objective, near whose
+/// minimum the forces differ by the root.
+const MIRRORED: f64 = 1e-4;
+
+#[test]
+fn property_driving_backward_over_mirrored_ground_mirrors_torques_loads_and_slips() {
+    let (mut forward, mut measured, _, mut ahead) = rolling_on_level_ground();
+    let (mut backward, mut mirrored, _, mut back) = rolling_on_level_ground();
+    // Up a slope over uneven ground, so that loads differ and slips are large.
+    measured.pitch = 0.1;
+    for (k, (angle, speed)) in [(0.15, 1.3), (0.05, 1.1)].into_iter().enumerate() {
+        measured.wheels[k].contact_angle = angle;
+        measured.wheels[k].speed *= speed;
+    }
+    mirrored.pitch = -measured.pitch;
+    mirrored.velocity = -measured.velocity;
+    for k in 0..2 {
+        mirrored.wheels[k].contact_angle = -measured.wheels[1 - k].contact_angle;
+        mirrored.wheels[k].speed = -measured.wheels[1 - k].speed;
+    }
+    for round in 0..5 {
+        forward.command(&measured, &Reference { velocity: 0.2 }, &mut ahead).unwrap();
+        backward.command(&mirrored, &Reference { velocity: -0.2 }, &mut back).unwrap();
+        let close = |a: f64, b: f64| (a - b).abs() < MIRRORED * a.abs().max(b.abs());
+        for k in 0..2 {
+            let (one, other) = (forward.shares()[k], backward.shares()[1 - k]);
+            assert!(close(ahead.values[k], -back.values[1 - k]), "{round}: {ahead:?} {back:?}");
+            assert!(close(one.load, other.load) && close(one.slip, other.slip), "{round}: {one:?} {other:?}");
+            assert!(one.slip > 0.02, "the wheels pull: {one:?}");
+        }
+        assert!((forward.shares()[0].load / forward.shares()[1].load - 1.0).abs() > 0.1, "loads differ");
+    }
+}
