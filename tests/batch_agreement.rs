@@ -117,7 +117,7 @@ fn property_like_runs_go_side_by_side() {
     }
 }
 
-/// Rims that transmit all of the soil's shear, less with a sharp corner and less with a rounded one stand side by side.
+/// Rims that transmit all of the soil's shear, less with a sharp corner and less with a rounded one, each beside others of its kind.
 #[test]
 fn agreement_rims_of_all_kinds() {
     for (preset, mean) in [("two_wheeled", 1.5), ("two_wheeled_speed", 2.0)] {
@@ -135,12 +135,14 @@ fn agreement_rims_of_all_kinds() {
     }
 }
 
-/// Wheels that dig at once, within several lengths and not at all stand side by side.
+/// Wheels that dig at once, with several lengths and not at all, each beside others of its kind.
 #[test]
 fn agreement_digging_of_all_kinds() {
     for (preset, mean) in [("two_wheeled", 1.5), ("two_wheeled_speed", 2.0), ("rocker_bogie", 0.3)] {
-        let diggers =
-            [[0.0, 0.0], [0.4, 0.0], [0.4, 0.05], [0.0, 0.05], [0.2, 0.5], [0.5, 0.001], [0.4, 0.02], [0.3, 0.0]];
+        let at_once = [[0.4, 0.0], [0.3, 0.0], [0.2, 0.0]];
+        let along = [[0.4, 0.05], [0.2, 0.5], [0.5, 0.001], [0.4, 0.02]];
+        let not = [[0.0, 0.05], [0.0, 0.02], [0.0, 0.3]];
+        let diggers = [&at_once[..], &along, &not].concat();
         let run = |[n1, length]: [f64; 2]| {
             let mut model = Model::preset(preset).unwrap();
             model.rover.set("slip_sinkage.n1", n1).unwrap();

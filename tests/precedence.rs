@@ -254,10 +254,15 @@ fn regress_a_rover_that_cannot_use_the_measured_wheel_is_said_to() {
     let measured = experiment("", "", "", "");
     let carriage = compared(Given::default(), &measured, false).model;
     assert!(carriage.check_drive().is_ok());
-    let rover = Model::preset("two_wheeled").unwrap();
+    let mut rover = Model::preset("two_wheeled").unwrap();
     assert!(rover.check_drive().is_ok());
     let mut weak = carriage.clone();
     weak.rover.soil.k_phi = 2e5;
+    // A carriage does not see how soon sinkage follows slip, so that the rover keeps what it has.
+    rover.set("slip_sinkage.length", 0.05).unwrap();
+    let on_rover = rover.with_rig_of(&weak).unwrap();
+    assert_eq!(on_rover.rover.effects.slip_sinkage.length, 0.05);
+    rover.set("slip_sinkage.length", 0.0).unwrap();
     let on_rover = rover.with_rig_of(&weak).unwrap();
     assert_eq!((on_rover.rig() == weak.rig(), on_rover.kind), (true, ModelKind::Rover));
     let unfit = on_rover.check_drive().unwrap_err();

@@ -51,7 +51,6 @@ fn switch_on(effects: &mut Effects) {
     let typical = SWITCHED_ON.iter().flat_map(|id| support::switched_on(id));
     typical.for_each(|(name, value)| effects.set(&name, value).expect("a parameter"));
     effects.slip_sinkage.n1 = 0.3;
-    effects.slip_sinkage.length = 0.05;
     effects.exit_angle.lambda = 0.2;
     effects.multi_pass.growth = 0.3;
     effects.grousers.height = 0.006;
@@ -95,12 +94,22 @@ fn property_derivatives_in_every_parameter_agree_with_differences() {
     rover.motor.inverse_torque_limit = 0.05;
     rover.motor.inverse_current_limit = 0.05;
     rover.effects.voltage_limit.inverse_voltage = 0.02;
-    let state = moving(&rover);
+    for length in [0.05, 0.0] {
+        rover.effects.slip_sinkage.length = length;
+        check(&rover);
+    }
+}
+
+/// Fails where an exact derivative in a parameter of the rover differs from the differences.
+fn check(rover: &Rover) {
+    let state = moving(rover);
     let command = Command::torque(vec![0.3, 0.2, 0.25]);
-    let names: Vec<(String, f64)> = rover.list().into_iter().map(|(variable, value)| (variable.name, value)).collect();
+    let names: Vec<(String, f64)> =
+        rover.clone().list().into_iter().map(|(variable, value)| (variable.name, value)).collect();
     let dual_state = state.map(&Dual::<1>::from);
     let mut felt = 0;
-    for (name, value) in names {
+    // The law at once is no limit of small lengths at one instant.
+    for (name, value) in names.into_iter().filter(|(name, value)| name != "slip_sinkage.length" || *value > 0.0) {
         let mut dual: Rover<Dual<1>> = rover.map(&Dual::<1>::from);
         dual.visit("", &mut |variable, place| {
             if variable.name == name {

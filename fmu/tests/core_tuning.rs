@@ -80,8 +80,15 @@ fn property_what_makes_the_vehicle_waits_for_a_start() {
     for name in ["soil.cohesion", "slip_sinkage.n1", "rtc.gain", "sensor.pitch_noise", "gravity", "motor.resistance"] {
         assert_eq!(variability(&*fmu, name), Variability::Tunable, "{name}");
     }
-    for name in ["wheel.radius", "wheel[1].x", "rover.mass", "terrain.amplitude", "rtc.period", "sensor_lag.dead_time"]
-    {
+    for name in [
+        "wheel.radius",
+        "wheel[1].x",
+        "rover.mass",
+        "terrain.amplitude",
+        "rtc.period",
+        "sensor_lag.dead_time",
+        "slip_sinkage.length",
+    ] {
         assert_eq!(variability(&*fmu, name), Variability::Fixed, "{name}");
     }
     let mut other = model.clone();

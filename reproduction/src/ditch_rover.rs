@@ -38,7 +38,7 @@ pub(super) struct Traction {
     pub lugs: f64,
     /// Growth of the sinkage exponent with slip.
     pub slip_sinkage: f64,
-    /// Way of the rim within which the sinkage follows the slip, m; 0 at once.
+    /// Relaxation length with which the sinkage follows the slip, m; 0 at once.
     pub digging_length: f64,
 }
 
@@ -47,7 +47,7 @@ pub(super) const SMOOTH: Traction =
 pub(super) const LUGS: Traction = Traction { name: "lugs of 10 mm", lugs: 0.01, ..SMOOTH };
 pub(super) const DIGGING: Traction =
     Traction { name: "lugs of 10 mm, sand in which slip digs", slip_sinkage: 0.4, ..LUGS };
-/// Within about the length of a contact, 0.6 wheel radii.
+/// With about the length of a contact, 0.6 wheel radii.
 pub(super) const DIGGING_ALONG: Traction =
     Traction { name: "lugs of 10 mm, sand in which slip digs along the way", digging_length: 0.04, ..DIGGING };
 
@@ -151,7 +151,7 @@ pub(super) const ENTRANTS: &[Entrant] = &[
     Entrant { name: SLIP, apply: |model| with(model, ControlKind::Slip), command: |trial| trial.speed },
 ];
 
-/// RTC with wheel-speed loops that has the ditch on its map and knows the height of the lugs and how much slip digs. Its nominal soil
+/// RTC with wheel-speed loops that has the ditch on its map and knows the height of the lugs and how much a steady slip digs. Its nominal soil
 /// is the true one: the lugs' strength must not count twice.
 fn mapped(model: &mut Model) {
     by_wheel_speeds(model);

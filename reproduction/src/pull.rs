@@ -61,7 +61,7 @@ fn on_sand(traction: &Traction, seeds: &[u32]) -> Result<Finding, ReproductionEr
         let column = |axis: usize| done[0].0[k].iter().map(|point| point[axis]).collect();
         Series { name: entrant.name.to_owned(), x: column(0), y: column(1) }
     });
-    let id = if traction.slip_sinkage > 0.0 { "pull_digging" } else { "pull_monotone" };
+    let id = if traction.slip_sinkage > 0.0 { "pull_digging_along" } else { "pull_monotone" };
     Ok(Finding {
         id: id.to_owned(),
         section: "4.4.2".to_owned(),
@@ -78,8 +78,8 @@ fn on_sand(traction: &Traction, seeds: &[u32]) -> Result<Finding, ReproductionEr
             "FSRL rover on level loose sand of the thesis's bevameter (0.18 kPa), 6 cm/s commanded; RTC as in the thesis is \
              commanded a body force of one weight. The sled resists in proportion to its speed."
                 .to_owned(),
-            "Where slip digs, the sinkage exponent follows the slip (Ding et al. 2011 give it for steady slip) within 4 cm of the rim's way, \
-             about the length of a contact. Where it follows at once, the rover hops behind heavy sleds."
+            "Where slip digs, the sinkage exponent follows the slip (Ding et al. 2011 give it for steady slip) with a relaxation \
+             length of 4 cm, about that of a contact. Where it follows at once, the rover hops behind heavy sleds."
                 .to_owned(),
         ],
     })

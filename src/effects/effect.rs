@@ -35,8 +35,8 @@ pub trait Effect<S: Scalar>: Parameters<S> {
         false
     }
 
-    /// Way of rim or wheel (m) within which the ground under a wheel follows its slip, where the effect needs [`Place::dug_slip`];
-    /// 0 in those side by side that do not need it.
+    /// Relaxation length (m, more than 0) with which the ground under a wheel follows its slip, where the effect needs
+    /// [`Place::dug_slip`]. A wheel has one such slip: of several effects the first one's length holds, those of the library first.
     fn dug_within(&self) -> Option<S> {
         None
     }

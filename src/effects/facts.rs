@@ -92,6 +92,8 @@ pub struct Facts {
     /// Whether the parameters may change while a run is under way: not where a wheel's size or the length of a memory
     /// depends on them.
     pub tunable: bool,
+    /// Parameters, without the effect's id, that may not change then although the others may.
+    pub not_tunable: &'static [&'static str],
     /// Parameters, without the effect's id, beside whose neutral value no other law begins once another parameter of the effect is not
     /// neutral: the same formulas, branches and quadrature hold there, so that a finite difference gives the derivative.
     pub smooth_at_neutral: &'static [&'static str],
@@ -110,6 +112,7 @@ impl Facts {
         typical: &[],
         advice: &[],
         tunable: true,
+        not_tunable: &[],
         smooth_at_neutral: &[],
         headers: &[],
     };

@@ -21,8 +21,8 @@ pub struct Place<S = f64> {
     pub contact_angle: S,
     /// Slip as far as it is established, see [`crate::contact::Motion::established_slip`].
     pub slip: S,
-    /// Slip to which the ground under the wheel is dug: in steady motion the size of the slip, at most 1; before that it follows
-    /// within the way that [`Effect::dug_within`](super::Effect::dug_within) gives, and where no effect gives one it has no meaning.
+    /// Slip to which the ground under the wheel is dug: in steady motion the size of the slip, at most 1. It follows the slip with the
+    /// length that [`Effect::dug_within`](super::Effect::dug_within) gives; where no effect gives one it has no meaning.
     pub dug_slip: S,
     /// Sinkage of the wheel's undeformed outline, m.
     pub sinkage: S,

@@ -4,15 +4,19 @@ use super::{Effect, Facts, Local, Place, SOIL_TEST};
 use crate::scalar::{Mask, Scalar, lanes};
 use bekker_modeldescription::{Unit, parameters};
 
+/// Below it four terms of the series of (1 - e^-x)/x are nearer, x^4/120, than the difference, whose rounding is of 1e-16/x.
+const SMALL: f64 = 1.5e-3;
+
 parameters! {
-    /// A slipping wheel digs itself in: n = n_0 + n_1 min(|i|, 1) (Ding et al. 2011), at once or, with a length l, along its way:
-    /// n = n_0 + n_1 s with ds/dt = (min(|r omega - V|, v) - s v)/l and v = max(|r omega|, |V|), so that s = min(|i|, 1) in steady
-    /// motion. A wheel that spins on the spot then digs itself in while l of its rim passes, and one that rolls on leaves its hole after l.
+    /// A slipping wheel digs itself in: n = n_0 + n_1 min(|i|, 1) (Ding et al. 2011), at once or, with a relaxation length l, along its
+    /// way: n = n_0 + n_1 s with ds/dt = (min(|r omega - V|, v) - s v)/l and v = max(|r omega|, |V|), so that s = min(|i|, 1) in steady
+    /// motion. Of a change of slip 63 % have come after l and 95 % after 3 l, measured along the rim or along the way, whichever is
+    /// longer. s belongs to the wheel: one that follows does not find the hole of the one before it.
     pub struct SlipSinkage {
         /// Growth n_1 of the sinkage exponent with slip.
         n1: [Unit::ONE] = 0.0, 0.0..=1.5, Effect, "Ding et al. 2011, J. Terramechanics 48: 0.35-0.5";
-        /// Way of rim or wheel l within which the sinkage follows the slip; 0 follows at once.
-        length: [Unit::METRE] = 0.0, 0.0..=1.0, Fixed, "neutral; about the contact's length, 0.6 r at a sinkage of 0.2 r";
+        /// Relaxation length l with which the sinkage follows the slip, along the rim or along the way; 0 follows at once.
+        length: [Unit::METRE] = 0.0, 0.0..=1.0, Fixed, "neutral; assumption: the contact's length, 0.6 r at a sinkage of 0.2 r";
     }
 }
 
@@ -23,6 +27,8 @@ impl<S: Scalar> Effect<S> for SlipSinkage<S> {
             seen_on_carriage: &["sinkage", "drawbar_pull"],
             seen_on_rover: &["wheel[1].sinkage"],
             advice: &[SOIL_TEST],
+            // Whether the ground keeps a slip is decided at the start.
+            not_tunable: &["length"],
             ..Facts::USUAL
         }
     }
@@ -64,18 +70,30 @@ impl<S: Scalar> Digging<S> {
         Self { slipping: (self.slipping + other.slipping) * 0.5, renewal: (self.renewal + other.renewal) * 0.5 }
     }
 
-    /// Rate of the slip `dug` that the ground shows, 1/s, where it follows within `length` (m, more than 0).
+    /// Rate of the slip `dug` that the ground shows, 1/s, with the relaxation length `length` (m, more than 0).
     pub(crate) fn rate(&self, dug: S, length: S) -> S {
         (self.slipping - dug * self.renewal) / length
     }
 
-    /// That slip after `h` seconds: exact where the motion stays the same. Where the length is 0 it is not kept.
+    /// That slip after `h` seconds: exact where the motion stays the same.
     pub(crate) fn after(&self, dug: S, length: S, h: f64) -> S {
-        let (one, moves) = (S::from(1.0), self.renewal.over(0.0) & length.over(0.0));
-        let (renewal, length) = (S::select(moves, self.renewal, one), S::select(moves, length, one));
-        let end = self.slipping / renewal;
-        S::select(moves, end + (dug - end) * (-(renewal / length * h)).exp(), dug)
+        dug + self.rate(dug, length) * relaxed(self.renewal / length * h) * h
     }
+
+    /// That slip after a long time; none of a wheel that stands.
+    pub(crate) fn steady(&self) -> S {
+        let moves = self.renewal.over(0.0);
+        S::select(moves, self.slipping / S::select(moves, self.renewal, S::from(1.0)), S::from(0.0))
+    }
+}
+
+/// (1 - e^-x)/x, for x >= 0.
+#[lanes]
+fn relaxed<S: Scalar>(x: S) -> S {
+    let small = x.under(SMALL);
+    let safe = S::select(small, S::from(1.0), x);
+    let series = ((x * (-1.0 / 24.0) + 1.0 / 6.0) * x - 0.5) * x + 1.0;
+    S::select(small, series, (S::from(1.0) - (-safe).exp()) / safe)
 }
 
 #[cfg(test)]
@@ -99,11 +117,22 @@ mod tests {
 
     #[test]
     fn analytic_in_steady_motion_the_ground_shows_the_slip() {
+        assert_eq!(Digging::new(0.0, 0.0, true).steady(), 0.0);
         for (velocity, rim_speed) in [(0.06, 0.1), (0.1, 0.06), (-0.06, -0.1), (-0.02, 0.1), (0.0, -0.1)] {
             let slip = crate::contact::slip(velocity, rim_speed).abs().min(1.0);
             let motion = Digging::new(velocity, rim_speed, true);
+            assert!((motion.steady() - slip).abs() < ROUNDING);
             assert!((motion.rate(slip, 0.05)).abs() < ROUNDING);
             assert!((motion.after(slip, 0.05, 0.3) - slip).abs() < ROUNDING);
+        }
+    }
+
+    #[test]
+    fn analytic_the_series_and_the_closed_form_meet() {
+        for x in [0.0, 1e-9, 1e-4, 0.999 * SMALL, 1.001 * SMALL, 0.1, 3.0] {
+            let exact = if x > 0.0 { -(-x).exp_m1() / x } else { 1.0 };
+            // A rounding of e^-x over x.
+            assert!((relaxed(x) - exact).abs() < f64::EPSILON / SMALL, "{x}");
         }
     }
 

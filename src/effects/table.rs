@@ -115,7 +115,7 @@ macro_rules! effects {
                 self.registered.counts_passes() $(|| self.$id.counts_passes())*
             }
 
-            /// Way within which the ground under a wheel follows its slip: that of the first effect that gives one.
+            /// The length with which the ground under a wheel follows its slip: that of the first effect that gives one.
             pub(crate) fn dug_within(&self) -> Option<S> {
                 $(if let Some(length) = self.$id.dug_within() {
                     return Some(length);

@@ -46,7 +46,7 @@ parameters! {
         hold_turn: [Unit::ONE] = 0.0, ANY, Signal, "state";
         /// How much warmer than its surroundings the motor's winding is; constant without the effect winding_heat.
         winding_rise: [Unit::KELVIN] = 0.0, ANY, Signal, "state";
-        /// Slip to which the ground under the wheel is dug; constant without the effect slip_sinkage and its length.
+        /// Slip to which the ground under the wheel is dug; constant where slip_sinkage.length is 0.
         dug_slip: [Unit::ONE] = 0.0, ANY, Signal, "state";
     }
 }

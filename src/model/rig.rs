@@ -5,9 +5,9 @@ use crate::carriage::{Rig, SetPoint, SteadyError, SteadyPoint};
 use crate::effects::DefinitionError;
 use crate::simulation::{Event, Status};
 use crate::soil_test::{SoilTest, TestRig};
-use bekker_modeldescription::{Parameters, Role, Variable, join};
+use bekker_modeldescription::{Parameters, Variable, join};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What a model is of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -102,8 +102,7 @@ impl Model {
     }
 
     /// This rover with gravity, wheel, soil and effects of `tested`, which count as stated; of a test of the soil with what it states of
-    /// the soil. Effects that `tested` has switched
-    /// off stay as this rover has them: a carriage does not see all of them.
+    /// the soil. Parameters of effects that have their defaults in `tested` stay as this rover has them: a carriage does not see all.
     ///
     /// # Errors
     /// [`DefinitionError`] where both define effects of the user's own with one id in different ways.
@@ -112,11 +111,14 @@ impl Model {
         rover.rover.effects.register_all_of(&tested.rover.effects)?;
         let custom = &tested.rover.effects.custom;
         rover.define_effects(custom.iter().map(|effect| effect.definition().clone()).collect())?;
-        let mut values = BTreeMap::new();
+        let (mut values, mut of_effects) = (BTreeMap::new(), BTreeSet::new());
+        tested.rover.effects.clone().visit("", &mut |variable, _| {
+            of_effects.insert(variable.name);
+        });
         // A test of the soil tells of a few of its parameters, which it states, and nothing of a wheel.
         let told = |name: &str| tested.kind != ModelKind::SoilTest || tested.stated.contains(name);
         tested.rig().visit("", &mut |variable, value| {
-            if told(&variable.name) && (variable.role != Role::Effect || *value != variable.default) {
+            if told(&variable.name) && (!of_effects.contains(&variable.name) || *value != variable.default) {
                 values.insert(variable.name, *value);
             }
         });

@@ -7,7 +7,7 @@ use bekker_modeldescription::{Lookup, Parameters};
 
 impl Model {
     /// Whether the parameter `name` may change on the way, see [`Run::retune`]: soil, gravity, motors, sensors, the gains of
-    /// controllers, and effects but for those that are not tunable ([`Facts`](crate::effects::Facts)). What makes the
+    /// controllers, and effects but for those, and those parameters, that are not tunable ([`Facts`](crate::effects::Facts)). What makes the
     /// vehicle, the ground, the clocks and the estimators is decided at the start.
     #[must_use]
     pub fn is_tunable(&self, name: &str) -> bool {
@@ -21,7 +21,8 @@ impl Model {
             _ => {
                 let effects = &self.rover.effects;
                 let custom = || effects.custom.iter().any(|effect| effect.id() == group);
-                effects.facts_of(group).map_or_else(custom, |facts| facts.tunable)
+                let own = name[group.len()..].trim_start_matches('.');
+                effects.facts_of(group).map_or_else(custom, |facts| facts.tunable && !facts.not_tunable.contains(&own))
             }
         }
     }

@@ -1,11 +1,12 @@
 //! A rover in motion: where the simulation of a recorded drive begins.
 
 use super::SettleError;
-use crate::contact::{Hold, slip};
+use crate::contact::Hold;
+use crate::effects::Digging;
 use crate::linear::{Factors, Vector, zeros};
 use crate::rover::dynamics::{DynamicsError, Evaluation};
 use crate::rover::{Rover, State, Track};
-use crate::scalar::{Dual, Scalar};
+use crate::scalar::{Dual, Mask, Scalar};
 use crate::signals::Command;
 use crate::vehicle::MAX_COORDINATES;
 
@@ -76,12 +77,10 @@ impl<S: Scalar> Hold<S> {
         (self.travel.value() != 0.0 || self.turn.value() != 0.0).then_some(self)
     }
 
-    /// The slip to which ground is dug over which a wheel has always moved so, where an effect of the rover keeps it.
+    /// The steady value of `dug_slip` for this direction of motion; 0 where no effect of the rover keeps it.
     fn dug_slip(self, rover: &Rover<S>) -> S {
-        match rover.effects.dug_within() {
-            Some(_) => slip(self.travel, self.turn).abs().smaller(S::from(1.0)),
-            None => S::from(0.0),
-        }
+        let touches = S::Mask::from_lanes(|_| true);
+        rover.effects.dug_within().map_or(S::from(0.0), |_| Digging::new(self.travel, self.turn, touches).steady())
     }
 }
 

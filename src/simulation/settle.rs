@@ -141,7 +141,7 @@ impl Rover<f64> {
             integrator.step(self, &mut state, &command, SETTLING_STEP)?;
             state.position[0] = x;
             state.rate[0] = 0.0;
-            state.wheels.iter_mut().for_each(|wheel| wheel.hold = Hold::default());
+            state.wheels.iter_mut().for_each(|wheel| (wheel.hold, wheel.dug_slip) = (Hold::default(), 0.0));
             integrator.evaluate(self, &mut state, &command)?;
         }
         state.rate.iter_mut().for_each(|rate| *rate = 0.0);
@@ -323,6 +323,17 @@ mod tests {
 
     /// Two rests of the same balance, m and rad: both leave [`AT_REST`] of acceleration at most.
     const SAME: f64 = 1e-7;
+
+    /// Locked wheels of a rover that is dropped slide over the ground; that is no way on which slip digs.
+    #[test]
+    fn property_a_rover_that_is_dropped_comes_to_rest_on_ground_that_is_not_dug() {
+        let mut rover = Model::preset("rocker_bogie_velocity").expect("a preset").rover;
+        (rover.effects.slip_sinkage.n1, rover.effects.slip_sinkage.length) = (0.4, 0.05);
+        rover.terrain =
+            Terrain::new(Profile::Random(Random::new(Spectrum { roughness: 0.04, wavelength: 4.0, exponent: 3.0 }, 1)));
+        let dropped = rover.relaxed(0.0).expect("known ground");
+        assert!(dropped.wheels.iter().all(|wheel| wheel.dug_slip == 0.0), "{dropped:?}");
+    }
 
     /// Rough ground leaves a wheel of the first guess in the air; to drop the rover takes some hundred times as long, and is
     /// to be the exception. It ends in the same rest.

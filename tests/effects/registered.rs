@@ -30,20 +30,24 @@ fn renamed(id: &str, settings: &Settings) -> Settings {
 
 /// Fails where `G`, registered, does not act like the library's effect `id`, on a carriage and in all drives. The group gives
 /// its type only.
-fn assert_same<G: Registrable>(_: &G, id: &str) {
-    let on = switched_on(id);
-    let own = renamed(id, &on);
+fn assert_same<G: Registrable>(group: &G, id: &str) {
+    assert_same_at(group, id, &switched_on(id));
+}
+
+/// The same with these parameters.
+fn assert_same_at<G: Registrable>(_: &G, id: &str, on: &Settings) {
+    let own = renamed(id, on);
     let mut rover = Rover::two_wheeled();
     rover.soil.shear_modulus = 0.01;
     rover.effects.register::<G>(OWN, "").unwrap();
     own.iter().for_each(|(name, value)| rover.set(name, *value).unwrap());
-    let (library, registered) = (carriage(&on).unwrap(), carriage_with(&Rig::of(&rover)).unwrap());
+    let (library, registered) = (carriage(on).unwrap(), carriage_with(&Rig::of(&rover)).unwrap());
     assert_eq!(library.bits(), registered.bits(), "{id} on a carriage");
     for kind in DRIVES {
         let mut model = model(kind, &Settings::new());
         model.register_effect::<G>(OWN, "").unwrap();
         own.iter().for_each(|(name, value)| model.rover.set(name, *value).unwrap());
-        let (library, registered) = (drive(kind, &on).unwrap(), drive_model(kind, &model).unwrap());
+        let (library, registered) = (drive(kind, on).unwrap(), drive_model(kind, &model).unwrap());
         assert_eq!(library.bits(), registered.bits(), "{id}, {kind:?}");
     }
 }
@@ -88,6 +92,12 @@ fn agreement_registered_groups_act_like_those_of_the_library_to_the_last_bit() {
         rolling_resistance,
         tracking_delay,
     }
+}
+
+#[test]
+fn agreement_a_registered_effect_may_keep_the_slip_to_which_the_ground_is_dug() {
+    let on = [("slip_sinkage.n1", 0.4), ("slip_sinkage.length", 0.05)].map(|(name, value)| (name.to_owned(), value));
+    assert_same_at(&Effects::<f64>::default().slip_sinkage, "slip_sinkage", &on.to_vec());
 }
 
 #[test]

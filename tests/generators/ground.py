@@ -7,7 +7,7 @@ turns parameters and the place of a contact into what contact.forces sums; `adde
 import numpy as np
 
 RATE_SPEED = 0.01  # m/s, reference speed of the rate laws
-DIGGING = 0.05  # m, way of the rim within which a gradual slip-sinkage follows the slip
+DIGGING = 0.05  # m, relaxation length with which a gradual slip-sinkage follows the slip
 FLEXIBLE = ("arc", "load", "axle")  # forms of a flexible wheel
 ROUNDED = 0.02  # rad, of a slope's size
 GRAVITY_OF_SOIL = 16e3  # N/m^3, unit weight of sand

@@ -307,7 +307,7 @@ def follow(hold, along, rim, speed, span, distance):
 
 def dig(dug, along, rim, touches, span):
     """The slip to which the ground is dug after `span` seconds of this motion: s' = (min(|r omega - V|, v) - s v)/l, v = max(|V|, |r omega|)
-    on the ground; off it v = |V| and no slip."""
+    on the ground; off it v = |V| and no slip. The motion at the end counts for all of a step (order 1), and the rim is the nominal one."""
     fastest = np.where(touches, np.maximum(np.abs(along), np.abs(rim)), np.abs(along))
     slip = np.where(touches, np.minimum(np.abs(rim - along), fastest), 0.0) / np.maximum(fastest, 1e-12)
     return slip + (dug - slip) * np.exp(-span * fastest / ground.DIGGING)

@@ -122,3 +122,12 @@ def test_property_what_was_said_beside_the_truth_is_judged_where_that_counts():
     alike.judge(None, cases.WHEEL, outside, ["drag"])
     alike.judge(None, cases.WHEEL, effects, alike.beside(effects, {"error": "stopped"}))
     assert outside[0]["allowed_ties"] == effects[0]["allowed_ties"] == []
+
+
+def test_property_forms_that_joined_later_stand_behind_all_others_once_a_seed():
+    seeds = 3
+    jobs = plan.jobs("report", (cases.WHEEL, cases.ROVER), "reduced", None, [0.02], seeds)
+    later = [(job.case, job.form) in plan.MORE_FORMS[job.kind] for job in jobs]
+    assert sum(later) == seeds * len(plan.MORE_FORMS[cases.ROVER])
+    assert later == sorted(later)
+    assert len({job.name for job in jobs}) == len(jobs)

@@ -3,6 +3,7 @@
 //! Each goes on to the bits that it has by itself ([`crate::batch`]), so neither which of them share a batch nor the processor's
 //! instructions show in what they give.
 
+use super::windows::has_past;
 use super::{Drives, Recorded, Traced};
 use crate::batch::{Batch, Kernel, Kind};
 use crate::diagnosis::halt::Halt;
@@ -30,11 +31,11 @@ impl<'a> Variant<'a> {
         Self { run, model, shift: [0.0; OPEN] }
     }
 
-    /// Whether its windows can be replayed by themselves: none waits for the temperature in which another ends, and none is led. A run
+    /// Whether its windows can be replayed by themselves: none waits for what another leaves of its wheels' past, and none is led. A run
     /// with feedback loops is one window.
     pub fn is_separable(&self) -> bool {
         let cut = !self.run.windows.is_empty() && self.run.guide.is_none();
-        cut && (self.is_looped() || self.model.rover.effects.warming(0.0).is_none())
+        cut && (self.is_looped() || !has_past(&self.model.rover))
     }
 
     /// Whether feedback loops drive it.

@@ -10,37 +10,53 @@ use crate::scalar::Scalar;
 use crate::simulation::{Simulation, StepError};
 use std::ops::Range;
 
-/// How warm the windings are along a window.
-struct Heat<S> {
-    /// The rises (K) with which it begins, and the row.
-    first: (Vec<S>, usize),
-    /// The same of the last row that was taken.
-    last: (Vec<S>, usize),
+/// What of a wheel's past no record tells, and a window takes over from the one before.
+#[derive(Clone, Copy)]
+pub(super) struct Past<S> {
+    /// How warm the winding is, K.
+    rise: S,
+    /// Slip to which the ground is dug.
+    dug_slip: S,
 }
 
-impl<S: Scalar> Heat<S> {
+/// Whether the wheels of a rover have such a past.
+pub(super) fn has_past<S: Scalar>(rover: &Rover<S>) -> bool {
+    rover.effects.warming(S::from(0.0)).is_some() || rover.effects.dug_within().is_some()
+}
+
+/// The wheels' past along a window.
+struct Carried<S> {
+    /// With which it begins, and the row.
+    first: (Vec<Past<S>>, usize),
+    /// The same of the last row that was taken.
+    last: (Vec<Past<S>>, usize),
+}
+
+impl<S: Scalar> Carried<S> {
     fn new(state: &State<S>, row: usize) -> Self {
-        let rises = rises(state);
-        Self { first: (rises.clone(), row), last: (rises, row) }
+        let past = past(state);
+        Self { first: (past.clone(), row), last: (past, row) }
     }
 
     fn take(&mut self, row: usize, state: &State<S>) {
-        self.last = (rises(state), row);
+        self.last = (past(state), row);
     }
 
-    /// The rises at a row: where it lies behind the last one that was taken, the power stays what it was in between on average.
-    fn at(self, row: usize, rover: &Rover<S>, time: &[f64]) -> Vec<S> {
-        let ((before, begin), (mut rises, end)) = (self.first, self.last);
-        let Some(law) = rover.effects.warming(S::from(0.0)).filter(|_| begin < end && end < row) else { return rises };
-        for (rise, before) in rises.iter_mut().zip(before) {
-            *rise = law.between(before, *rise, time[end] - time[begin]).after(*rise, time[row] - time[end]);
+    /// The past at a row: where it lies behind the last one that was taken, the power stays what it was in between on average, and the
+    /// ground as it was.
+    fn at(self, row: usize, rover: &Rover<S>, time: &[f64]) -> Vec<Past<S>> {
+        let ((before, begin), (mut wheels, end)) = (self.first, self.last);
+        let Some(law) = rover.effects.warming(S::from(0.0)).filter(|_| begin < end && end < row) else { return wheels };
+        for (wheel, before) in wheels.iter_mut().zip(before) {
+            wheel.rise =
+                law.between(before.rise, wheel.rise, time[end] - time[begin]).after(wheel.rise, time[row] - time[end]);
         }
-        rises
+        wheels
     }
 }
 
-fn rises<S: Scalar>(state: &State<S>) -> Vec<S> {
-    state.wheels.iter().map(|wheel| wheel.winding_rise).collect()
+fn past<S: Scalar>(state: &State<S>) -> Vec<Past<S>> {
+    state.wheels.iter().map(|wheel| Past { rise: wheel.winding_rise, dug_slip: wheel.dug_slip }).collect()
 }
 
 impl Recorded {
@@ -56,16 +72,16 @@ impl Recorded {
     ) -> Result<Traced<S>, PredictionError> {
         let mut trace = vec![S::from(f64::NAN); self.time.len() * self.traced];
         let mut ended = Vec::new();
-        // How warm the windings are where the next window begins, where they warm up.
-        let mut warm: Vec<S> = Vec::new();
-        let warms = rover.effects.warming(S::from(0.0)).is_some();
+        // The wheels' past where the next window begins.
+        let mut wheels: Vec<Past<S>> = Vec::new();
+        let has_past = has_past(rover);
         for (k, window) in self.windows.iter().enumerate() {
-            let next = self.windows.get(k + 1).map(|next| next.begin).filter(|_| warms);
-            let state = self.state(rover, x0, window, open, &warm).map_err(|error| self.failed(error.into()))?;
-            let mut heat = Heat::new(&state, window.begin);
+            let next = self.windows.get(k + 1).map(|next| next.begin).filter(|_| has_past);
+            let state = self.state(rover, x0, window, open, &wheels).map_err(|error| self.failed(error.into()))?;
+            let mut carried = Carried::new(&state, window.begin);
             let mut record = |row: usize, simulation: &Simulation<S>| {
                 if next.is_some_and(|next| row <= next) {
-                    heat.take(row, simulation.state());
+                    carried.take(row, simulation.state());
                 }
                 if window.rows.contains(&row) {
                     self.read(simulation.signals(), row, &mut trace);
@@ -83,20 +99,20 @@ impl Recorded {
                 }
             }
             if let Some(next) = next {
-                warm = heat.at(next, rover, &self.time);
+                wheels = carried.at(next, rover, &self.time);
             }
         }
         Ok(Traced { values: trace, ended })
     }
 
-    /// How a window begins.
+    /// How a window begins; with the past of its `wheels` that another window leaves, where there is one.
     pub(super) fn state<S: Scalar>(
         &self,
         rover: &Rover<S>,
         x0: S,
         window: &Window,
         open: &dyn Fn([f64; OPEN]) -> [S; OPEN],
-        warm: &[S],
+        wheels: &[Past<S>],
     ) -> Result<State<S>, StepError> {
         let Some(start) = &window.start else { return Ok(rover.settled_at(x0)?) };
         let [x, velocity] = open([start.x, start.velocity]);
@@ -110,7 +126,9 @@ impl Recorded {
             .collect();
         let mut state = rover.moving_at(x, velocity, &speeds, &passed(rover, start))?;
         state.start_x = S::from(start.origin);
-        state.wheels.iter_mut().zip(warm).for_each(|(wheel, warm)| wheel.winding_rise = *warm);
+        for (wheel, past) in state.wheels.iter_mut().zip(wheels) {
+            (wheel.winding_rise, wheel.dug_slip) = (past.rise, past.dug_slip);
+        }
         Ok(state)
     }
 
