@@ -18,11 +18,11 @@ pub fn reproduction_page(findings: &[Finding]) -> String {
     let link = |finding: &Finding| format!("<a href=\"#{}\">{}</a> ", finding.id, escape(&finding.section));
     let links: String = findings.iter().map(link).collect();
     page.html(&format!("<nav aria-label=\"Contents\">{links}</nav>"));
-    page.section_at("numbers", "All numbers with a published counterpart", "");
-    page.html(&in_words(&table(
-        &["quantity", "thesis", "ours", "10 to 90 %", "trials", "where"],
-        &published(findings),
-    )));
+    let published = published(findings);
+    if !published.is_empty() {
+        page.section_at("numbers", "All numbers with a published counterpart", "");
+        page.html(&in_words(&table(&["quantity", "thesis", "ours", "10 to 90 %", "trials", "where"], &published)));
+    }
     for finding in findings {
         add(&mut page, finding);
     }
