@@ -216,8 +216,7 @@ impl<S: Scalar> Integrator<S> {
 }
 
 /// Digs the ground under the wheels over `h` seconds, where it follows their slip: exactly for a constant motion, the mean of two
-/// evaluations, so that it is stable at any length. With the motions at the two stages it is of order 2 where v h is small beside the length and
-/// the motion is smooth; where wheels spin up, the second stage's slips are off by what is stiff in them.
+/// evaluations, so that it is stable at any length. With the motions at the two stages it is of order 2 where v h is small beside the length.
 #[lanes]
 pub(crate) fn dig<S: Scalar>(rover: &Rover<S>, [from, to]: [&Evaluation<S>; 2], state: &mut State<S>, h: f64) {
     let Some(length) = rover.effects.dug_within() else { return };

@@ -33,9 +33,14 @@ pub fn shipped() -> Model {
 
 /// A drive of the planted rover with changing speeds; `change` may alter its rows.
 pub fn drive(change: impl Fn(usize, &mut Vec<Option<f64>>) -> bool) -> Experiment {
+    drive_with(&[], change)
+}
+
+/// The same with other parameters besides.
+pub fn drive_with(besides: &[(&str, f64)], change: impl Fn(usize, &mut Vec<Option<f64>>) -> bool) -> Experiment {
     let mut model = shipped();
-    for (name, value) in PLANTED {
-        model.set(name, value).unwrap();
+    for (name, value) in PLANTED.iter().chain(besides) {
+        model.set(name, *value).unwrap();
     }
     let mut run = model.start().unwrap();
     let names = MEASURED.map(str::to_owned);
