@@ -10,7 +10,7 @@ use crate::scalar::Scalar;
 use crate::simulation::{Simulation, StepError};
 use std::ops::Range;
 
-/// What of a wheel's past no record tells, and a window takes over from the one before.
+/// What a window takes over of a wheel's past from the window before, since no record tells it.
 #[derive(Clone, Copy)]
 pub(super) struct Past<S> {
     /// How warm the winding is, K.
