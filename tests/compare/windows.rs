@@ -10,9 +10,9 @@ use bekker::measurement::Experiment;
 /// Planted values come back to what the first order in the starts, and the mean velocity around them, leave: recorded places are
 /// exact, and those between rows are not.
 const RECOVERY: f64 = 2e-3;
-
-/// What windows leave of a noise-free sinkage, over the noise of a real one.
-const TAKEN_OVER: f64 = 0.1;
+/// The same where holes are carried from window to window, each with the error of the one before (2.2e-3 seen; windows that begin with the
+/// hole of their first slip are off by 0.27).
+const CARRIED: f64 = 2.0 * RECOVERY;
 
 fn calibrated(experiment: &Experiment) -> Comparison {
     compare(&shipped(), experiment, &CompareOptions { calibrate: true, ..CompareOptions::default() }).unwrap()
@@ -63,12 +63,8 @@ fn property_a_window_takes_over_the_hole_that_the_wheels_have_dug_before() {
     // The way of one and a half seconds: a window that began with the hole of its first slip would be wrong for as long.
     let digging = [("slip_sinkage.n1", 0.4), ("slip_sinkage.length", 0.3)];
     let mut experiment = drive_with(&digging, |_, _| true);
-    let known = PLANTED.iter().chain(&digging);
-    experiment.parameters.extend(known.map(|(name, value)| ((*name).to_owned(), *value)));
-    let comparison = compare(&shipped(), &experiment, &CompareOptions::default()).unwrap();
-    let sinkage = "wheel[2].sinkage";
-    let (left, noise) = (comparison.given.unwrap().rmse[sinkage], experiment.noise[sinkage]);
-    assert!(left < TAKEN_OVER * noise, "{left} m left of a noise of {noise} m");
+    experiment.parameters.extend(digging.map(|(name, value)| (name.to_owned(), value)));
+    assert_planted(&calibrated(&experiment), CARRIED);
 }
 
 #[test]
