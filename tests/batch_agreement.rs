@@ -117,21 +117,25 @@ fn property_like_runs_go_side_by_side() {
     }
 }
 
+/// Compares runs of a preset, with inputs about `mean`, whose parameters of these names have each of the `values`.
+fn compare_under((preset, mean): (&str, f64), names: [&str; 2], values: &[[f64; 2]]) {
+    let run = |values: &[f64; 2]| {
+        let mut model = Model::preset(preset).unwrap();
+        names.iter().zip(values).for_each(|(name, value)| model.rover.set(name, *value).unwrap());
+        model.start().unwrap()
+    };
+    let runs: Vec<Run> = values.iter().map(run).collect();
+    compare(preset, &runs, 12, 7, varied(mean, 0.3));
+    // Reversing and spinning against the motion, where the shear changes its sign.
+    compare(preset, &runs, 12, 7, varied(0.5 * mean, 2.5));
+}
+
 /// Rims that transmit all of the soil's shear, less with a sharp corner and less with a rounded one, each beside others of its kind.
 #[test]
 fn agreement_rims_of_all_kinds() {
     for (preset, mean) in [("two_wheeled", 1.5), ("two_wheeled_speed", 2.0)] {
         let rims = [[0.0, 0.0], [0.2, 0.0], [0.6, 0.0], [0.2, 0.05], [0.6, 0.3], [0.6, 1.0], [0.0, 0.5], [0.8, 0.02]];
-        let run = |[loss, rounding]: [f64; 2]| {
-            let mut model = Model::preset(preset).unwrap();
-            model.rover.set("rim_adhesion.loss", loss).unwrap();
-            model.rover.set("rim_adhesion.rounding", rounding).unwrap();
-            model.start().unwrap()
-        };
-        let runs: Vec<Run> = rims.into_iter().map(run).collect();
-        compare(preset, &runs, 12, 7, varied(mean, 0.3));
-        // Reversing and spinning against the motion, where the shear changes its sign.
-        compare(preset, &runs, 12, 7, varied(0.5 * mean, 2.5));
+        compare_under((preset, mean), ["rim_adhesion.loss", "rim_adhesion.rounding"], &rims);
     }
 }
 
@@ -143,16 +147,7 @@ fn agreement_digging_of_all_kinds() {
         let along = [[0.4, 0.05], [0.2, 0.5], [0.5, 0.001], [0.4, 0.02]];
         let not = [[0.0, 0.05], [0.0, 0.02], [0.0, 0.3]];
         let diggers = [&at_once[..], &along, &not].concat();
-        let run = |[n1, length]: [f64; 2]| {
-            let mut model = Model::preset(preset).unwrap();
-            model.rover.set("slip_sinkage.n1", n1).unwrap();
-            model.rover.set("slip_sinkage.length", length).unwrap();
-            model.start().unwrap()
-        };
-        let runs: Vec<Run> = diggers.into_iter().map(run).collect();
-        compare(preset, &runs, 12, 7, varied(mean, 0.3));
-        // Reversing and spinning against the motion.
-        compare(preset, &runs, 12, 7, varied(0.5 * mean, 2.5));
+        compare_under((preset, mean), ["slip_sinkage.n1", "slip_sinkage.length"], &diggers);
     }
 }
 

@@ -37,7 +37,7 @@ pub trait Effect<S: Scalar>: Parameters<S> {
 
     /// Relaxation length (m, more than 0) with which the ground under a wheel follows its slip, where the effect needs
     /// [`Place::dug_slip`]. A wheel has one such slip: of several effects the first one's length holds, those of the library first.
-    fn dug_within(&self) -> Option<S> {
+    fn digging_length(&self) -> Option<S> {
         None
     }
 

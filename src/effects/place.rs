@@ -22,7 +22,7 @@ pub struct Place<S = f64> {
     /// Slip as far as it is established, see [`crate::contact::Motion::established_slip`].
     pub slip: S,
     /// Slip to which the ground under the wheel is dug: in steady motion the size of the slip, at most 1. It follows the slip with the
-    /// length that [`Effect::dug_within`](super::Effect::dug_within) gives; where no effect gives one it has no meaning.
+    /// length that [`Effect::digging_length`](super::Effect::digging_length) gives; where no effect gives one it has no meaning.
     pub dug_slip: S,
     /// Sinkage of the wheel's undeformed outline, m.
     pub sinkage: S,

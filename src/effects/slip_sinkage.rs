@@ -41,7 +41,7 @@ impl<S: Scalar> Effect<S> for SlipSinkage<S> {
         local.soil.exponent += self.n1 * slip.smaller(S::from(1.0));
     }
 
-    fn dug_within(&self) -> Option<S> {
+    fn digging_length(&self) -> Option<S> {
         self.length.over(0.0).any().then_some(self.length)
     }
 }

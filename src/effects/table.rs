@@ -116,11 +116,11 @@ macro_rules! effects {
             }
 
             /// The length with which the ground under a wheel follows its slip: that of the first effect that gives one.
-            pub(crate) fn dug_within(&self) -> Option<S> {
-                $(if let Some(length) = self.$id.dug_within() {
+            pub(crate) fn digging_length(&self) -> Option<S> {
+                $(if let Some(length) = self.$id.digging_length() {
                     return Some(length);
                 })*
-                self.registered.dug_within()
+                self.registered.digging_length()
             }
 
             /// The true wheel, where it is not the nominal one.

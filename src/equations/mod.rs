@@ -194,7 +194,7 @@ impl<S: Scalar> Equations<S> {
             f(rate[j]);
             f(acceleration[j]);
         }
-        let (length, radius) = (self.rover.effects.dug_within(), self.rover.true_wheel().radius);
+        let (length, radius) = (self.rover.effects.digging_length(), self.rover.true_wheel().radius);
         for (k, (wheel, state)) in self.evaluation.wheels.iter().zip(&self.state.wheels).enumerate() {
             f(self.evaluation.spin_rate(&self.rover, k));
             // What the memory exceeds its bound by fades like the memory itself.

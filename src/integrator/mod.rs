@@ -219,7 +219,7 @@ impl<S: Scalar> Integrator<S> {
 /// evaluations, so that it is stable at any length. With the motions at the two stages it is of order 2 where v h is small beside the length.
 #[lanes]
 pub(crate) fn dig<S: Scalar>(rover: &Rover<S>, [from, to]: [&Evaluation<S>; 2], state: &mut State<S>, h: f64) {
-    let Some(length) = rover.effects.dug_within() else { return };
+    let Some(length) = rover.effects.digging_length() else { return };
     let radius = rover.true_wheel().radius;
     for ((wheel, from), to) in state.wheels.iter_mut().zip(&from.wheels).zip(&to.wheels) {
         let motion = from.digging(radius).mean(to.digging(radius));

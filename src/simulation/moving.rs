@@ -80,7 +80,7 @@ impl<S: Scalar> Hold<S> {
     /// The steady value of `dug_slip` for this direction of motion; 0 where no effect of the rover keeps it.
     fn dug_slip(self, rover: &Rover<S>) -> S {
         let touches = S::Mask::from_lanes(|_| true);
-        rover.effects.dug_within().map_or(S::from(0.0), |_| Digging::new(self.travel, self.turn, touches).steady())
+        rover.effects.digging_length().map_or(S::from(0.0), |_| Digging::new(self.travel, self.turn, touches).steady())
     }
 }
 

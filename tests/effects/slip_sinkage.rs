@@ -6,10 +6,10 @@ use bekker::simulation::{Simulation, Status};
 
 /// Inner step, s.
 const STEP: f64 = 0.002;
-/// Largest difference of the kept slip from the same equation integrated over the recorded slips: twice what is seen at the usual step.
+/// Largest [`difference`] at the usual step: twice what is seen.
 const INTEGRATION: f64 = 5.4e-5;
-/// What a fourth of the step leaves of it at most: a sixteenth where both rules are of order 2, a fourth at order 1.
-const FALLS: f64 = 0.15;
+/// Share of it that a fourth of the step leaves at most: a sixteenth where both rules are of order 2, a fourth at order 1.
+const LEFT_BY_SMALL_STEPS: f64 = 0.15;
 /// Slips and relative sinkages after 40 lengths, of which e^-40 is left; the rover's pitching, damped by the soil, leaves more.
 const STEADY: f64 = 1e-6;
 
@@ -21,7 +21,8 @@ fn rover(length: f64) -> Rover {
     rover
 }
 
-/// That difference over a start under torque, as long as the wheels turn faster than the rover moves, and how far the kept slip goes.
+/// Largest difference of `dug_slip` from the trapezoidal rule over the recorded slips, in a start under torque while the wheels drive, and
+/// largest change of `dug_slip` meanwhile; both without a unit.
 fn difference(step: f64) -> [f64; 2] {
     let length = 0.05;
     let rover = rover(length);
@@ -60,7 +61,7 @@ fn analytic_the_ground_follows_the_slip_as_its_equation_says() {
     let [small, _] = difference(STEP / 4.0);
     println!("{usual:.2e} at the usual step, {small:.2e} at a fourth of it, of a change of {change:.2}");
     assert!(usual < INTEGRATION && change > 1000.0 * INTEGRATION, "{usual} of a change of {change}");
-    assert!(small < FALLS * usual, "{small} at a fourth of the step, {usual} at the usual one");
+    assert!(small < LEFT_BY_SMALL_STEPS * usual, "{small} at a fourth of the step, {usual} at the usual one");
 }
 
 #[test]

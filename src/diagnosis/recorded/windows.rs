@@ -21,7 +21,7 @@ pub(super) struct Past<S> {
 
 /// Whether the wheels of a rover have such a past.
 pub(super) fn has_past<S: Scalar>(rover: &Rover<S>) -> bool {
-    rover.effects.warming(S::from(0.0)).is_some() || rover.effects.dug_within().is_some()
+    rover.effects.warming(S::from(0.0)).is_some() || rover.effects.digging_length().is_some()
 }
 
 /// The wheels' past along a window.

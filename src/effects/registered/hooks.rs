@@ -53,8 +53,8 @@ impl<S: Scalar> RegisteredEffects<S> {
     }
 
     #[inline]
-    pub(in crate::effects) fn dug_within(&self) -> Option<S> {
-        self.0.iter().find_map(|effect| effect.number(&|effect, _| effect.dug_within()))
+    pub(in crate::effects) fn digging_length(&self) -> Option<S> {
+        self.0.iter().find_map(|effect| effect.number(&|effect, _| effect.digging_length()))
     }
 
     /// The true wheel where the library makes `changed` of the `nominal` one.
