@@ -51,6 +51,8 @@ fn switch_on(effects: &mut Effects) {
     let typical = SWITCHED_ON.iter().flat_map(|id| support::switched_on(id));
     typical.for_each(|(name, value)| effects.set(&name, value).expect("a parameter"));
     effects.slip_sinkage.n1 = 0.3;
+    effects.slip_sinkage.growth = 0.2;
+    effects.slip_sinkage.carried = 0.001;
     effects.exit_angle.lambda = 0.2;
     effects.multi_pass.growth = 0.3;
     effects.grousers.height = 0.006;
@@ -58,6 +60,8 @@ fn switch_on(effects: &mut Effects) {
     effects.bulldozing.share = 0.8;
     effects.flexible_wheel.compliance = 5e-5;
     effects.flexible_wheel.arm_share = 0.5;
+    effects.flexible_wheel.arc_by_sinkage = 0.7;
+    effects.flexible_wheel.arc_by_load = 4.0;
     effects.rate.exponent = 0.1;
     effects.moisture.content = 0.1;
     effects.moisture.cohesion_slope = 5000.0;

@@ -44,6 +44,8 @@ TOGETHER = {
     "bulldozing.unit_weight": ("bulldozing.share", 1.0),
     "rim_adhesion.rounding": ("rim_adhesion.loss", 0.8),
     "flexible_wheel.arm_share": ("flexible_wheel.compliance", 1e-4),
+    "flexible_wheel.arc_by_sinkage": ("flexible_wheel.compliance", 1e-4),
+    "flexible_wheel.arc_by_load": ("flexible_wheel.compliance", 1e-4),
     "rate.reference_speed": ("rate.exponent", 0.1),
     "rate.slowest_speed": ("rate.exponent", 0.1),
     "moisture.content": ("moisture.cohesion_slope", 5000.0),

@@ -28,6 +28,10 @@ pub struct Surface<S = f64> {
     pub compliance: S,
     /// Share of the arc's growth by the compliance that the arm has, too.
     pub arm_share: S,
+    /// a in the growth 1 + a f/z + b f/r of the arc by a deflection f at the soil's sinkage z.
+    pub arc_by_sinkage: S,
+    /// b in that growth.
+    pub arc_by_load: S,
     /// Radius at which the soil is sheared over that of the arc: above 1 where lugs hold soil between them.
     pub shear_radius: S,
     /// Factor on the cohesion in the shear along the rim.
@@ -57,6 +61,8 @@ impl<S: From<f64>> Default for Surface<S> {
             arm: one(),
             compliance: zero(),
             arm_share: zero(),
+            arc_by_sinkage: one(),
+            arc_by_load: zero(),
             shear_radius: one(),
             cohesion_gain: one(),
             friction_gain: one(),

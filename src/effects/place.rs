@@ -87,6 +87,8 @@ over!(Surface {
     arm,
     compliance,
     arm_share,
+    arc_by_sinkage,
+    arc_by_load,
     shear_radius,
     cohesion_gain,
     friction_gain,

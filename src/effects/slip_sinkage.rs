@@ -6,15 +6,25 @@ use bekker_modeldescription::{Unit, parameters};
 
 /// Below it four terms of the series of (1 - e^-x)/x are nearer, x^4/120, than the difference, whose rounding is of 1e-16/x.
 const SMALL: f64 = 1.5e-3;
+/// Largest slip of Reece's law, whose sinkage has no bound, and largest share of the sinkage that it may add.
+const LARGEST_SLIP: f64 = 0.95;
+const MOST_CARRIED: f64 = 0.9;
 
 parameters! {
-    /// A slipping wheel digs itself in: n = n_0 + n_1 min(|i|, 1) (Ding et al. 2011), at once or, with a relaxation length l, along its
-    /// way: n = n_0 + n_1 s with ds/dt = (min(|r omega - V|, v) - s v)/l and v = max(|r omega|, |V|), so that s = min(|i|, 1) in steady
-    /// motion. Of a change of slip 63 % have come after l and 95 % after 3 l, measured along the rim or along the way, whichever is
-    /// longer. s belongs to the wheel: one that follows does not find the hole of the one before it.
+    /// A slipping wheel digs itself in, with s = min(|i|, 1): by the sinkage exponent, n = n_0 + n_1 s (Ding et al. 2011), or by the
+    /// sinkage itself, p = (k_c/b + k_phi) (z/f)^n, or by both. f is the product of 1 + g ((1 + s)/(1 - 0.5 s) - 1) (Lyasko 2010 has
+    /// g = 1) and z/(z - z_j) with z_j = h s/(1 - s) (Reece 1965), where s counts up to 0.95 and z_j up to 0.9 z.
+    /// It digs at once or, with a relaxation length l, along its way: ds/dt = (min(|r omega - V|, v) - s v)/l with
+    /// v = max(|r omega|, |V|), so that s = min(|i|, 1) in steady motion. Of a change of slip 63 % have come after l and 95 % after 3 l,
+    /// measured along the rim or along the way, whichever is longer. s belongs to the wheel: one that follows does not find the hole of
+    /// the one before it.
     pub struct SlipSinkage {
         /// Growth n_1 of the sinkage exponent with slip.
         n1: [Unit::ONE] = 0.0, 0.0..=1.5, Effect, "Ding et al. 2011, J. Terramechanics 48: 0.35-0.5";
+        /// Share g of Lyasko's growth of the sinkage with slip.
+        growth: [Unit::ONE] = 0.0, 0.0..=2.0, Effect, "Lyasko 2010, J. Terramechanics 47: 1";
+        /// Height h of lugs that carry soil away, by which a slip of a half adds to the sinkage.
+        carried: [Unit::METRE] = 0.0, 0.0..=0.05, Effect, "Reece 1965, Proc. IMechE 180: the height of the lugs";
         /// Relaxation length l with which the sinkage follows the slip, along the rim or along the way; 0 follows at once.
         length: [Unit::METRE] = 0.0, 0.0..=1.0, Fixed, "neutral; assumption: the contact's length, 0.6 r at a sinkage of 0.2 r";
     }
@@ -34,15 +44,35 @@ impl<S: Scalar> Effect<S> for SlipSinkage<S> {
     }
 
     fn contact(&self, place: &Place<S>, local: &mut Local<S>) {
-        if self.n1.is_exactly(0.0) {
+        let deepens = !(self.growth.is_exactly(0.0) && self.carried.is_exactly(0.0));
+        if self.n1.is_exactly(0.0) && !deepens {
             return;
         }
         let slip = S::select(self.length.over(0.0), place.dug_slip.larger(S::from(0.0)), place.slip.abs());
-        local.soil.exponent += self.n1 * slip.smaller(S::from(1.0));
+        let slip = slip.smaller(S::from(1.0));
+        local.soil.exponent += self.n1 * slip;
+        if deepens {
+            local.soil.scale_moduli(self.pressed(slip, place.sinkage).power(local.soil.exponent));
+        }
     }
 
     fn digging_length(&self) -> Option<S> {
         self.length.over(0.0).any().then_some(self.length)
+    }
+}
+
+#[lanes]
+impl<S: Scalar> SlipSinkage<S> {
+    /// Share 1/f of the sinkage that presses the soil, at a slip from 0 to 1.
+    fn pressed(&self, slip: S, sinkage: S) -> S {
+        // (1 + s)/(1 - 0.5 s) - 1 = 1.5 s/(1 - 0.5 s)
+        let grown = self.growth * slip * 1.5 / (slip * -0.5 + 1.0) + 1.0;
+        let slip = slip.smaller(S::from(LARGEST_SLIP));
+        let carried = self.carried * slip / (S::from(1.0) - slip);
+        let stands = sinkage.over(0.0);
+        let share = carried / S::select(stands, sinkage, S::from(1.0));
+        let share = S::select(stands, share.smaller(S::from(MOST_CARRIED)), S::from(MOST_CARRIED));
+        (S::from(1.0) - share) / grown
     }
 }
 

@@ -61,12 +61,14 @@ impl<S: Scalar> TestEffect<S> for BoxWalls<S> {
 }
 
 parameters! {
-    /// A stiff bottom carries what the soil above it cannot spread: p grows by 1 + a exp(-(H - z)/d), with the depth H
+    /// A stiff bottom carries what the soil above it cannot spread: p grows by 1 + a exp(-(H - z)/(l d)), with the depth H
     /// of the soil (`soil_box.depth`), the sinkage z and the plate's size d. An empirical form without a standard source;
-    /// the stress under a plate falls to a tenth over about two of its sizes (Boussinesq 1885).
+    /// the stress under a plate falls to a tenth over about two of its sizes (Boussinesq 1885), which is l = 0.9.
     pub struct BoxBottom {
         /// Strength a.
         strength: [Unit::ONE] = 0.0, 0.0..=50.0, Effect, "empirical";
+        /// Reach l of the bottom, in sizes of the plate.
+        reach: [Unit::ONE] = 1.0, 0.3..=5.0, Effect, "empirical; 0.9: Boussinesq 1885";
     }
 }
 
@@ -78,7 +80,7 @@ impl<S: Scalar> TestEffect<S> for BoxBottom<S> {
 
     fn press(&self, soil_box: &SoilBox<S>, at: &mut Pressing<S>) {
         if !self.strength.is_exactly(0.0) {
-            at.factor *= self.strength * ((at.sinkage - soil_box.depth) / at.size).exponential() + 1.0;
+            at.factor *= self.strength * ((at.sinkage - soil_box.depth) / (self.reach * at.size)).exponential() + 1.0;
         }
     }
 }
@@ -154,10 +156,13 @@ impl<S: Scalar> TestEffect<S> for BoxFriction<S> {
 }
 
 parameters! {
-    /// The first displacement j_0 closes gaps and shears nothing: j becomes j - j_0, not below 0.
+    /// The first displacement j_0 closes gaps and shears nothing: j becomes j - j_0, not below 0. Gaps that close one after the other round
+    /// the corner: j becomes q(j) - q(0) with q = (j - j_0 + sqrt((j - j_0)^2 + (w j_0)^2))/2, an empirical form.
     pub struct ShearPlay {
         /// Displacement j_0.
         displacement: [Unit::METRE] = 0.0, 0.0..=0.02, Effect, "play of a ring or box: 0.1-2 mm";
+        /// Width w of the rounded corner, over j_0.
+        rounding: [Unit::ONE] = 0.0, 0.0..=2.0, Effect, "empirical; 0: one gap";
     }
 }
 
@@ -170,7 +175,14 @@ impl<S: Scalar> TestEffect<S> for ShearPlay<S> {
 
     fn shear(&self, _: &ShearBox<S>, at: &mut Shearing<S>) {
         if !self.displacement.is_exactly(0.0) {
-            at.displacement -= self.displacement;
+            let beyond = at.displacement - self.displacement;
+            at.displacement = if self.rounding.is_exactly(0.0) {
+                beyond
+            } else {
+                let width = self.rounding * self.displacement;
+                let rounded = |x: S| (x + (x * x + width * width).sqrt()) * 0.5;
+                rounded(beyond) - rounded(-self.displacement)
+            };
         }
     }
 }

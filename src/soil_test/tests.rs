@@ -102,6 +102,7 @@ fn property_derivatives_are_those_of_differences() {
         ("plate_size.exponent", 0.5),
         ("box_walls.strength", 3.0),
         ("box_bottom.strength", 4.0),
+        ("box_bottom.reach", 2.0),
         ("rate.exponent", 0.1),
     ] {
         test.set(name, value).unwrap();
@@ -111,6 +112,7 @@ fn property_derivatives_are_those_of_differences() {
         ("shear_rate.exponent", 0.1),
         ("shear_softening.drop", 0.3),
         ("shear_play.displacement", 0.001),
+        ("shear_play.rounding", 0.5),
     ] {
         test.set(name, value).unwrap();
     }

@@ -115,6 +115,56 @@ fn analytic_flexible_wheel_stands_on_the_arc_of_a_larger_circle() {
     assert!(z < rigid.sinkage && point.drawbar_pull > rigid.drawbar_pull);
 }
 
+#[test]
+fn analytic_the_arc_of_a_flexible_wheel_grows_with_the_load_alone_or_with_the_sinkage_too() {
+    const C: f64 = 1e-4;
+    for (by_sinkage, by_load) in [(0.0, 0.0), (0.0, 10.0), (0.5, 6.0), (0.2, 20.0)] {
+        let flexible = with(|effects| {
+            effects.flexible_wheel.compliance = C;
+            effects.flexible_wheel.arc_by_sinkage = by_sinkage;
+            effects.flexible_wheel.arc_by_load = by_load;
+            effects.flexible_wheel.arm_share = 1.0;
+        });
+        let point = steady_point(&flexible, 50.0, 0.2, 1.0).unwrap();
+        let (wheel, soil, z) = (rig().wheel, rig().soil, point.sinkage);
+        let arc = 1.0 + C * 50.0 * (by_sinkage / z + by_load / 0.1);
+        let surface = Surface { arc, arm: arc, ..Surface::default() };
+        let forces = rolling_on(&wheel, &soil, &surface, z, 0.1 * 0.8, 1.0);
+        assert!(close(forces.normal, 50.0, SAME), "{forces:?}");
+        assert!(close(forces.drawbar, point.drawbar_pull, SAME) && close(forces.torque, point.torque, SAME));
+    }
+}
+
+#[test]
+fn analytic_slip_sinkage_divides_the_depth_by_the_factors_of_lyasko_and_reece() {
+    for (growth, carried, n1, slip) in [
+        (1.0, 0.0, 0.0, 0.3),
+        (0.4, 0.0, 0.5, 0.6),
+        (2.0, 0.0, 0.0, -0.2),
+        (0.0, 0.004, 0.0, 0.5),
+        (0.3, 0.003, 0.2, 0.4),
+    ] {
+        let digging = with(|effects| {
+            effects.slip_sinkage.growth = growth;
+            effects.slip_sinkage.carried = carried;
+            effects.slip_sinkage.n1 = n1;
+        });
+        let point = steady_point(&digging, 40.0, slip, 1.0).unwrap();
+        let size = f64::abs(slip);
+        let moved = carried * size / (1.0 - size);
+        let static_share = (point.sinkage - moved) / point.sinkage;
+        let factor = (1.0 + growth * ((1.0 + size) / (1.0 - 0.5 * size) - 1.0)) / static_share;
+        // p = k (z/f)^n is that of a soil of the moduli k f^-n.
+        let mut scaled = rig();
+        scaled.soil.exponent += n1 * size;
+        let modulus = factor.powf(-scaled.soil.exponent);
+        scaled.soil.k_c *= modulus;
+        scaled.soil.k_phi *= modulus;
+        assert_same(&point, &steady_point(&scaled, 40.0, slip, 1.0).unwrap());
+        assert!(point.sinkage > steady_point(&rig(), 40.0, slip, 1.0).unwrap().sinkage);
+    }
+}
+
 /// The integrals (2.7)-(2.9) on a rim with all that a surface changes, by many midpoints.
 fn by_midpoints(soil: &Soil, surface: &Surface, z: f64, velocity: f64, spin: f64) -> [f64; 3] {
     const POINTS: usize = 400_000;

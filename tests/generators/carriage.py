@@ -8,6 +8,7 @@ import ground
 
 SIGNALS = ("drawbar_pull", "torque", "sinkage")
 BISECTIONS = 42  # of the entry angle: 90 degrees to 4e-13 rad
+DEEPEST = 0.9  # sinkage over the radius beyond which a carriage does not measure: noise must not pass the axle
 GRAVITY = 9.81
 
 # Places of numbers on a signal's decimal grid, for the files.
@@ -17,7 +18,7 @@ DECIMALS = {"drawbar_pull": 4, "torque": 5, "sinkage": 6}
 def steady_points(p, load, slip, wheel_speed):
     """The three signals (last axis) where the soil carries the load (N); arrays of one shape.
 
-    NaN where the wheel sinks to its axle. The slip is what the carriage sets by the nominal radius, V = r omega (1 - i) or r omega/(1 + i) in skid.
+    NaN where the wheel sinks nearly to its axle. The slip is what the carriage sets by the nominal radius, V = r omega (1 - i) or r omega/(1 + i) in skid.
     """
     p = ground.present(p)
     load, slip, wheel_speed = np.broadcast_arrays(*(np.asarray(v, float) for v in (load, slip, wheel_speed)))
@@ -47,7 +48,7 @@ def steady_points(p, load, slip, wheel_speed):
     if (s := ground.on(p, "drift.order")) is not None:  # outside the library: the force sensor drifts from run to run
         pull = pull + s * p["order"]
     signals = np.stack(np.broadcast_arrays(pull, torque, sinkage), axis=-1)
-    signals[sunk] = np.nan
+    signals[sunk | (sinkage > DEEPEST * p["radius"])] = np.nan
     return signals
 
 

@@ -35,7 +35,8 @@ BOTH, W, R = (WHEEL, ROVER), (WHEEL,), (ROVER,)
 
 FORMS = [
     Form("slip_sinkage", "ding", 0.5, 1.0, BOTH, library=True),
-    Form("slip_sinkage", "lyasko", 1.0, 1.5, BOTH),
+    Form("slip_sinkage", "lyasko", 1.0, 1.5, BOTH, library=True),
+    Form("slip_sinkage", "reece", 0.004, 0.02, BOTH, library=True),
     Form("slip_sinkage", "quadratic", 0.4, 0.8, BOTH),
     # The library has it too, but with a length that is no free parameter of a diagnosis.
     Form("slip_sinkage", "gradual", 0.5, 1.0, R),
@@ -50,7 +51,8 @@ FORMS = [
     Form("flexible_wheel", "arc", 1e-4, 3e-4, BOTH, library=True),
     # The library has both arms of the torque in one effect: that of the arc (its arm share is 1) and the axle's height (0).
     Form("flexible_wheel", "axle", 1e-4, 3e-4, BOTH, library=True),
-    Form("flexible_wheel", "load", 1e-4, 3e-4, BOTH),
+    Form("flexible_wheel", "load", 1e-4, 3e-4, BOTH, library=True),
+    Form("flexible_wheel", "schmid", 3e-5, 1e-4, BOTH),
     Form("rate", "grahn", 0.2, 0.4, BOTH, library=True),
     Form("rate", "logarithm", 0.15, 0.3, BOTH),
     Form("soft_patch", "window", 0.5, 0.8, R, library=True),
@@ -100,7 +102,7 @@ FORMS = [
 ]
 
 # Effects of the library that have a parameter for each of their forms, which may therefore act together.
-TOGETHER = ("flexible_wheel", "drag", "radius_scale")
+TOGETHER = ("slip_sinkage", "flexible_wheel", "drag", "radius_scale")
 
 # Cases that hide no effect but mislead: what is stated about the experiment is wrong, or it is too small to tell.
 CAUTION = ("wrong_prior", "noise_half", "noise_double", "poor")

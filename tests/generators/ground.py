@@ -6,9 +6,12 @@ turns parameters and the place of a contact into what contact.forces sums; `adde
 
 import numpy as np
 
+LOAD_GROWTH = 10.0  # of a flexible wheel's radius over its deflection, where the arc grows with the load alone
+LARGEST_SLIP = 0.95  # of Reece's slip-sinkage, which has no end
+LEAST_STATIC = 0.1  # of a sinkage, that is static
 RATE_SPEED = 0.01  # m/s, reference speed of the rate laws
 DIGGING = 0.05  # m, relaxation length with which a gradual slip-sinkage follows the slip
-FLEXIBLE = ("arc", "load", "axle")  # forms of a flexible wheel
+FLEXIBLE = ("arc", "load", "axle", "schmid")  # forms of a flexible wheel
 ROUNDED = 0.02  # rad, of a slope's size
 GRAVITY_OF_SOIL = 16e3  # N/m^3, unit weight of sand
 
@@ -70,8 +73,11 @@ def radius(p, at, soil):
     # Runs with other forms stand beside each other: each form changes its own runs only.
     if (s := on(p, "flexible_wheel.arc")) is not None:
         deflected(soil, own := s * at["load"], 1.0 + own / np.maximum(at["sinkage"], 1e-6))
-    if (s := on(p, "flexible_wheel.load")) is not None:  # an effective radius that grows with the load, s/5 mm a 1e-4 m/N
-        deflected(soil, own := s * at["load"], 1.0 + 0.5 * own / 0.005)
+    if (s := on(p, "flexible_wheel.load")) is not None:  # an effective radius that grows with the load
+        deflected(soil, own := s * at["load"], 1.0 + LOAD_GROWTH * own / p["radius"])
+    if (s := on(p, "flexible_wheel.schmid")) is not None:  # Schmid's circle, with the flattened half behind the axle
+        share = s * at["load"] / np.maximum(at["sinkage"], 1e-6)
+        deflected(soil, s * at["load"], (np.sqrt(1.0 + share) + np.sqrt(share)) ** 2)
     if (s := on(p, "flexible_wheel.axle")) is not None:  # the same, and the arm of the torque stays the wheel's radius
         own, round_ = s * at["load"], soil["radius"]
         deflected(soil, own, 1.0 + own / np.maximum(at["sinkage"], 1e-6))
@@ -89,11 +95,20 @@ def slip_sinkage(p, at, soil):
     if (s := on(p, "slip_sinkage.ding")) is not None:  # n = n0 + n1 |i|
         soil["exponent"] = soil["exponent"] + s * size
     if (s := on(p, "slip_sinkage.lyasko")) is not None:  # z = z0 (1 + i)/(1 - 0.5 i), the share s of its growth
-        soil["sinkage_factor"] = 1.0 + s * ((1.0 + size) / (1.0 - 0.5 * size) - 1.0)
+        deeper(soil, 1.0 + s * ((1.0 + size) / (1.0 - 0.5 * size) - 1.0))
+    if (s := on(p, "slip_sinkage.reece")) is not None:  # z = z0 + s i/(1 - i), s the height of lugs that carry soil away (Reece 1965)
+        slipping = np.minimum(size, LARGEST_SLIP)
+        carried = s * slipping / (1.0 - slipping) / np.maximum(at["sinkage"], 1e-6)
+        deeper(soil, 1.0 / np.maximum(1.0 - carried, LEAST_STATIC))
     if (s := on(p, "slip_sinkage.gradual")) is not None:  # Ding's, of the slip to which the ground is dug by now
         soil["exponent"] = soil["exponent"] + s * np.clip(at["dug"], 0.0, 1.0)
     if (s := on(p, "slip_sinkage.quadratic")) is not None:  # n = n0 + n1 |i| + n2 i^2 with n2 = n1/2 (Ding's second form)
         soil["exponent"] = soil["exponent"] + s * (size + 0.5 * size * size)
+
+
+def deeper(soil, factor):
+    """Soil that is pressed by the share 1/factor of its depth only."""
+    soil["sinkage_factor"] = soil.get("sinkage_factor", 1.0) * factor
 
 
 def rebound(p, at, soil):

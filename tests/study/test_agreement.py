@@ -28,12 +28,15 @@ SEED = 1005
 # The library's parameters of a form at strength s.
 PARAMETERS = {
     "slip_sinkage.ding": lambda s: {"slip_sinkage.n1": s},
+    "slip_sinkage.lyasko": lambda s: {"slip_sinkage.growth": s},
+    "slip_sinkage.reece": lambda s: {"slip_sinkage.carried": s},
     "slip_sinkage.gradual": lambda s: {"slip_sinkage.n1": s, "slip_sinkage.length": 0.05},
     "exit_angle.ishigami": lambda s: {"exit_angle.lambda": s},
     "multi_pass.holm": lambda s: {"multi_pass.growth": s},
     "grousers.lugs": lambda s: {"grousers.height": s},
     "bulldozing.passive": lambda s: {"bulldozing.share": s},
     "flexible_wheel.arc": lambda s: {"flexible_wheel.compliance": s, "flexible_wheel.arm_share": 1.0},
+    "flexible_wheel.load": lambda s: {"flexible_wheel.compliance": s, "flexible_wheel.arm_share": 1.0, "flexible_wheel.arc_by_sinkage": 0.0, "flexible_wheel.arc_by_load": 10.0},
     "flexible_wheel.axle": lambda s: {"flexible_wheel.compliance": s},
     "rate.grahn": lambda s: {"rate.exponent": s},
     "soft_patch.window": lambda s: {"soft_patch.softening": s, "soft_patch.centre": 1.2, "soft_patch.half_width": 0.3},
