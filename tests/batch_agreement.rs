@@ -148,6 +148,9 @@ fn agreement_digging_of_all_kinds() {
         let not = [[0.0, 0.05], [0.0, 0.02], [0.0, 0.3]];
         let diggers = [&at_once[..], &along, &not].concat();
         compare_under((preset, mean), ["slip_sinkage.n1", "slip_sinkage.length"], &diggers);
+        let laws =
+            [[0.0, 0.0], [0.3, 0.0], [0.0, 0.002], [0.2, 0.001], [1.0, 0.0], [0.0, 0.0], [0.5, 0.004], [0.0, 0.01]];
+        compare_under((preset, mean), ["slip_sinkage.growth", "slip_sinkage.carried"], &laws);
     }
 }
 

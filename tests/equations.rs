@@ -87,11 +87,13 @@ fn simulated(from: &Simulation, torques: &[f64], step_size: f64) -> Vec<f64> {
 fn agreement_the_simulation_tends_to_the_equations_with_order_two() {
     let heat = [("winding_heat.thermal_resistance", 10.0), ("winding_heat.time_constant", 1.0)];
     let digs = [("slip_sinkage.n1", 0.4), ("slip_sinkage.length", 0.05)];
+    let deepens = [("slip_sinkage.growth", 0.3), ("slip_sinkage.carried", 0.001), ("slip_sinkage.length", 0.05)];
     // Windings warm behind each step: first order in what they dissipate, and in nothing else.
     let (body, dissipated): (&[usize], &[usize]) = (&[0, 1, 2, 3, 4, 9, 10, 11, 12], &[7]);
     for (preset, parameters, torques, signals_of, expected) in [
         ("gentle_velocity", &[("slip_sinkage.n1", 0.4)][..], vec![1.7, 1.8], body, 2.0),
         ("gentle_velocity", &digs, vec![1.7, 1.8], body, 2.0),
+        ("gentle_velocity", &deepens, vec![1.7, 1.8], body, 2.0),
         ("rocker_bogie_velocity", &[("viscous_friction.coefficient", 0.02)], vec![0.20, 0.22, 0.24], body, 2.0),
         ("gentle_velocity", &heat, vec![1.7, 1.8], body, 2.0),
         ("gentle_velocity", &heat, vec![1.7, 1.8], dissipated, 1.0),

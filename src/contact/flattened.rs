@@ -1,7 +1,7 @@
 //! A wheel that flattens under the force that the soil puts on it.
 //!
 //! The wheel deflects by f = C N, and stands on the arc of a larger circle, r* = r (1 + a f/z + b f/r) at the soil's sinkage z.
-//! With a = 1 and b = 0 the circle enters the soil where the undeformed outline does (Schmid 1995). N is the normal force of the
+//! With a = 1 and b = 0 the circle enters the soil where the undeformed outline does (after Schmid 1995). N is the normal force of the
 //! stress integrals on that arc, so z follows from z + C N(z) = Z, with Z the sinkage of the undeformed outline.
 
 use super::rolling::{Forces, Rolling, rolling_share};
@@ -25,7 +25,7 @@ const SECANT_STEP: f64 = 1e-7;
 const DIFFERENCE: f64 = 1e-5;
 /// Bounds of the power with which the normal force grows with the sinkage while it is searched for.
 const POWERS: [f64; 2] = [0.1, 4.0];
-/// The lower bound is less by this share of z/f, and at most so much: where the arc grows with the load alone, a deeper sinkage, which leaves
+/// The lower bound is lowered by 0.7 z/f, at most by 20: where the arc grows with the load alone, a deeper sinkage, which leaves
 /// less for the deflection f, may have a smaller force. The slope of z + f in ln z stays positive.
 const LESS_POWER: [f64; 2] = [0.7, 20.0];
 
@@ -196,7 +196,7 @@ mod tests {
         assert!(judged > 3 * 280, "{judged} of {} carry a load", 3 * 320);
     }
 
-    /// Looks at so many contacts that carry a load.
+    /// Checks one law; returns how many contacts carry a load.
     fn add_up(arc_by_sinkage: f64, arc_by_load: f64) -> u32 {
         let Rover { wheel, mut soil, .. } = Rover::two_wheeled();
         let mut judged = 0;

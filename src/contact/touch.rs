@@ -269,10 +269,11 @@ impl<S: Scalar> Slopes<S> {
 fn add_damping<S: Scalar>(touch: &mut Touch<S>, soil: &Soil<S>, surface: &Surface<S>, motion: &Motion<S>) {
     let coefficient = soil.damping * smooth_step(touch.sinkage / DAMPING_DEPTH);
     let carried = touch.forces.normal.larger(S::from(0.0));
-    // Near n + 1/2, the power of Bekker's own approximation (4.18); only the integrator uses it.
+    // Near n + 1/2, the power of Bekker's own approximation (4.18); only the integrator uses it, which keeps its order with any stiffness.
+    // What effects add to the dependence on the sinkage (Reece's slip-sinkage) is left out.
     touch.slopes.stiffness = (soil.exponent + 0.5) * carried / touch.sinkage;
     if !surface.compliance.is_exactly(0.0) {
-        // The soil's spring with the power n, that of the arc with 1/2, and the wheel's own in line with the first.
+        // The soil's spring with the power n, that of the arc with 1/2 (of a = 1, b = 0), and the wheel's own in line with the first.
         let by_sinkage = soil.exponent * carried / touch.sinkage;
         let by_outline = carried / (motion.sinkage * 2.0);
         touch.slopes.stiffness = (by_sinkage + by_outline) / (surface.compliance * by_sinkage + 1.0);

@@ -144,7 +144,7 @@ pub(crate) const UNLIKELY: f64 = 1.0 - BETTER;
 /// An effect is named below this p-value, corrected for the number of candidates.
 pub(crate) const NAMED: f64 = 0.01;
 /// Share of the explainable chi-square that may stay beside a name, where what stays is more than noise. The right effect in
-/// another form of the literature (Lyasko's slip-sinkage, Ding's term) leaves a few per cent. It was 20 % until a drift of the force
+/// another form of the literature leaves a few per cent. It was 20 % until a drift of the force
 /// sensor, of which 15 % stayed, was named a drag (seed 40007 of the report set).
 pub(crate) const MAY_STAY: f64 = 0.1;
 /// Share of the explainable chi-square from which on nothing is named, not even in part: the larger half is something else.

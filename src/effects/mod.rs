@@ -67,7 +67,7 @@ pub use winding_heat::Warming;
 pub use crate::motor::Geared;
 
 effects! {
-    /// Slip-sinkage: the sinkage exponent grows with slip.
+    /// Slip-sinkage: a wheel sinks deeper with slip.
     slip_sinkage: SlipSinkage,
     /// Exit angle: the soil rebounds behind the wheel.
     exit_angle: ExitAngle,

@@ -13,7 +13,8 @@ const MOST_CARRIED: f64 = 0.9;
 parameters! {
     /// A slipping wheel digs itself in, with s = min(|i|, 1): by the sinkage exponent, n = n_0 + n_1 s (Ding et al. 2011), or by the
     /// sinkage itself, p = (k_c/b + k_phi) (z/f)^n, or by both. f is the product of 1 + g ((1 + s)/(1 - 0.5 s) - 1) (Lyasko 2010 has
-    /// g = 1) and z/(z - z_j) with z_j = h s/(1 - s) (Reece 1965), where s counts up to 0.95 and z_j up to 0.9 z.
+    /// g = 1) and z/(z - z_j) with z_j = h s/(1 - s) (Reece 1965), where s counts up to 0.95 and z_j up to 0.9 z;
+    /// this z is that of the undeformed outline.
     /// It digs at once or, with a relaxation length l, along its way: ds/dt = (min(|r omega - V|, v) - s v)/l with
     /// v = max(|r omega|, |V|), so that s = min(|i|, 1) in steady motion. Of a change of slip 63 % have come after l and 95 % after 3 l,
     /// measured along the rim or along the way, whichever is longer. s belongs to the wheel: one that follows does not find the hole of
@@ -23,7 +24,7 @@ parameters! {
         n1: [Unit::ONE] = 0.0, 0.0..=1.5, Effect, "Ding et al. 2011, J. Terramechanics 48: 0.35-0.5";
         /// Share g of Lyasko's growth of the sinkage with slip.
         growth: [Unit::ONE] = 0.0, 0.0..=2.0, Effect, "Lyasko 2010, J. Terramechanics 47: 1";
-        /// Height h of lugs that carry soil away, by which a slip of a half adds to the sinkage.
+        /// Height h of the lugs that carry soil away; at a slip of a half this adds h to the sinkage.
         carried: [Unit::METRE] = 0.0, 0.0..=0.05, Effect, "Reece 1965, Proc. IMechE 180: the height of the lugs";
         /// Relaxation length l with which the sinkage follows the slip, along the rim or along the way; 0 follows at once.
         length: [Unit::METRE] = 0.0, 0.0..=1.0, Fixed, "neutral; assumption: the contact's length, 0.6 r at a sinkage of 0.2 r";
@@ -36,6 +37,8 @@ impl<S: Scalar> Effect<S> for SlipSinkage<S> {
         Facts {
             seen_on_carriage: &["sinkage", "drawbar_pull"],
             seen_on_rover: &["wheel[1].sinkage"],
+            typical: &[("n1", 0.4), ("growth", 0.2), ("carried", 0.001)],
+            smooth_at_neutral: &["n1", "growth", "carried"],
             advice: &[SOIL_TEST],
             // Whether the ground keeps a slip is decided at the start.
             not_tunable: &["length"],
@@ -71,7 +74,7 @@ impl<S: Scalar> SlipSinkage<S> {
         let carried = self.carried * slip / (S::from(1.0) - slip);
         let stands = sinkage.over(0.0);
         let share = carried / S::select(stands, sinkage, S::from(1.0));
-        let share = S::select(stands, share.smaller(S::from(MOST_CARRIED)), S::from(MOST_CARRIED));
+        let share = S::select(stands, share.smaller(S::from(MOST_CARRIED)), S::from(0.0));
         (S::from(1.0) - share) / grown
     }
 }
@@ -143,6 +146,17 @@ mod tests {
         // Rolling without slip over the same way.
         let left = Digging::new(r_omega, r_omega, true).after(dug, length, 2.0 * length / r_omega);
         assert!((left - dug * (-2.0_f64).exp()).abs() < ROUNDING);
+    }
+
+    #[test]
+    fn analytic_reeces_law_ends_at_its_largest_slip_and_share() {
+        let lugs = SlipSinkage { n1: 0.0, growth: 0.0, carried: 0.004, length: 0.0 };
+        // z_j = h at a slip of a half.
+        assert!((lugs.pressed(0.5, 0.02) - 0.8).abs() < ROUNDING);
+        assert_eq!(lugs.pressed(1.0, 0.2), lugs.pressed(LARGEST_SLIP, 0.2));
+        assert!((lugs.pressed(1.0, 0.2) - (1.0 - 0.004 * 19.0 / 0.2)).abs() < ROUNDING);
+        assert!((lugs.pressed(0.9, 0.001) - (1.0 - MOST_CARRIED)).abs() < ROUNDING);
+        assert_eq!([lugs.pressed(0.0, 0.02), lugs.pressed(0.9, 0.0)], [1.0, 1.0]);
     }
 
     #[test]

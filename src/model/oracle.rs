@@ -10,7 +10,7 @@ use crate::soil::Soil;
 
 impl Model {
     /// The oracle of this rover on its own soil, where the ground says nothing else: the true wheel and rim, and Ding's slip-sinkage
-    /// (`slip_sinkage.n1`). Other effects do not enter, other laws of slip-sinkage neither.
+    /// (`slip_sinkage.n1`). Other effects and other laws of slip-sinkage do not enter.
     ///
     /// # Errors
     /// [`RunError`] where the rover makes no sense to a controller or an effect of the user's own gives no number.

@@ -180,8 +180,12 @@ impl<S: Scalar> TestEffect<S> for ShearPlay<S> {
                 beyond
             } else {
                 let width = self.rounding * self.displacement;
-                let rounded = |x: S| (x + (x * x + width * width).sqrt()) * 0.5;
-                rounded(beyond) - rounded(-self.displacement)
+                let squared = beyond * beyond + width * width;
+                let there = squared.over(0.0);
+                // The root has no slope at 0.
+                let root = S::select(there, S::select(there, squared, S::from(1.0)).sqrt(), S::from(0.0));
+                let at_rest = self.displacement * ((self.rounding * self.rounding + 1.0).sqrt() - 1.0);
+                (beyond + root - at_rest) * 0.5
             };
         }
     }

@@ -143,3 +143,53 @@ fn property_derivatives_are_those_of_differences() {
         }
     }
 }
+
+#[test]
+fn property_all_derivatives_at_neutral_effects_are_finite_in_every_row() {
+    let mut test = sand();
+    let names: Vec<String> =
+        test.list().into_iter().filter(|(v, _)| v.role == Role::Effect).map(|(v, _)| v.name).collect();
+    for some in names.chunks(8) {
+        let mut dual = test.map(&|value| Dual::<8>::from(value));
+        dual.visit("", &mut |variable, place| {
+            if let Some(k) = some.iter().position(|name| *name == variable.name) {
+                *place = Dual::from(place.re).derivative(k);
+            }
+        });
+        for x in [0.0, 0.002, 0.02] {
+            for value in [dual.force(x), dual.shear_stress(x, 8e3)] {
+                let slopes = value.eps.0.map_or([0.0; 8], |all| std::array::from_fn(|k| all[k]));
+                assert!(
+                    value.re.is_finite() && slopes.iter().all(|slope| slope.is_finite()),
+                    "{some:?} at {x}: {slopes:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn analytic_play_rounds_its_corner_and_takes_the_same_displacement_in_the_end() {
+    let mut test = sand();
+    let (play, rounding) = (0.001, 0.5);
+    test.set("shear_play.displacement", play).unwrap();
+    let sharp = test.clone();
+    test.set("shear_play.rounding", rounding).unwrap();
+    assert_eq!(test.shear_stress(0.0, 8e3), 0.0);
+    // Far behind the gaps j - j_0 + (w j_0)^2/(4 (j - j_0)) - j_0 (sqrt(1 + w^2) - 1)/2 is left.
+    let far: f64 = 0.03;
+    let gone = play * (f64::hypot(1.0, rounding) - 1.0) / 2.0 - (rounding * play).powi(2) / (4.0 * (far - play));
+    let (rounded, moved) = (test.shear_stress(far, 8e3), sharp.shear_stress(far - gone, 8e3));
+    assert!((rounded / moved - 1.0).abs() < 1e-7, "{rounded} and {moved}");
+    assert!(test.shear_stress(play, 8e3) > 0.0 && sharp.shear_stress(play, 8e3) == 0.0);
+}
+
+#[test]
+fn property_the_shape_of_an_effect_without_strength_changes_nothing_bit_for_bit() {
+    let test = sand();
+    let mut shaped = test.clone();
+    for (name, value) in [("box_bottom.reach", 3.0), ("shear_play.rounding", 1.5)] {
+        shaped.set(name, value).unwrap();
+    }
+    assert_eq!(measured(&shaped), measured(&test));
+}

@@ -92,6 +92,17 @@ fn property_neutral_changes_nothing_bit_for_bit() {
     }
 }
 
+#[test]
+fn property_the_shape_of_a_flexible_wheel_without_compliance_changes_nothing_bit_for_bit() {
+    let shape = [("arm_share", 0.7), ("arc_by_sinkage", 0.2), ("arc_by_load", 12.0)];
+    let shaped: Settings = shape.iter().map(|(name, value)| (format!("flexible_wheel.{name}"), *value)).collect();
+    let none = Settings::new();
+    assert_eq!(carriage(&shaped).unwrap().bits(), carriage(&none).unwrap().bits());
+    for kind in DRIVES {
+        assert_eq!(drive(kind, &shaped).unwrap().bits(), drive(kind, &none).unwrap().bits(), "{kind:?}");
+    }
+}
+
 /// Draws the free parameters of `ids` anywhere within their bounds, the corners included.
 fn draw(rng: &mut ChaCha8Rng, ids: &[&str]) -> Settings {
     let mut settings = Settings::new();

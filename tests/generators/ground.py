@@ -8,7 +8,7 @@ import numpy as np
 
 LOAD_GROWTH = 10.0  # of a flexible wheel's radius over its deflection, where the arc grows with the load alone
 LARGEST_SLIP = 0.95  # of Reece's slip-sinkage, which has no end
-LEAST_STATIC = 0.1  # of a sinkage, that is static
+LEAST_STATIC = 0.1  # share of a sinkage that is static, at least
 RATE_SPEED = 0.01  # m/s, reference speed of the rate laws
 DIGGING = 0.05  # m, relaxation length with which a gradual slip-sinkage follows the slip
 FLEXIBLE = ("arc", "load", "axle", "schmid")  # forms of a flexible wheel
@@ -78,7 +78,7 @@ def radius(p, at, soil):
     if (s := on(p, "flexible_wheel.schmid")) is not None:  # Schmid's circle, with the flattened half behind the axle
         share = s * at["load"] / np.maximum(at["sinkage"], 1e-6)
         deflected(soil, s * at["load"], (np.sqrt(1.0 + share) + np.sqrt(share)) ** 2)
-    if (s := on(p, "flexible_wheel.axle")) is not None:  # the same, and the arm of the torque stays the wheel's radius
+    if (s := on(p, "flexible_wheel.axle")) is not None:  # as `arc`, and the arm of the torque stays the wheel's radius
         own, round_ = s * at["load"], soil["radius"]
         deflected(soil, own, 1.0 + own / np.maximum(at["sinkage"], 1e-6))
         soil["arm"] = np.where(np.asarray(s) != 0.0, round_, soil["radius"])

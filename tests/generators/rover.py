@@ -161,7 +161,7 @@ class Rover:
             now = rest(z)
             change = z - before
             slope = np.where(now != left, (now - left) / np.where(change != 0.0, change, 1.0), 1.0 / apart)
-            # The left side grows at least as fast as z itself.
+            # The left side grows nearly as fast as z itself, or faster.
             before, left, z = z, now, within(z - now / np.maximum(slope, 1.0 / apart))
         load = np.broadcast_to(self.load, np.broadcast_shapes(np.shape(place["sinkage"]), self.load.shape)).copy()
         load[..., some, :] = (whole - z) / compliance

@@ -2,7 +2,7 @@
 
 Values scatter by shares of what they are, so signatures are those of logarithms: what the effect changes in ln p or ln tau, whitened by the
 scatter of whole tests, the noise along the rows and that of the cell, without what the soil's parameters can take up. Rivals are the
-effects that examples/soil_tests.md lists, in the forms given there.
+effects that examples/soil_tests.md lists, in the forms given there; a bottom of the box with the reach 1 and a play with a sharp corner.
 """
 
 import numpy as np

@@ -30,7 +30,10 @@ PAIRS = {
 
 
 # Forms that join a set behind all others, so that those keep their order.
-MORE_FORMS = {cases.WHEEL: (), cases.ROVER: (("slip_sinkage", "gradual"),)}
+MORE_FORMS = {
+    cases.WHEEL: (("slip_sinkage", "lyasko"), ("slip_sinkage", "reece"), ("flexible_wheel", "load")),
+    cases.ROVER: (("slip_sinkage", "gradual"),),
+}
 
 
 @dataclass(frozen=True)

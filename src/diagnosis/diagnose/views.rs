@@ -10,7 +10,8 @@ use rand_chacha::ChaCha8Rng;
 
 /// Seed and number of the draws of an effect whose parameters cannot all be seen at its neutral value.
 const SEED: u64 = 1969;
-const DRAWS: usize = 6;
+/// A prime, so that the strata of no two of the first six parameters go together.
+const DRAWS: usize = 7;
 
 /// Share of a parameter's range that a start keeps from its bounds.
 const MARGIN: f64 = 0.002;
@@ -185,7 +186,7 @@ fn finite_views(at: &Place, candidate: &Candidate) -> Result<Vec<View>, Predicti
                 .iter()
                 .enumerate()
                 .map(|(j, free)| {
-                    let share = ((k * (2 * j + 1)) % DRAWS) as f64 + rng.random::<f64>();
+                    let share = ((k * (1 + j % (DRAWS - 1))) % DRAWS) as f64 + rng.random::<f64>();
                     free.variable.min + (free.variable.max - free.variable.min) * share / DRAWS as f64
                 })
                 .collect();
@@ -237,6 +238,7 @@ mod tests {
         let (compliance, arm) = (at("flexible_wheel.compliance"), at("flexible_wheel.arm_share"));
         // A unit step along the only column, from which the start shows the origin of the view.
         let slopes: Vec<&View> = flexible.views.iter().filter(|view| view.members() == Some(&[compliance])).collect();
+        assert_eq!(slopes.len(), 4, "near, and at the far end of each other parameter");
         let with_arm = |range: std::ops::RangeInclusive<f64>| {
             *slopes.iter().find(|view| range.contains(&view.start(free, &[0.1])[arm])).expect("a view with such an arm")
         };
