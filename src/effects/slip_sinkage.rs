@@ -38,7 +38,6 @@ impl<S: Scalar> Effect<S> for SlipSinkage<S> {
             seen_on_carriage: &["sinkage", "drawbar_pull"],
             seen_on_rover: &["wheel[1].sinkage"],
             typical: &[("n1", 0.4), ("growth", 0.2), ("carried", 0.001)],
-            smooth_at_neutral: &["n1", "growth", "carried"],
             advice: &[SOIL_TEST],
             // Whether the ground keeps a slip is decided at the start.
             not_tunable: &["length"],
