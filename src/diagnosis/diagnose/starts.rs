@@ -3,6 +3,10 @@
 use super::gains::SingleGain;
 use super::search::Search;
 use super::stage::Stage;
+use super::views::View;
+
+/// Share of its range at which each law of an effect is tried by itself: about where usual values are.
+const ALONE: f64 = 0.3;
 
 /// A set of effects and the values from which its fit starts.
 pub(super) type Start = (Vec<String>, Vec<Vec<f64>>);
@@ -23,7 +27,24 @@ impl Search<'_> {
         let mut starts: Vec<Vec<f64>> = promised.iter().map(|own| self.joined(stage, k, soil, own)).collect();
         let further = self.problem.strategy().further_starts(!starts.is_empty());
         starts.extend(self.shares(stage, k, soil, further));
+        if !further.is_empty() {
+            starts.extend(self.laws(stage, k, soil));
+        }
         (effects, starts)
+    }
+
+    /// Starts at a soil with one law of candidate number `k` each, where several of its parameters change something by themselves: together
+    /// they may lead a search to where none of them acts as it does alone (slip-sinkage after Ding, Lyasko and Reece).
+    fn laws(&self, stage: &Stage, k: usize, soil: &[f64]) -> Vec<Vec<f64>> {
+        let signature = &stage.sensitivities.signatures[k];
+        let Some(candidate) = self.problem.candidate(&signature.id) else { return Vec::new() };
+        let laws = signature.views.iter().find_map(View::members).filter(|laws| laws.len() > 1).unwrap_or_default();
+        let at = |law: &usize| {
+            let mut own: Vec<f64> = candidate.free.iter().map(|free| free.start).collect();
+            own[*law] += ALONE * candidate.free[*law].span();
+            self.joined(stage, k, soil, &own)
+        };
+        laws.iter().map(at).collect()
     }
 
     /// Starts at a soil with candidate number `k` at these shares of its ranges.
