@@ -16,9 +16,6 @@ const MAX_STEPS: usize = 60;
 /// leaves; the Newton step after the search squares that error. After steps by halving or with a power at one of its bounds the product is
 /// no estimate; they occur far from the solution (a test holds what is left to rounding).
 const CONVERGED: f64 = 1e-8;
-/// Smallest slope of z + C N in z that counts. Where the wheel carries next to nothing, because the shear of its rim pulls it down, N may fall as
-/// fast with z as 1/C: there is no solution or more than one then, and z stays near Z.
-const LEAST_SLOPE: f64 = 0.1;
 /// Newton steps of the estimate from which the search starts; it need not converge.
 const ESTIMATE_STEPS: usize = 6;
 /// Relative step below which a secant is mostly rounding, and the one before is kept.
@@ -92,9 +89,11 @@ impl<S: Scalar> Flattening<'_, S> {
         };
         let (found, slopes) = plain.search();
         let (fixed, by_sinkage) = (S::from_plain(found), lifted::<S>(&slopes));
-        let slope = (self.surface.compliance * by_sinkage.normal + 1.0).larger(S::from(LEAST_SLOPE));
+        let slope = self.surface.compliance * by_sinkage.normal + 1.0;
         let rest = fixed + self.surface.compliance * self.forces(fixed).normal.larger(S::from(0.0)) - self.outline;
-        let sinkage = (fixed - rest / slope).larger(fixed * 0.5).smaller(self.outline);
+        // Where a wheel carries next to nothing, because the shear of its rim pulls it down, N may fall with z as fast as 1/C: there is no
+        // solution or more than one then.
+        let sinkage = (fixed - rest / slope).smaller(self.outline);
         let sinkage_by_normal = -self.surface.compliance / slope;
         Flattened { surface: self.arc(sinkage), sinkage, sinkage_by_normal, by_sinkage }
     }
