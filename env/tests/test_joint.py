@@ -89,7 +89,7 @@ def test_property_each_of_several_has_its_page_with_the_effects_that_were_tried(
         saved = json.loads(re.search(r'<script[^>]*id="saved"[^>]*>(.*?)</script>', text, re.DOTALL)[1])
         # The wheels have one effect under its plain name, wherever it was tried; both can be moved.
         assert [found["effects"] for found in saved["snapshot"]["found"]] == [[], ["slip_sinkage"], ["torque_scale"]]
-        assert {response["parameter"] for response in saved["responses"]} == {"slip_sinkage.n1", "torque_scale.deviation"}
+        assert {response["parameter"] for response in saved["responses"]} == {"slip_sinkage.n1", "slip_sinkage.growth", "slip_sinkage.carried", "torque_scale.deviation"}
         assert {candidate["effect"] for candidate in saved["snapshot"]["diagnosis"]["candidates"]} == {"slip_sinkage", "torque_scale"}
         assert "fitted together" in text
 
