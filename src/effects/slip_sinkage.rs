@@ -13,9 +13,8 @@ const MOST_CARRIED: f64 = 0.9;
 parameters! {
     /// A slipping wheel digs itself in, with s = min(|i|, 1): by the sinkage exponent, n = n_0 + n_1 s (Ding et al. 2011), or by the
     /// sinkage itself, p = (k_c/b + k_phi) (z/f)^n, or by both. f is the product of 1 + g ((1 + s)/(1 - 0.5 s) - 1) (Lyasko 2010 has
-    /// g = 1) and z/(z - z_j) with z_j = h s/(1 - s) (Reece 1965), where s counts up to 0.95 and z_j up to 0.9 z;
-    /// this z is that of the undeformed outline.
-    /// It digs at once or, with a relaxation length l, along its way: ds/dt = (min(|r omega - V|, v) - s v)/l with
+    /// g = 1) and z/(z - z_j) with z_j = h s/(1 - s) (Reece 1965), where s counts up to 0.95, z_j up to 0.9 z, and z is the sinkage of the
+    /// undeformed outline. It digs at once or, with a relaxation length l, along its way: ds/dt = (min(|r omega - V|, v) - s v)/l with
     /// v = max(|r omega|, |V|), so that s = min(|i|, 1) in steady motion. Of a change of slip 63 % have come after l and 95 % after 3 l,
     /// measured along the rim or along the way, whichever is longer. s belongs to the wheel: one that follows does not find the hole of
     /// the one before it.

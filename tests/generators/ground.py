@@ -6,9 +6,9 @@ turns parameters and the place of a contact into what contact.forces sums; `adde
 
 import numpy as np
 
-LOAD_GROWTH = 10.0  # of a flexible wheel's radius over its deflection, where the arc grows with the load alone
-LARGEST_SLIP = 0.95  # of Reece's slip-sinkage, which has no end
-LEAST_STATIC = 0.1  # share of a sinkage that is static, at least
+LOAD_GROWTH = 10.0  # growth of a flexible wheel's arc radius over its deflection, where the arc grows with the load alone
+LARGEST_SLIP = 0.95  # that counts in Reece's slip-sinkage, which has no bound at a slip of 1
+LEAST_STATIC = 0.1  # smallest share of a sinkage that presses the soil, whatever is carried away
 RATE_SPEED = 0.01  # m/s, reference speed of the rate laws
 DIGGING = 0.05  # m, relaxation length with which a gradual slip-sinkage follows the slip
 FLEXIBLE = ("arc", "load", "axle", "schmid")  # forms of a flexible wheel
