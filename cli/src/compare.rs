@@ -152,7 +152,7 @@ pub fn print_parameters(calibration: &Calibration, indent: &str) -> Result<()> {
     for parameter in &calibration.parameters {
         let deviation = parameter.deviation.map_or_else(String::new, |deviation| format!(" +- {deviation:.3e}"));
         let variable = &parameter.variable;
-        let bound = if parameter.at_bound { "  ON ITS BOUND" } else { "" };
+        let bound = parameter.bound_note().map_or_else(String::new, |note| format!("  {}", note.to_uppercase()));
         let undetermined = parameter.deviation.is_none() && !parameter.at_bound;
         let unknown = if undetermined { "  NOT DETERMINED" } else { "" };
         say!(

@@ -222,8 +222,8 @@ fn parameter_line(parameter: &ParameterResult, wide: usize, interval: Option<(Op
         flags.push(format!("95 %: {} .. {}", side(low), side(high)));
     }
     flags.push(format!("bounds {:e} .. {:e}", variable.min, variable.max));
-    if fitted.at_bound {
-        flags.push("ON ITS BOUND".to_owned());
+    if let Some(note) = fitted.bound_note() {
+        flags.push(note.to_uppercase());
     } else if fitted.deviation.is_none() {
         flags.push("NOT DETERMINED".to_owned());
     }

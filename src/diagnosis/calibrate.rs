@@ -11,7 +11,8 @@ use super::least_squares::{LeastSquares, Minimum, Pace};
 use super::thresholds::FAR;
 use super::weighted::Weighted;
 use crate::measurement::Prior;
-use bekker_modeldescription::Variable;
+use crate::scalar::Scalar;
+use bekker_modeldescription::{Role, Variable};
 use nalgebra::DMatrix;
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
@@ -49,6 +50,19 @@ pub struct CalibratedParameter {
     pub at_bound: bool,
     /// What was known before.
     pub prior: Option<Prior>,
+}
+
+impl CalibratedParameter {
+    /// Whether the fit leaves a law of an effect off: the parameter sits on a bound that is its neutral value. It then wants to
+    /// go nowhere; a neighbouring law of the same effect may do all the work.
+    pub(crate) fn is_off(&self) -> bool {
+        self.at_bound && self.variable.role == Role::Effect && self.value.is_exactly(self.variable.default)
+    }
+
+    /// What a table notes beside a value on a bound.
+    pub fn bound_note(&self) -> Option<&'static str> {
+        self.at_bound.then(|| if self.is_off() { "left off" } else { "on its bound" })
+    }
 }
 
 /// Name, unit symbol and bounds in the place of the whole variable; the shift from the prior in the place of the prior.

@@ -161,8 +161,8 @@ fn add_parameters(page: &mut Page, calibration: &Calibration) {
             let shown = of_unit(p.variable.unit);
             let number = |value: f64| digits(value * shown.factor);
             let mut notes = Vec::new();
-            if p.at_bound {
-                notes.push("on its bound".to_owned());
+            if let Some(note) = p.bound_note() {
+                notes.push(note.to_owned());
             } else if p.deviation.is_none() {
                 notes.push("not determined".to_owned());
             }

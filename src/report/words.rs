@@ -63,7 +63,7 @@ pub(super) fn summary(comparison: &Comparison) -> Vec<String> {
         .calibrated
         .iter()
         .flat_map(|(calibration, _)| &calibration.parameters)
-        .filter(|parameter| parameter.at_bound)
+        .filter(|parameter| parameter.at_bound && !parameter.is_off())
         .map(|parameter| parameter.variable.name.as_str())
         .collect();
     if !bound.is_empty() {

@@ -61,14 +61,18 @@ impl<S: Scalar> TestEffect<S> for BoxWalls<S> {
 }
 
 parameters! {
-    /// A stiff bottom carries what the soil above it cannot spread: p grows by 1 + a exp(-(H - z)/(l d)), with the depth H
-    /// of the soil (`soil_box.depth`), the sinkage z and the plate's size d. An empirical form without a standard source;
-    /// the stress under a plate falls to a tenth over about two of its sizes (Boussinesq 1885), which is l = 0.9.
+    /// A stiff bottom carries what the soil above it cannot spread: p grows by 1 + a (z/H)^g exp(-(H - z)/(l d)), with the depth
+    /// H of the soil (`soil_box.depth`), the sinkage z and the plate's size d. An empirical form without a standard source;
+    /// the stress under a plate falls to a tenth over about two of its sizes (Boussinesq 1885), which is l = 0.9. With g = 0 the
+    /// bottom acts from the first touch on, as under a footing on an elastic layer; on a thin layer that is indented it acts
+    /// the more the deeper the indentation, with its square root (Dimitriadis et al. 2002).
     pub struct BoxBottom {
         /// Strength a.
         strength: [Unit::ONE] = 0.0, 0.0..=50.0, Effect, "empirical";
         /// Reach l of the bottom, in sizes of the plate.
         reach: [Unit::ONE] = 1.0, 0.3..=5.0, Effect, "empirical; 0.9: Boussinesq 1885";
+        /// Exponent g by which the bottom acts more the deeper the plate sinks.
+        growth: [Unit::ONE] = 0.0, 0.0..=2.0, Effect, "empirical; 0.5: Dimitriadis et al. 2002, an indented thin layer";
     }
 }
 
@@ -80,7 +84,8 @@ impl<S: Scalar> TestEffect<S> for BoxBottom<S> {
 
     fn press(&self, soil_box: &SoilBox<S>, at: &mut Pressing<S>) {
         if !self.strength.is_exactly(0.0) {
-            at.factor *= self.strength * ((at.sinkage - soil_box.depth) / (self.reach * at.size)).exponential() + 1.0;
+            let reached = ((at.sinkage - soil_box.depth) / (self.reach * at.size)).exponential();
+            at.factor *= self.strength * (at.sinkage / soil_box.depth).power(self.growth) * reached + 1.0;
         }
     }
 }

@@ -103,6 +103,7 @@ fn property_derivatives_are_those_of_differences() {
         ("box_walls.strength", 3.0),
         ("box_bottom.strength", 4.0),
         ("box_bottom.reach", 2.0),
+        ("box_bottom.growth", 0.5),
         ("rate.exponent", 0.1),
     ] {
         test.set(name, value).unwrap();
@@ -185,10 +186,22 @@ fn analytic_play_rounds_its_corner_and_takes_the_same_displacement_in_the_end() 
 }
 
 #[test]
+fn analytic_a_bottom_that_acts_more_the_deeper_the_plate_sinks() {
+    let mut test = sand();
+    let far = test.pressure(0.03);
+    for (name, value) in [("box_bottom.strength", 4.0), ("box_bottom.reach", 0.9), ("box_bottom.growth", 0.5)] {
+        test.set(name, value).unwrap();
+    }
+    // 1 + a (z/H)^g exp(-(H - z)/(l d))
+    let factor = 1.0 + 4.0 * (0.03_f64 / 0.15).sqrt() * (-0.12_f64 / (0.9 * 0.12)).exp();
+    assert!((test.pressure(0.03) / far / factor - 1.0).abs() < ROUNDING);
+}
+
+#[test]
 fn property_the_shape_of_an_effect_without_strength_changes_nothing_bit_for_bit() {
     let test = sand();
     let mut shaped = test.clone();
-    for (name, value) in [("box_bottom.reach", 3.0), ("shear_play.rounding", 1.5)] {
+    for (name, value) in [("box_bottom.reach", 3.0), ("box_bottom.growth", 0.5), ("shear_play.rounding", 1.5)] {
         shaped.set(name, value).unwrap();
     }
     assert_eq!(measured(&shaped), measured(&test));

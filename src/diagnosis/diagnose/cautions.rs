@@ -8,7 +8,7 @@ pub(crate) fn of_parameters(fit: &Calibration) -> Vec<String> {
     let mut cautions = Vec::new();
     for parameter in &fit.parameters {
         let name = &parameter.variable.name;
-        if parameter.at_bound {
+        if parameter.at_bound && !parameter.is_off() {
             let bound = bound(parameter);
             cautions
                 .push(format!("{name} sits on its bound ({bound}): the fit wanted to go further than is believable"));
@@ -43,4 +43,44 @@ pub(crate) fn of_draws(draws: usize) -> Option<String> {
             "{draws} bootstrap draws cannot give a p-value below {smallest:.3}: nothing can be named; take 199 or more"
         )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::of_parameters;
+    use crate::diagnosis::calibrate::{CalibratedParameter, Calibration};
+    use crate::rover::Rover;
+    use bekker_modeldescription::Parameters;
+    use std::collections::BTreeMap;
+
+    /// What is said of a parameter of a two-wheeled rover that a fit puts on its bound `value`.
+    fn said(name: &str, value: f64) -> Vec<String> {
+        let (variable, start) = Rover::<f64>::two_wheeled()
+            .list()
+            .into_iter()
+            .find(|(variable, _)| variable.name == name)
+            .expect("the rover has it");
+        let parameter = CalibratedParameter { variable, start, value, deviation: None, at_bound: true, prior: None };
+        of_parameters(&Calibration {
+            parameters: vec![parameter],
+            weights: BTreeMap::new(),
+            chi_square: 1.0,
+            degrees_of_freedom: 1,
+            steps: 1,
+            converged: true,
+            searches: 1,
+            agreeing: 1,
+        })
+    }
+
+    #[test]
+    fn property_a_law_that_is_left_off_needs_no_caution() {
+        assert_eq!(said("slip_sinkage.growth", 0.0), [""; 0]);
+        assert_eq!(
+            said("rolling_resistance.coefficient", 0.2),
+            ["rolling_resistance.coefficient sits on its bound (0.2): the fit wanted to go further than is believable"]
+        );
+        // A soil's parameter on its bound always counts.
+        assert_eq!(said("soil.cohesion", 0.0).len(), 1);
+    }
 }

@@ -216,13 +216,14 @@ pub(crate) fn with_effects(case: &Case) -> Judgement {
 }
 
 /// The effects of a set that are worth listing although much is left: over half of what could be explained is gone with
-/// them, and none of them only imitates something else.
+/// them, and none of them only imitates something else. The search adds one effect after the other; what it adds after an
+/// imitation fits what the imitation leaves, and is not known either.
 fn partial(case: &Case) -> Vec<String> {
     let imitates = |id: &String| case.imitating.contains(id) || case.doubts.iter().any(|doubt| doubt.is_against(id));
     if case.left.0 > TOO_MUCH || !case.confirmed {
         return Vec::new();
     }
-    case.effects.iter().filter(|id| !imitates(id)).cloned().collect()
+    case.effects.iter().take_while(|id| !imitates(id)).cloned().collect()
 }
 
 /// Reasons against naming a set that leaves little, or nothing but noise.
@@ -322,4 +323,33 @@ fn told_apart(search: &Search, set: &[String], own: &str, other: &str) -> bool {
     }
     let rest = search.net_gain(&without(set, own));
     search.net_gain(&in_place) - rest < ALIKE * ALIKE * (search.net_gain(set) - rest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Case, with_effects};
+
+    #[test]
+    fn property_what_is_found_beside_an_imitation_is_not_listed_in_part() {
+        let effects = ["slip_sinkage", "grousers", "drag"].map(str::to_owned);
+        let listed = |imitating: &[&str]| {
+            let case = Case {
+                effects: &effects,
+                left: (0.3, true),
+                more_than_noise_alone: true,
+                imitating: imitating.iter().map(|id| (*id).to_owned()).collect(),
+                rivals: Vec::new(),
+                predicted: true,
+                confirmed: true,
+                without_priors: None,
+                improbable: None,
+                doubts: &[],
+            };
+            with_effects(&case).effects
+        };
+        assert_eq!(listed(&[]), effects);
+        assert_eq!(listed(&["drag"]), effects[..2]);
+        assert_eq!(listed(&["grousers"]), effects[..1]);
+        assert!(listed(&["slip_sinkage"]).is_empty());
+    }
 }

@@ -2,12 +2,11 @@
 
 use super::begin;
 use super::words::{meaning, p_value, percent, probability};
-use crate::diagnosis::{CalibratedParameter, CandidateResult, Diagnosis, FloorSource};
+use crate::diagnosis::{CandidateResult, Diagnosis, FloorSource};
 use crate::report::page::{Page, escape, table};
 use crate::report::plots::{probabilities, steps};
 use crate::report::units::{digits, of_column, short, spoken};
 use crate::report::words::source;
-use crate::scalar::Scalar;
 
 /// Pairs in the table.
 const MOST_PAIRS: usize = 8;
@@ -130,8 +129,7 @@ fn candidate(diagnosis: &Diagnosis, candidate: &CandidateResult) -> Vec<String> 
     if !candidate.refitted {
         notes.push("screened only");
     }
-    let off = |fitted: &CalibratedParameter| fitted.at_bound && fitted.value.is_exactly(fitted.variable.default);
-    if !candidate.parameters.is_empty() && candidate.parameters.iter().all(|parameter| off(&parameter.fitted)) {
+    if !candidate.parameters.is_empty() && candidate.parameters.iter().all(|parameter| parameter.fitted.is_off()) {
         notes.push("the fit leaves it off");
     } else if candidate.parameters.iter().any(|parameter| parameter.fitted.at_bound) {
         notes.push("on a bound");

@@ -62,7 +62,7 @@ fn value_with_error(parameter: &ParameterResult) -> String {
     let fitted = &parameter.fitted;
     let shown = of_unit(fitted.variable.unit);
     let error = fitted.deviation.map_or_else(String::new, |d| format!(" \u{b1} {}", digits(d * shown.factor)));
-    let bound = if fitted.at_bound { " (on its bound)" } else { "" };
+    let bound = fitted.bound_note().map_or_else(String::new, |note| format!(" ({note})"));
     let text = format!("{} = {}{error} {}", fitted.variable.name, digits(fitted.value * shown.factor), shown.symbol);
     format!("{}{bound}", text.trim_end())
 }

@@ -81,8 +81,8 @@ fn parameter_table(diagnosis: &Diagnosis, parameters: &[ParameterResult], interv
         if parameter.effect {
             notes.push("added effect".to_owned());
         }
-        if fitted.at_bound {
-            notes.push("on its bound".to_owned());
+        if let Some(note) = fitted.bound_note() {
+            notes.push(note.to_owned());
         } else if fitted.deviation.is_none() {
             notes.push("not determined".to_owned());
         }
