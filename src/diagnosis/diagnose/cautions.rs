@@ -50,16 +50,17 @@ mod tests {
     use super::of_parameters;
     use crate::diagnosis::calibrate::{CalibratedParameter, Calibration};
     use crate::rover::Rover;
+    use crate::soil_test::{SoilTest, TestRig};
     use bekker_modeldescription::Parameters;
     use std::collections::BTreeMap;
 
-    /// What is said of a parameter of a two-wheeled rover that a fit puts on its bound `value`.
+    /// What is said of a parameter of a test of a soil that a fit puts on its bound `value`.
     fn said(name: &str, value: f64) -> Vec<String> {
-        let (variable, start) = Rover::<f64>::two_wheeled()
+        let (variable, start) = SoilTest::of(&Rover::two_wheeled(), &TestRig::default())
             .list()
             .into_iter()
             .find(|(variable, _)| variable.name == name)
-            .expect("the rover has it");
+            .expect("such a test has it");
         let parameter = CalibratedParameter { variable, start, value, deviation: None, at_bound: true, prior: None };
         of_parameters(&Calibration {
             parameters: vec![parameter],
@@ -75,10 +76,10 @@ mod tests {
 
     #[test]
     fn property_a_law_that_is_left_off_needs_no_caution() {
-        assert_eq!(said("slip_sinkage.growth", 0.0), [""; 0]);
+        assert_eq!(said("box_bottom.growth", 0.0), [""; 0]);
         assert_eq!(
-            said("rolling_resistance.coefficient", 0.2),
-            ["rolling_resistance.coefficient sits on its bound (0.2): the fit wanted to go further than is believable"]
+            said("box_walls.strength", 50.0),
+            ["box_walls.strength sits on its bound (50): the fit wanted to go further than is believable"]
         );
         // A soil's parameter on its bound always counts.
         assert_eq!(said("soil.cohesion", 0.0).len(), 1);
