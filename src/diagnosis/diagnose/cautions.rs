@@ -51,7 +51,7 @@ mod tests {
     use crate::diagnosis::calibrate::{CalibratedParameter, Calibration};
     use crate::rover::Rover;
     use crate::soil_test::{SoilTest, TestRig};
-    use bekker_modeldescription::Parameters;
+    use bekker_modeldescription::Lookup;
     use std::collections::BTreeMap;
 
     /// What is said of a parameter of a test of a soil that a fit puts on its bound `value`.
