@@ -65,14 +65,14 @@ parameters! {
     /// H of the soil (`soil_box.depth`), the sinkage z and the plate's size d. An empirical form without a standard source;
     /// the stress under a plate falls to a tenth over about two of its sizes (Boussinesq 1885), which is l = 0.9. With g = 0 the
     /// bottom acts from the first touch on, as under a footing on an elastic layer; on a thin layer that is indented it acts
-    /// the more the deeper the indentation, with its square root (Dimitriadis et al. 2002).
+    /// the more the deeper the indentation, with its square root under a sphere (Dimitriadis et al. 2002, eq. 12).
     pub struct BoxBottom {
         /// Strength a.
         strength: [Unit::ONE] = 0.0, 0.0..=50.0, Effect, "empirical";
         /// Reach l of the bottom, in sizes of the plate.
         reach: [Unit::ONE] = 1.0, 0.3..=5.0, Effect, "empirical; 0.9: Boussinesq 1885";
         /// Exponent g by which the bottom acts more the deeper the plate sinks.
-        growth: [Unit::ONE] = 0.0, 0.0..=2.0, Effect, "empirical; 0.5: Dimitriadis et al. 2002, an indented thin layer";
+        growth: [Unit::ONE] = 0.0, 0.0..=2.0, Effect, "empirical; 0.5: Dimitriadis et al. 2002, eq. 12, a thin layer under a sphere";
     }
 }
 

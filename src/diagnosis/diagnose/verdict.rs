@@ -216,7 +216,7 @@ pub(crate) fn with_effects(case: &Case) -> Judgement {
 }
 
 /// The effects of a set that are worth listing although much is left: over half of what could be explained is gone with
-/// them, and none of them only imitates something else. The search adds one effect after the other; what it adds after an
+/// them, and none of them only imitates something else. The effect that gains most stands first in a set; one behind an
 /// imitation fits what the imitation leaves, and is not known either.
 fn partial(case: &Case) -> Vec<String> {
     let imitates = |id: &String| case.imitating.contains(id) || case.doubts.iter().any(|doubt| doubt.is_against(id));
