@@ -32,7 +32,7 @@ fn moving(rover: &Rover) -> State {
 }
 
 /// Effects of soil and wheel, all of whose parameters act on the accelerations here.
-const SWITCHED_ON: [&str; 11] = [
+const SWITCHED_ON: [&str; 12] = [
     "slip_sinkage",
     "exit_angle",
     "multi_pass",
@@ -44,6 +44,7 @@ const SWITCHED_ON: [&str; 11] = [
     "soft_patch",
     "slope_strength",
     "rim_adhesion",
+    "rolling_resistance",
 ];
 
 /// Effects at values at which each acts, away from their bounds: typical ones, and others where those do not act here.
@@ -70,6 +71,8 @@ fn switch_on(effects: &mut Effects) {
     effects.soft_patch.half_width = 0.25;
     effects.slope_strength.beta = 0.1;
     effects.rim_adhesion.loss = 0.6;
+    effects.rolling_resistance.coefficient = 0.05;
+    effects.rolling_resistance.growth = 0.04;
     effects.coulomb_friction.torque = 0.05;
     effects.viscous_friction.coefficient = 0.02;
     effects.drag.force = 1.0;

@@ -207,7 +207,7 @@ pub fn rolling_sunk<S: Scalar>(
     let flat = if outline.value() > 0.0 { flattened(&contact) } else { None };
     let (rim, sinkage) = flat.as_ref().map_or((surface, outline), |flat| (&flat.surface, flat.sinkage));
     let mut forces = rolling_share(wheel, soil, rim, sinkage, velocity, spin, share).0.forces;
-    let (resists, leads) = (!surface.resistance.is_exactly(0.0), !surface.lead.is_exactly(0.0));
+    let (resists, leads) = (!surface.resistance.is_exactly(0.0), surface.leads());
     if (resists || leads) && sinkage.value() > 0.0 {
         let rim_speed = wheel.radius * spin;
         let speed = norm(velocity, rim_speed);
@@ -215,7 +215,7 @@ pub fn rolling_sunk<S: Scalar>(
             forces.drawbar -= surface.against_travel(velocity / speed).0;
         }
         if speed.value() > 0.0 && leads {
-            forces.torque += forces.normal * surface.lead_turning(rim_speed / speed).0;
+            forces.torque += surface.resisting(forces.normal, rim_speed / speed).moment;
         }
     }
     (forces, sinkage)

@@ -49,6 +49,19 @@ pub struct Surface<S = f64> {
     /// Distance by which the normal force leads the axle in the direction in which the wheel turns, m: the moment of the
     /// load against the turning is this distance times the load.
     pub lead: S,
+    /// What the root of the load adds to that distance, m/N^0.5.
+    pub lead_by_root: S,
+}
+
+/// The moment by which a wheel itself resists its turning.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Resisting<S> {
+    /// The moment, N m.
+    pub(super) moment: S,
+    /// Its slope in the normal force, m.
+    pub(super) by_normal: S,
+    /// Its slope in the rim's component of the direction of motion, N m.
+    pub(super) by_turn: S,
 }
 
 #[lanes]
@@ -70,6 +83,7 @@ impl<S: From<f64>> Default for Surface<S> {
             rounding: zero(),
             resistance: zero(),
             lead: zero(),
+            lead_by_root: zero(),
         }
     }
 }
@@ -103,10 +117,23 @@ impl<S: Scalar> Surface<S> {
         (self.resistance * travel / norm, self.resistance * FOURTH / (sum * norm))
     }
 
-    /// The lead of the normal force at the component `turn` of the direction of motion, and its slope in it.
-    pub(super) fn lead_turning(&self, turn: S) -> (S, S) {
+    /// Whether the normal force leads the axle at all.
+    pub(super) fn leads(&self) -> bool {
+        !(self.lead.is_exactly(0.0) && self.lead_by_root.is_exactly(0.0))
+    }
+
+    /// The moment against the turning under the normal force `normal` at the component `turn` of the direction of motion.
+    pub(super) fn resisting(&self, normal: S, turn: S) -> Resisting<S> {
         let squared = turn * turn + TURNING_RIM * TURNING_RIM;
         let norm = squared.sqrt();
-        (self.lead * turn / norm, self.lead * (TURNING_RIM * TURNING_RIM) / (squared * norm))
+        let presses = normal.over(0.0);
+        let root = S::select(presses, S::select(presses, normal, S::from(1.0)).sqrt(), S::from(0.0));
+        let grown = self.lead_by_root * root;
+        let lead = self.lead + grown;
+        Resisting {
+            moment: normal * (lead * turn / norm),
+            by_normal: (lead + grown * 0.5) * turn / norm,
+            by_turn: normal * (lead * (TURNING_RIM * TURNING_RIM) / (squared * norm)),
+        }
     }
 }

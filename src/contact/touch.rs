@@ -211,11 +211,11 @@ fn at_direction<S: Scalar>(
         direction.forces.drawbar -= resistance;
         direction.by_velocity.drawbar -= slope;
     }
-    if !surface.lead.is_exactly(0.0) {
-        let (lead, slope) = surface.lead_turning(turn);
-        direction.by_velocity.torque += direction.by_velocity.normal * lead;
-        direction.by_spin.torque += direction.by_spin.normal * lead + direction.forces.normal * slope;
-        direction.forces.torque += direction.forces.normal * lead;
+    if surface.leads() {
+        let own = surface.resisting(direction.forces.normal, turn);
+        direction.by_velocity.torque += direction.by_velocity.normal * own.by_normal;
+        direction.by_spin.torque += direction.by_spin.normal * own.by_normal + own.by_turn;
+        direction.forces.torque += own.moment;
     }
     (direction, sinkage)
 }

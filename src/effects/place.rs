@@ -96,6 +96,7 @@ over!(Surface {
     rounding,
     resistance,
     lead,
+    lead_by_root,
 });
 over!(TorqueRange { least, most, least_slope, most_slope });
 over!(Warming { end, time_constant });

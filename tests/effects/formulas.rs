@@ -227,16 +227,42 @@ fn analytic_lugs_grip_and_arc_enter_the_integrals_as_written() {
 
 #[test]
 fn analytic_a_leading_normal_force_is_a_moment_of_the_load_alone() {
-    let (wheel, soil, lead) = (rig().wheel, rig().soil, 0.004);
-    for (velocity, spin) in [(0.08, 1.0), (0.1, 1.0), (0.13, 1.0), (-0.08, -1.0), (0.0, 1.0)] {
+    let (wheel, soil) = (rig().wheel, rig().soil);
+    for ((lead, lead_by_root), (velocity, spin)) in [
+        ((0.004, 0.0), (0.08, 1.0)),
+        ((0.004, 0.0), (0.1, 1.0)),
+        ((0.0, 6e-4), (0.13, 1.0)),
+        ((0.002, 3e-4), (-0.08, -1.0)),
+        ((0.002, 3e-4), (0.0, 1.0)),
+    ] {
         let plain = rolling_on(&wheel, &soil, &Surface::default(), 0.01, velocity, spin);
-        let leading = rolling_on(&wheel, &soil, &Surface { lead, ..Surface::default() }, 0.01, velocity, spin);
+        let surface = Surface { lead, lead_by_root, ..Surface::default() };
+        let leading = rolling_on(&wheel, &soil, &surface, 0.01, velocity, spin);
+        let lead = lead + lead_by_root * plain.normal.sqrt();
         // The share of the motion that is the rim's, smoothed over three hundredths.
         let turn = 0.1 * spin / (0.1 * spin).hypot(velocity);
         let expected = lead * plain.normal * turn / turn.hypot(0.03);
         assert!(close(leading.torque - plain.torque, expected, SAME), "{velocity}: {expected} N m");
         assert!((leading.normal, leading.drawbar) == (plain.normal, plain.drawbar));
         assert!(close(expected.abs(), lead * plain.normal, 2e-3), "all of it");
+    }
+}
+
+#[test]
+fn analytic_rolling_resistance_grows_with_the_load_and_with_its_power_of_three_halves() {
+    let (coefficient, growth, radius) = (0.03, 0.05, 0.1);
+    let resists = with(|effects| {
+        effects.rolling_resistance.coefficient = coefficient;
+        effects.rolling_resistance.growth = growth;
+    });
+    for load in [20.0, 50.0, 120.0] {
+        let slip = 0.2;
+        let [plain, own] = [&rig(), &resists].map(|rig| steady_point(rig, load, slip, 1.0).unwrap());
+        // The share of the motion that is the rim's, smoothed over three hundredths.
+        let turn = 1.0 / f64::hypot(1.0, 1.0 - slip);
+        let moment = radius * load * (coefficient + growth * (load / 50.0).sqrt()) * turn / turn.hypot(0.03);
+        assert!(close(own.torque - plain.torque, moment, SAME), "{load} N: {moment} N m");
+        assert!((own.drawbar_pull, own.sinkage) == (plain.drawbar_pull, plain.sinkage));
     }
 }
 

@@ -92,7 +92,9 @@ FORMS = [
     Form("rim_adhesion", "smooth", 0.4, 0.7, BOTH, rival=0.3),
     Form("rim_adhesion", "round", 0.4, 0.7, BOTH, library=True, rival=0.3),
     Form("rolling_resistance", "moment", 0.05, 0.2, BOTH, library=True),
-    Form("rolling_resistance", "hertz", 0.05, 0.2, BOTH),
+    Form("rolling_resistance", "hertz", 0.05, 0.2, BOTH, library=True),
+    # Between the library's two laws.
+    Form("rolling_resistance", "sphere", 0.05, 0.2, BOTH),
     Form("suspension_friction", "constant", 1.0, 5.0, R, library=True, jointed=True),
     Form("suspension_friction", "stribeck", 1.0, 5.0, R, jointed=True),
     Form("hump", "slip", 0.05, 0.3, BOTH, outside=True, signed=True),
@@ -102,7 +104,7 @@ FORMS = [
 ]
 
 # Effects of the library that have a parameter for each of their forms, which may therefore act together.
-TOGETHER = ("slip_sinkage", "flexible_wheel", "drag", "radius_scale")
+TOGETHER = ("slip_sinkage", "flexible_wheel", "drag", "radius_scale", "rolling_resistance")
 
 # Cases that hide no effect but mislead: what is stated about the experiment is wrong, or it is too small to tell.
 CAUTION = ("wrong_prior", "noise_half", "noise_double", "poor")

@@ -217,4 +217,6 @@ def added_torque(p, normal, turn):
         moment = moment + s * p["radius"] * normal
     if (s := on(p, "rolling_resistance.hertz")) is not None:  # losses of an elastic cylinder, N^1.5 (Tabor 1955), s at 40 N
         moment = moment + s * p["radius"] * normal * np.sqrt(normal / 40.0)
+    if (s := on(p, "rolling_resistance.sphere")) is not None:  # those of an elastic sphere, N^(4/3) (Tabor 1955), s at 40 N
+        moment = moment + s * p["radius"] * normal * np.cbrt(normal / 40.0)
     return moment * np.sign(turn)

@@ -58,6 +58,8 @@ PARAMETERS = {
     "rim_adhesion.minimum": lambda s: {"rim_adhesion.loss": s},
     "rim_adhesion.round": lambda s: {"rim_adhesion.loss": s, "rim_adhesion.rounding": 0.5},
     "rolling_resistance.moment": lambda s: {"rolling_resistance.coefficient": s},
+    # The generator's strength is that at 40 N, the library's that at 50 N.
+    "rolling_resistance.hertz": lambda s: {"rolling_resistance.growth": s * (50.0 / 40.0) ** 0.5},
     "suspension_friction.constant": lambda s: {"suspension_friction.moment": s},
 }  # fmt: skip
 
