@@ -197,7 +197,7 @@ pub(crate) fn settled(
     let problem = least_squares(weighted, &residual, &linear);
     let x = weighted.coordinates(values);
     if pace.gauss_newton {
-        let at = Descent::new(&problem, &x).filter(|_| weighted.is_valid(&x))?.minimum(true);
+        let at = Descent::new(&problem, &x, pace.least_promise).filter(|_| weighted.is_valid(&x))?.minimum(true);
         return Some(finished(weighted, &problem, at, weights));
     }
     let cost = Some(problem.cost_at(&x)).filter(|cost| cost.is_finite() && weighted.is_valid(&x))?;

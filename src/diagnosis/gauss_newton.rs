@@ -36,15 +36,15 @@ const EXCEEDED: f64 = 1.25;
 const LONGEST: f64 = 8.0;
 
 /// A search ends where the linearised problem promises a smaller fall of chi-square: no decision hangs on a twentieth, nor, where the
-/// misfit is far beyond noise, on so small a share of what is beyond. The finite step of the simulations roughens chi-square, over many rows
+/// misfit is far beyond noise, on a small share of what is beyond. The finite step of the simulations roughens chi-square, over many rows
 /// by more than a twentieth; a fall of 1e-5 a row is 0.35 in 35,000.
 const NOTHING: f64 = 0.05;
-const NOTHING_OF_MISFIT: f64 = 2e-4;
 const NOTHING_A_ROW: f64 = 1e-5;
 
-/// By how much chi-square may differ between two searches that have ended in the same place.
-pub(crate) fn same_end(chi_square: f64, rows: f64) -> f64 {
-    NOTHING + NOTHING_OF_MISFIT * (chi_square - rows).max(0.0) + NOTHING_A_ROW * rows
+/// By how much chi-square may differ between two searches that have ended in the same place, where no decision hangs on the share
+/// `of_misfit` of the misfit beyond noise.
+pub(crate) fn same_end(chi_square: f64, rows: f64, of_misfit: f64) -> f64 {
+    NOTHING + of_misfit * (chi_square - rows).max(0.0) + NOTHING_A_ROW * rows
 }
 
 /// A search under way.
@@ -62,6 +62,8 @@ pub(crate) struct Descent<'a> {
     /// Whether the last trial gained clearly more than was predicted.
     exceeded: bool,
     steps: u64,
+    /// It ends where the next step promises less than this share of the misfit beyond noise.
+    least_promise: f64,
 }
 
 /// What became of a trial.
@@ -75,12 +77,13 @@ enum Trial {
 }
 
 impl<'a> Descent<'a> {
-    /// Starts at `start`; `None` where the model has no answer there.
-    pub fn new(problem: &'a LeastSquares<'a>, start: &[f64]) -> Option<Self> {
+    /// Starts at `start`, to end where a step promises less than the share `least_promise` of the misfit beyond noise; `None` where the model has no answer there.
+    pub fn new(problem: &'a LeastSquares<'a>, start: &[f64], least_promise: f64) -> Option<Self> {
         let linear = problem.linear_at(start);
         let triangle = triangle(&linear);
         let at = start.to_vec();
-        let descent = Self { problem, linear, triangle, carried: false, at, trust: FIRST, exceeded: false, steps: 0 };
+        let (carried, trust, exceeded, steps) = (false, FIRST, false, 0);
+        let descent = Self { problem, linear, triangle, carried, at, trust, exceeded, steps, least_promise };
         descent.chi_square().is_finite().then_some(descent)
     }
 
@@ -112,7 +115,7 @@ impl<'a> Descent<'a> {
 
     fn trial(&mut self) -> Trial {
         let (change, fall) = self.linear_step();
-        if fall <= same_end(self.chi_square(), self.problem.rows as f64) {
+        if fall <= same_end(self.chi_square(), self.problem.rows as f64, self.least_promise) {
             if self.carried {
                 return self.derive();
             }
@@ -249,6 +252,8 @@ mod tests {
 
     /// Rounding of a handful of products.
     const ROUNDING: f64 = 1e-9;
+    /// Share of the misfit that is no gain.
+    const LEAST_PROMISE: f64 = 2e-4;
 
     #[test]
     fn analytic_a_careful_step_goes_on_as_long_as_that_leaves_less() {
@@ -258,7 +263,7 @@ mod tests {
             let (lower, upper) = (vec![-1e4], vec![1e4]);
             let problem =
                 LeastSquares { lower, upper, rows: 1, tolerance: 1e-12, residual: &residual, linear: &linear };
-            let descent = Descent::new(&problem, &[0.0]).expect("a line has values everywhere");
+            let descent = Descent::new(&problem, &[0.0], LEAST_PROMISE).expect("a line has values everywhere");
             assert_eq!(descent.worth_going_on(&[1.0]).0, expected, "least at {least}");
         }
     }
@@ -287,7 +292,7 @@ mod tests {
         let (lower, upper) = (vec![0.0; 3], vec![5.0, 2.0, 10.0]);
         let problem = LeastSquares { lower, upper, rows: 40, tolerance: 1e-12, residual: &residual, linear: &linear };
         let (start, next) = ([0.5, 0.5, 0.0], [1.0, 0.9, 0.2]);
-        let mut descent = Descent::new(&problem, &start).expect("the curve has values everywhere");
+        let mut descent = Descent::new(&problem, &start, LEAST_PROMISE).expect("the curve has values everywhere");
         let before = descent.linear.clone();
         let there = DVector::from_vec(residual(&next));
         descent.carry(next.to_vec(), &there);
@@ -316,7 +321,8 @@ mod tests {
             let (lower, upper) = (vec![0.0; 3], vec![5.0, upper, 5.0]);
             let problem =
                 LeastSquares { lower, upper, rows: 40, tolerance: 1e-12, residual: &residual, linear: &linear };
-            let mut descent = Descent::new(&problem, &[0.5, 0.5, 0.0]).expect("the curve has values everywhere");
+            let mut descent =
+                Descent::new(&problem, &[0.5, 0.5, 0.0], LEAST_PROMISE).expect("the curve has values everywhere");
             let mut ended = false;
             for _ in 0..30 {
                 if ended {

@@ -39,8 +39,10 @@ pub(crate) struct Pace {
     pub least_gain: f64,
     /// Two searches agree where their costs differ by less than this share: a few times that within which a search ends.
     pub agreeing: f64,
-    /// Whether a search makes Gauss-Newton steps, which ask for few derivatives: where one costs more than all algebra.
+    /// Whether a search makes Gauss-Newton steps, which ask for few derivatives and little algebra.
     pub gauss_newton: bool,
+    /// Such a search ends where the next step promises less than this share of the misfit beyond noise.
+    pub least_promise: f64,
 }
 
 /// Share by which a search may be behind the best after the first steps.
@@ -56,7 +58,11 @@ impl Pace {
         least_gain: 0.0,
         agreeing: 1e-3,
         gauss_newton: false,
+        least_promise: 0.0,
     };
+    /// Every search to its end by Gauss-Newton steps: where parameters are so many that the singular values of a trust-region step cost as
+    /// much as the derivatives.
+    pub const MANY: Self = Self { gauss_newton: true, least_promise: 1e-5, ..Self::PATIENT };
     /// Where an evaluation takes tenths of a second.
     pub const BRISK: Self = Self {
         first_steps: 6,
@@ -64,6 +70,7 @@ impl Pace {
         least_fall: 1e-3,
         least_gain: 1.0,
         gauss_newton: true,
+        least_promise: 2e-4,
         ..Self::PATIENT
     };
     /// To the place from which a search over more measurements begins.
@@ -157,7 +164,7 @@ impl<'a> Search<'a> {
     fn new(problem: &'a LeastSquares<'a>, start: &[f64], pace: Pace) -> Option<Self> {
         let noise = 0.5 * problem.rows.saturating_sub(start.len()) as f64;
         if pace.gauss_newton {
-            let mut descent = Descent::new(problem, start)?;
+            let mut descent = Descent::new(problem, start, pace.least_promise)?;
             let at = descent.minimum(false);
             let step = Box::new(move || Some(descent.step()));
             return Some(Self { step, at, ended: false, costs: Vec::new(), pace, noise });

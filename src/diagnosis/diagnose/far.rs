@@ -6,6 +6,7 @@
 
 use super::fits::{Noise, Outcome, Task, run_roughly, with_problem};
 use crate::diagnosis::calibrate::Calibration;
+use crate::diagnosis::least_squares::Pace;
 use crate::diagnosis::problem::Problem;
 use crate::diagnosis::thresholds::FAR;
 
@@ -43,7 +44,7 @@ fn best_way(thin: &Problem, noise: &Noise, task: &Task) -> Option<Calibration> {
 /// The same task from next to nothing of its effects, where that leaves less misfit than all of its starts, which are far from the
 /// measurements: sensitivities had promised more than the effect keeps. `None` where the starts serve, and where searches are cheap.
 pub(super) fn faint_start(problem: &Problem, noise: &Noise, task: &Task) -> Option<Task> {
-    let dear = problem.strategy().budget().calibration.pace.gauss_newton;
+    let dear = problem.strategy().budget().calibration.pace == Pace::BRISK;
     if !dear || task.effects.is_empty() || task.starts.is_empty() || !task.left_out.is_empty() {
         return None;
     }

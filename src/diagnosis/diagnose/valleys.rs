@@ -61,8 +61,9 @@ impl Search<'_> {
 
     /// By how much chi-square may differ between searches that have ended in the place of this fit.
     fn same_end(&self, fit: &Calibration) -> f64 {
-        match self.problem.strategy().budget().calibration.pace.gauss_newton {
-            true => same_end(fit.chi_square, fit.degrees_of_freedom as f64),
+        let pace = self.problem.strategy().budget().calibration.pace;
+        match pace.gauss_newton {
+            true => same_end(fit.chi_square, fit.degrees_of_freedom as f64, pace.least_promise),
             false => SAME_FIT * fit.chi_square,
         }
     }

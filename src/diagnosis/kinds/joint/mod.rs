@@ -13,6 +13,7 @@ use crate::diagnosis::diagnose::{Phase, Shape};
 use crate::diagnosis::free::Free;
 use crate::diagnosis::halt::Halt;
 use crate::diagnosis::layout::Layout;
+use crate::diagnosis::least_squares::Pace;
 use crate::diagnosis::noise::Scale;
 use crate::diagnosis::precedence::Choice;
 use crate::diagnosis::prediction::{Predict, PredictionError};
@@ -205,7 +206,11 @@ impl Strategy for Joint {
     /// effect's misfit first rises; else those that promise the most.
     fn budget(&self) -> Budget {
         let singles = self.driven.then_some(SINGLES);
-        Budget { singles, predicts_whole: true, ..self.dearest().budget() }
+        let Budget { mut calibration, .. } = self.dearest().budget();
+        if !self.driven {
+            calibration.pace = Pace::MANY;
+        }
+        Budget { calibration, singles, predicts_whole: true, ..self.dearest().budget() }
     }
 
     /// The number of fits, and what other work takes in fits.
