@@ -36,6 +36,8 @@ def test_property_objects_hold_the_numbers_of_the_json(diagnosis: bekker.Diagnos
     for step, other in zip(diagnosis.steps, said["steps"], strict=True):
         assert {p.name: p.value for p in step.parameters} == {n: p["value"] for n, p in other["parameters"].items()}
         assert {p.name for p in step.parameters if p.effect} == ({"slip_sinkage.n1", "slip_sinkage.growth", "slip_sinkage.carried"} if step.added else set())
+    for parameter in diagnosis.steps[-1].parameters:
+        assert parameter.left_off == (parameter.effect and parameter.at_bound and parameter.value == 0.0)
     assert [c.effect for c in diagnosis.candidates] == [c["effect"] for c in said["candidates"]]
     assert [c.probability for c in diagnosis.candidates] == [c["probability"] for c in said["candidates"]]
     assert diagnosis.share.other == said["probability_other"] and diagnosis.share.enough == said["probability_enough"]

@@ -129,7 +129,7 @@ fn property_an_interrupted_diagnosis_keeps_what_it_has() {
 
 #[test]
 fn property_effects_can_be_part_of_the_baseline() {
-    let options = DiagnoseOptions { added: vec!["slip_sinkage".to_owned()], draws: 199, ..DiagnoseOptions::default() };
+    let options = DiagnoseOptions { added: vec!["slip_sinkage".to_owned()], ..quick() };
     let diagnosis = diagnosed(&shipped(), &options);
     assert_eq!(diagnosis.verdict, Verdict::Explained, "{:?}", diagnosis.effects);
     assert!(diagnosis.candidates.iter().all(|candidate| candidate.effect != "slip_sinkage"));

@@ -57,6 +57,11 @@ class Parameter(CalibratedParameter):
     effect: bool
     """Whether it belongs to an added effect rather than to the calibration."""
 
+    @property
+    def left_off(self) -> bool:
+        """Whether the fit leaves it at its neutral value, from which it starts, on a bound: of an effect's laws that one is not needed."""
+        return self.effect and self.at_bound and self.value == self.start
+
 
 @dataclass(frozen=True)
 class Step:

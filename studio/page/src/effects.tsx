@@ -33,6 +33,11 @@ function toValue(range: Range, place: number): number {
   return Math.min(high, Math.max(low, Number(value.toPrecision(6))));
 }
 
+/** Whether a fit leaves a parameter of an effect at its neutral value, from which it starts: of its laws that one is not needed. */
+function isOff(parameter: Parameter, value: number): boolean {
+  return parameter.effect !== null && value === parameter.start;
+}
+
 export function Slider({ parameter, label }: { parameter: Parameter; label: string }) {
   const { experiment } = useStore();
   const value = store.value(parameter);
@@ -59,7 +64,7 @@ export function Slider({ parameter, label }: { parameter: Parameter; label: stri
         disabled={!experiment || !movable}
         onInput={(event) => store.move(parameter.name, toValue(range, Number(event.currentTarget.value)))}
       />
-      {fitted?.at_bound && <span class="flag">on its bound</span>}
+      {fitted?.at_bound && <span class="flag">{isOff(parameter, fitted.value) ? "left off" : "on its bound"}</span>}
       {fitted && fitted.std === null && !fitted.at_bound && <span class="flag">not determined by this experiment</span>}
       {fitted?.prior_shift != null && Math.abs(fitted.prior_shift) > 2 && (
         <span class="flag">{short(fitted.prior_shift)} standard deviations from its prior</span>
