@@ -129,10 +129,16 @@ fn property_an_interrupted_diagnosis_keeps_what_it_has() {
 
 #[test]
 fn property_effects_can_be_part_of_the_baseline() {
-    let options = DiagnoseOptions { added: vec!["slip_sinkage".to_owned()], ..quick() };
-    let diagnosis = diagnosed(&shipped(), &options);
+    let among = |candidates: &[&str]| DiagnoseOptions {
+        added: vec!["slip_sinkage".to_owned()],
+        candidates: Some(candidates.iter().map(|id| (*id).to_owned()).collect()),
+        ..quick()
+    };
+    let diagnosis = diagnosed(&shipped(), &among(&["coulomb_friction", "torque_scale"]));
     assert_eq!(diagnosis.verdict, Verdict::Explained, "{:?}", diagnosis.effects);
-    assert!(diagnosis.candidates.iter().all(|candidate| candidate.effect != "slip_sinkage"));
+    // It is no candidate any more.
+    let again = diagnose(&model(), &shipped(), &among(&["slip_sinkage"]), &Control::default());
+    assert!(again.unwrap_err().to_string().contains("slip_sinkage"));
 }
 
 #[test]
