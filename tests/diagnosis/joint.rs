@@ -1,6 +1,6 @@
 //! Several experiments on one soil, diagnosed together: what is shared, what stays with each, and where an effect acts.
 
-use crate::noisy_wheel::wheel_on;
+use crate::noisy_wheel::{wheel_on, wheel_with};
 use bekker::diagnosis::{
     CompareError, CompareOptions, Comparison, Control, DiagnoseOptions, Diagnosis, Given, Verdict, compare, diagnose,
     plain_effect,
@@ -181,6 +181,25 @@ fn property_beds_that_differ_as_beds_do_are_no_missing_effect() {
     assert!(!names.into_iter().any(|name| name.starts_with("soil_scatter")));
     let refused = Given::default().with_soil_scatter(0.8).unwrap_err().to_string();
     assert!(refused.contains("0 to 0.5"), "{refused}");
+}
+
+#[test]
+fn property_two_soils_that_are_taken_for_one_are_no_effect() {
+    // The stresses of the second soil are largest further ahead, as an exit angle moves them.
+    let soil = [("soil.c1", 1.0, 0.08), ("soil.exponent", 1.05, 0.0), ("soil.friction_angle", 0.97, 0.0)];
+    let narrow = wheel("two_soils", "narrow", 0.10, 0.0, "");
+    let wide = wheel_with("two_soils", "wide", 0.16, "", &soil);
+    let joint = Experiment::joint(vec![narrow, wide]).unwrap();
+    let candidates = Some(["exit_angle", "slip_sinkage", "torque_scale"].map(str::to_owned).to_vec());
+    let options = DiagnoseOptions { candidates, draws: 199, ..DiagnoseOptions::default() };
+    let diagnosis = diagnose(Given::default(), &joint, &options, &Control::default()).unwrap();
+    println!("{:?} {:?} {:?}", diagnosis.verdict, diagnosis.effects, diagnosis.cautions);
+    assert_eq!(diagnosis.verdict, Verdict::Undetermined, "{:?}", diagnosis.effects);
+    assert!(diagnosis.cautions.iter().any(|caution| caution.contains("may not stand on one soil")));
+    // Each on a soil of its own is what the model gives.
+    let apart = Given::default().with_share(&[]);
+    let diagnosis = diagnose(apart, &joint, &options, &Control::default()).unwrap();
+    assert_eq!(diagnosis.verdict, Verdict::Explained, "{:?}", diagnosis.effects);
 }
 
 /// Names of the baseline's parameters.

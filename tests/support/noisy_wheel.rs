@@ -21,14 +21,20 @@ pub fn model() -> Model {
 
 /// A wheel of this width (m) on the default soil, `stiffer` by a factor, with `n1` of slip-sinkage, measured three times under two loads.
 pub fn wheel_on(folder: &str, name: &str, width: f64, n1: f64, settings: &str, stiffer: f64) -> Experiment {
+    wheel_with(folder, name, width, settings, &[("slip_sinkage.n1", 0.0, n1), ("soil.k_phi", stiffer, 0.0)])
+}
+
+/// The same where parameters are so many times and so much more than those of the model.
+pub fn wheel_with(folder: &str, name: &str, width: f64, settings: &str, changes: &[(&str, f64, f64)]) -> Experiment {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_CRATE_NAME")).join(folder).join(name);
     std::fs::create_dir_all(&folder).unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64((width * 1e4) as u64);
     let mut rig = Rig::of(&model().rover);
     rig.wheel.width = width;
-    rig.set("slip_sinkage.n1", n1).unwrap();
-    let stiffness = rig.get("soil.k_phi").unwrap();
-    rig.set("soil.k_phi", stiffer * stiffness).unwrap();
+    for (parameter, times, more) in changes {
+        let value = rig.get(parameter).unwrap();
+        rig.set(parameter, times * value + more).unwrap();
+    }
     let mut toml =
         format!("name = \"{name}\"\nkind = \"single_wheel\"\n[parameters]\n\"wheel.width\" = {width}\n{settings}\n");
     for load in [25.0, 50.0] {

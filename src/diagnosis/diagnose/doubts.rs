@@ -2,6 +2,7 @@
 //! no class of soil allows, a bound that carries the fit.
 
 use super::bootstrap::p_value;
+use super::one_soil::{OwnSoil, own_soil};
 use super::search::Search;
 use super::stage::Stage;
 use crate::diagnosis::calibrate::{CalibratedParameter, Calibration};
@@ -22,6 +23,8 @@ pub(crate) enum Doubt {
     Few { effect: String, values: usize, parameters: usize },
     /// No class of soil allows the fitted soil.
     Soil(String),
+    /// The experiments may not stand on one soil.
+    OwnSoil(OwnSoil),
     /// The fit leans on a bound.
     Bound { parameter: String, value: String, gain: f64 },
 }
@@ -32,7 +35,7 @@ impl Doubt {
         match self {
             Self::Alike { weaker, .. } => Some(weaker),
             Self::Neutral { effect, .. } | Self::Spare { effect, .. } | Self::Few { effect, .. } => Some(effect),
-            Self::Soil(_) | Self::Bound { .. } => None,
+            Self::Soil(_) | Self::OwnSoil(_) | Self::Bound { .. } => None,
         }
     }
 
@@ -58,6 +61,7 @@ impl Doubt {
                 "{values} values at different set-points (and priors) are too few to name anything by a fit of {parameters} parameters"
             ),
             Self::Soil(words) => words.clone(),
+            Self::OwnSoil(found) => found.words(),
             Self::Bound { parameter, value, gain } => format!(
                 "{parameter} is held at its bound, {value}, and the fit leans on it: beyond it chi-square would fall by about {gain:.0} more"
             ),
@@ -89,6 +93,9 @@ pub(crate) fn doubts(search: &mut Search, stage: &Stage, effects: &[String]) -> 
     found.extend(few(stage, effects, &fit, &losses));
     found.extend(leaning(search, effects, &fit)?);
     found.extend(super::soil::unbelievable(search, effects, &fit).map(Doubt::Soil));
+    if search.problem.experiment.parts.len() > 1 {
+        found.extend(own_soil(search, effects, &fit).map(Doubt::OwnSoil));
+    }
     Ok(found)
 }
 

@@ -39,6 +39,7 @@ mod inner_step;
 mod judge;
 mod moved;
 mod odd;
+mod one_soil;
 mod prepare;
 mod probability;
 mod profile;

@@ -23,7 +23,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// Between an effect and the part in which it acts.
-const IN: &str = " in ";
+pub(super) const IN: &str = " in ";
 /// Between an effect and the only part in which it does not act.
 const NOT_IN: &str = " not in ";
 
@@ -286,7 +286,7 @@ fn merged_library(problems: &[Problem], experiment: &Experiment) -> Vec<Candidat
 }
 
 /// A parameter that acts in some parts; `suffix` on the name of what it belongs to says where.
-fn within(free: &Free, parts: &[usize], suffix: &str) -> Free {
+pub(super) fn within(free: &Free, parts: &[usize], suffix: &str) -> Free {
     let name = free.variable.name.clone();
     let mut own = free.clone();
     own.variable.name = placed_name(&name, suffix);

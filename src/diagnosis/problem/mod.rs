@@ -2,6 +2,7 @@
 //! moves, and the effects that may be added.
 
 mod joint;
+mod own_soil;
 mod parameters;
 mod placed;
 mod saved;
