@@ -28,20 +28,24 @@ python_package() {
     # For the tests in a browser.
     .venv/bin/python -m pip install --quiet --disable-pip-version-check playwright axe-playwright-python || echo "no playwright"
 }
-# It is built while the Rust tests run, many of which keep only one core busy; in a shell of its own, so that it stops at its first failure.
-export -f python_package
-bash -euo pipefail -c python_package >target/python_package.log 2>&1 &
-packaging=$!
+python_tests() {
+    python_package
+    export BEKKER_FMU_JUDGE="$PWD/target/judge/debug/bekker-fmu-judge"
+    # `cargo test --no-run` has built the examples with which the Python tests compare.
+    BEKKER_EXAMPLES="$PWD/target/debug/examples" .venv/bin/python -m pytest --quiet -rs --no-fold-skipped -n auto env/tests
+    .venv/bin/python -m pytest --quiet -rs --no-fold-skipped -n auto tests/study tests/generators
+}
+# The package is built and tested while the Rust tests run, many of which keep only one core busy; in a shell of its own, so that it
+# stops at its first failure.
+export -f python_package python_tests
+bash -euo pipefail -c python_tests >target/python.log 2>&1 &
+python=$!
 cargo test --workspace | tee -a "$log"
 python3 fmu/scripts/third_party.py --check
-packaged=0
-wait "$packaging" || packaged=$?
-cat target/python_package.log
-[ "$packaged" = 0 ]
-export BEKKER_FMU_JUDGE="$PWD/target/judge/debug/bekker-fmu-judge"
-# `cargo test` has built the examples with which the Python tests compare.
-BEKKER_EXAMPLES="$PWD/target/debug/examples" .venv/bin/python -m pytest --quiet -rs --no-fold-skipped -n auto env/tests | tee -a "$log"
-.venv/bin/python -m pytest --quiet -rs --no-fold-skipped -n auto tests/study tests/generators | tee -a "$log"
+tested=0
+wait "$python" || tested=$?
+tee -a "$log" <target/python.log
+[ "$tested" = 0 ]
 # Beside the tests in a browser, which wait more than they compute.
 .venv/bin/python tests/study/study.py --quick --bekker target/debug/bekker --out target/study-quick >target/study.log 2>&1 &
 studying=$!

@@ -14,6 +14,7 @@ enough). `told` says whether a caution names a parameter that moved or the soil 
 
 import argparse
 import csv
+import functools
 import subprocess
 import sys
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -41,6 +42,7 @@ def jobs(first, seeds):
         yield from ((case, seed) for case in ("clean", *together.effects_of(cases.WHEEL)))
 
 
+@functools.cache
 def another_soil(seed, scatter):
     """A seed whose soil has another name."""
     own = joint.shared_soil(seed, scatter)[0]
