@@ -1,4 +1,5 @@
-//! Gauss-Newton steps within bounds, for models of which one derivative costs as much as all the algebra of a search together.
+//! Gauss-Newton steps within bounds, for models whose derivatives cost as much as all the algebra of a search together, and for so many
+//! parameters that the algebra of other methods costs as much.
 //!
 //! Each step goes to the least of the linearised problem within the bounds and within a part of them that grows and shrinks with
 //! how well the last step was predicted (a trust region in the form of a box: Voglis and Lagaris 2004; Conn, Gould and Toint 2000,

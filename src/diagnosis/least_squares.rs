@@ -1,6 +1,6 @@
 //! Bounded nonlinear least squares: min 1/2 |r(x)|^2 with lower <= x <= upper.
 //!
-//! The work is done by `basin`'s trust-region reflective method (Branch, Coleman and Li 1999), the algorithm of
+//! The work is done by Gauss-Newton steps (`gauss_newton`) or by `basin`'s trust-region reflective method (Branch, Coleman and Li 1999), the algorithm of
 //! scipy's `least_squares`: bounds are handled without a transform that flattens the slope near them, a failed
 //! evaluation (infinite residual) is a rejected step, and robust losses can be added. `levenberg-marquardt` 0.15 has
 //! no bounds.
@@ -60,9 +60,10 @@ impl Pace {
         gauss_newton: false,
         least_promise: 0.0,
     };
-    /// Every search to its end by Gauss-Newton steps: where parameters are so many that the singular values of a trust-region step cost as
-    /// much as the derivatives.
-    pub const MANY: Self = Self { gauss_newton: true, least_promise: 1e-5, ..Self::PATIENT };
+    /// Every search to its end by Gauss-Newton steps: for sets of experiments, whose parameters are mostly so many that the singular values of
+    /// a trust-region step cost as much as the derivatives.
+    pub const MANY: Self =
+        Self { first_steps: MAX_STEPS as usize, gauss_newton: true, least_promise: 1e-5, ..Self::PATIENT };
     /// Where an evaluation takes tenths of a second.
     pub const BRISK: Self = Self {
         first_steps: 6,

@@ -15,13 +15,13 @@ parameters! {
     /// measured, does not show it.
     ///
     /// Torque alone shows it, not the drawbar pull or the sinkage. Two loads or more tell it from dry friction of the drive,
-    /// which is the same at every load; several slips at one load tell it from the gear's efficiency and the torque's scale,
+    /// which is the same at every load, three tell its two parts; several slips at one load tell it from the gear's efficiency and the torque's scale,
     /// which grow with the torque. A level run of a rover has neither.
     pub struct RollingResistance {
         /// Moment f of the turning wheel over its load and radius.
         coefficient: [Unit::ONE] = 0.0, 0.0..=0.2, Effect, "Wong 2008, 1.2: car tyres on a road 0.01-0.02; soft rims and plain bushings several times that";
-        /// Part g of the moment over load and radius that grows with the root of the load, at 50 N.
-        growth: [Unit::ONE] = 0.0, 0.0..=0.3, Effect, "Tabor 1955, Proc. R. Soc. A 229: losses of an elastic cylinder grow with N^1.5; size as of the coefficient";
+        /// Moment of the turning wheel over its load and radius that grows with the root of the load, at a load of 50 N.
+        growth: [Unit::ONE] = 0.0, 0.0..=0.3, Effect, "Tabor 1955, Proc. R. Soc. A 229: losses of an elastic cylinder grow with N^1.5; assumption: at 50 N half as much again as the coefficient's";
     }
 }
 
@@ -35,7 +35,7 @@ impl<S: Scalar> Effect<S> for RollingResistance<S> {
             smooth_at_neutral: &["coefficient", "growth"],
             advice: const {
                 &[Advice::carriage(
-                    "roll the wheel freely over a hard plate under two loads and record its torque: what grows with the load is the wheel's own rolling resistance, what remains is friction of the drive",
+                    "roll the wheel freely over a hard plate under three loads and record its torque: what grows with the load is the wheel's own rolling resistance, what remains at none is friction of the drive",
                 )]
             },
             ..Facts::USUAL

@@ -1,5 +1,5 @@
 //! Reasons against naming a fitted set of effects although it fits: effects that the set could do without, a soil that
-//! no class of soil allows, a bound that carries the fit.
+//! no class of soil allows, experiments that may not stand on one soil, a bound that carries the fit.
 
 use super::bootstrap::p_value;
 use super::one_soil::{OwnSoil, own_soil};
@@ -93,7 +93,8 @@ pub(crate) fn doubts(search: &mut Search, stage: &Stage, effects: &[String]) -> 
     found.extend(few(stage, effects, &fit, &losses));
     found.extend(leaning(search, effects, &fit)?);
     found.extend(super::soil::unbelievable(search, effects, &fit).map(Doubt::Soil));
-    if search.problem.experiment.parts.len() > 1 {
+    // Where an effect is to be left out, the smaller set is asked.
+    if search.problem.experiment.parts.len() > 1 && !found.iter().any(|doubt| doubt.superfluous().is_some()) {
         found.extend(own_soil(search, effects, &fit).map(Doubt::OwnSoil));
     }
     Ok(found)

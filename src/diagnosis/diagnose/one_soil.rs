@@ -2,42 +2,58 @@
 
 use super::fits::run;
 use super::search::Search;
-use crate::diagnosis::calibrate::{CalibratedParameter, Calibration};
+use super::untried::Untried;
+use crate::diagnosis::calibrate::Calibration;
 use crate::diagnosis::thresholds::{PRICE, PRIOR_CONTRADICTED, REACH};
 use crate::parallel::map_in_order;
 
-/// A soil of its own in one experiment, without any effect, that accounts for as much as the effects do on one soil.
+/// One experiment that may stand on another soil than the rest.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct OwnSoil {
-    /// The experiment.
-    part: String,
-    /// What it leaves, and its free parameters.
-    chi_square: f64,
-    parameters: usize,
-    /// The same of the effects on one soil.
-    of_effects: (f64, usize),
+    /// The experiment, or both of two.
+    parts: String,
+    /// What is left with a soil of its own and no effect, and the number of free parameters.
+    apart: (f64, usize),
+    /// The same of `effects` on one soil.
+    together: (f64, usize),
+    effects: String,
+    /// Whether beds would have to differ by more than they are taken to do.
+    beds_moved: bool,
 }
 
 impl OwnSoil {
+    /// The reason in a sentence.
     pub fn words(&self) -> String {
-        let Self { part, chi_square, parameters, of_effects: (with, count) } = self;
+        let Self { parts, apart, together, effects, beds_moved } = self;
+        let beds = if *beds_moved {
+            ", and the beds would have to differ by over two standard deviations of what beds are taken to differ by"
+        } else {
+            ""
+        };
         format!(
-            "the experiments may not stand on one soil: with a soil of its own in {part} and no effect chi-square is {chi_square:.0} with \
-             {parameters} parameters, with the effects and one soil {with:.0} with {count}; diagnose {part} by itself, or say what it shares"
+            "the experiments may not stand on one soil: with a soil of its own in {parts} and no added effect chi-square is {:.0} with {} free \
+             parameters, with {effects} on one soil it is {:.0} with {}{beds}; diagnose the experiments one by one, or name the soil of each under \
+             [shared]",
+            apart.0, apart.1, together.0, together.1
         )
     }
 }
 
-/// Whether a soil of its own in one of the experiments is as good an answer as `effects`, each parameter at its price: better by more than a
-/// rival may be behind, or, where beds would have to differ by more than beds are taken to do, within what a rival may be behind.
+/// Whether a soil of its own in one of the experiments speaks against `effects`. Each free parameter counts with its price, and then it has to be
+/// better by more than a rival may be behind; where beds would have to differ by over two standard deviations it is enough that it is not that
+/// much worse.
 pub(crate) fn own_soil(search: &Search, effects: &[String], fit: &Calibration) -> Option<OwnSoil> {
     let (problem, parts) = (search.problem, &search.problem.experiment.parts);
-    let beds_moved =
-        problem.base.iter().zip(&fit.parameters).filter(|(free, _)| free.is_factor()).any(|(_, bed)| moved(bed));
-    let price = |chi_square: f64, parameters: usize| chi_square + PRICE * parameters as f64;
-    let most = price(fit.chi_square, fit.parameters.len()) + if beds_moved { REACH } else { -REACH };
-    // Of two it is the same which of them has a soil of its own.
-    let places: Vec<usize> = (0..if parts.len() == 2 { 1 } else { parts.len() }).collect();
+    if !search.watch.has_time(parts.len() as f64) {
+        search.watch.leave(parts.iter().map(|part| Untried::OwnSoil(part.name.clone())));
+        return None;
+    }
+    let moved = |shift: f64| shift.abs() > PRIOR_CONTRADICTED;
+    let beds = problem.base.iter().zip(&fit.parameters).filter(|(free, _)| free.is_factor());
+    let beds_moved = beds.filter_map(|(_, bed)| bed.prior_shift()).any(moved);
+    let price = |fit: &Calibration| fit.chi_square + PRICE * fit.parameters.len() as f64;
+    let most = price(fit) + if beds_moved { REACH } else { -REACH };
+    let places: Vec<usize> = (0..parts.len()).collect();
     let apart = |k: &usize| {
         let apart = problem.with_own_soil(*k)?;
         let start = |set: &[String]| {
@@ -48,15 +64,14 @@ pub(crate) fn own_soil(search: &Search, effects: &[String], fit: &Calibration) -
         Some((*k, run(&apart, search.noise, &task)?))
     };
     let found = map_in_order(&places, apart).into_iter().flatten();
-    let (k, best) = found.min_by(|a, b| a.1.chi_square.total_cmp(&b.1.chi_square))?;
-    (price(best.chi_square, best.parameters.len()) < most).then(|| OwnSoil {
-        part: parts[k].name.clone(),
-        chi_square: best.chi_square,
-        parameters: best.parameters.len(),
-        of_effects: (fit.chi_square, fit.parameters.len()),
+    let (k, best) = found.min_by(|a, b| price(&a.1).total_cmp(&price(&b.1)))?;
+    let names: Vec<&str> = parts.iter().map(|part| part.name.as_str()).collect();
+    (price(&best) < most).then(|| OwnSoil {
+        // Of two it is hardly told which of them has the other soil.
+        parts: if names.len() == 2 { names.join(" or ") } else { names[k].to_owned() },
+        apart: (best.chi_square, best.parameters.len()),
+        together: (fit.chi_square, fit.parameters.len()),
+        effects: effects.join(" with "),
+        beds_moved,
     })
-}
-
-fn moved(bed: &CalibratedParameter) -> bool {
-    bed.prior_shift().is_some_and(|shift| shift.abs() > PRIOR_CONTRADICTED)
 }

@@ -13,6 +13,8 @@ pub(crate) enum Untried {
     Further(Vec<String>),
     /// The prediction of left-out conditions with a set.
     LeftOut(Vec<String>),
+    /// The fit in which an experiment of a set has a soil of its own.
+    OwnSoil(String),
     /// The profile of a parameter.
     Profile(String),
     /// The simulation of a possible next experiment.
@@ -31,6 +33,7 @@ impl Untried {
             Self::Again(_) => "further searches for better fits of",
             Self::Further(_) => "the search for one more effect beside",
             Self::LeftOut(_) => "predictions of left-out conditions with",
+            Self::OwnSoil(_) => "fits with a soil of its own in",
             Self::Profile(_) => "profiles of",
             Self::Variation(_) => "simulations of further experiments:",
         }
@@ -39,7 +42,7 @@ impl Untried {
     fn name(&self) -> String {
         match self {
             Self::Look(set) | Self::Fit(set) | Self::Again(set) | Self::Further(set) | Self::LeftOut(set) => named(set),
-            Self::Profile(name) | Self::Variation(name) => name.clone(),
+            Self::OwnSoil(name) | Self::Profile(name) | Self::Variation(name) => name.clone(),
         }
     }
 
@@ -47,7 +50,7 @@ impl Untried {
     fn effects(&self) -> usize {
         match self {
             Self::Look(set) | Self::Fit(set) | Self::Again(set) | Self::Further(set) | Self::LeftOut(set) => set.len(),
-            Self::Profile(_) | Self::Variation(_) => 0,
+            Self::OwnSoil(_) | Self::Profile(_) | Self::Variation(_) => 0,
         }
     }
 
