@@ -4,12 +4,14 @@
     python3 tests/study/known_soil.py --bekker target/release/bekker --seeds 2 --out FOLDER
 
 Presses plates and shears rings on a soil, keeps what `bekker calibrate` finds of it (`--save-soil`), and has a wheel diagnosed three times:
-without it, with it (`own`), and with the one of another soil of Bekker's table (`other`), which `--soil-from` states although it is wrong. In the
-wheel one effect is hidden, each that a wheel on a carriage shows, in a form of the literature that the library does not have where there is one; or nothing.
+without it, with it (`own`), and with the one of another kind of soil (`other`), which `--soil-from` states although it is wrong. In the
+wheel one effect is hidden, each that a wheel on a carriage shows, or nothing: in the library's form (`--set development`), or in another one of the
+literature where there is one (`--set report`). Wheels of one seed stand on one soil; each has tests of its own. What has rows in FOLDER/rows.csv is
+not made again.
 
 Scored: `right` (the effect alone; nothing where nothing is hidden), `right_tie` (a tie of at most three with effects of like signature), `wrong` (another
-name, one too many, a false alarm), `cautious` (nothing named although the effect is visible, nor that the model is enough), `missed` (the model is called
-enough). `told` says whether a caution names a parameter that moved or the soil as a whole. Needs numpy only.
+name, one too many, a false alarm), `missed` (the model is called enough, and the effect is visible), `cautious` (all else: nothing is named).
+`told` says whether a caution names a parameter that moved or the soil as a whole. Needs numpy only.
 """
 
 import argparse
@@ -49,11 +51,12 @@ def another_soil(seed, scatter):
     return next(other for other in range(seed + 500, seed + 600) if joint.shared_soil(other, scatter)[0] != own)
 
 
-def tested(bekker, folder, seed, scatter):
+def tested(bekker, folder, case, seed, scatter):
     """What plates and shear tests tell of the soil of a seed, as a file, and its name."""
-    truth = joint.make(folder, TESTS, "clean", "all", seed, scatter=scatter)
+    # No part has the name of the case: nothing is hidden, and the noise is that of this case.
+    truth = joint.make(folder, TESTS, "clean", f"for {case}", seed, scatter=scatter)
     file = folder / "soil.toml"
-    subprocess.run([bekker, "calibrate", *(folder / part for part in TESTS), "--save-soil", file], check=True, capture_output=True)
+    subprocess.run([bekker, "calibrate", *(folder / part for part in TESTS), "--save-soil", file], capture_output=True)
     return file, truth["soil_name"]
 
 
@@ -71,8 +74,8 @@ def run(bekker, set_name, job, folder):
     form = plan.form_for(set_name, cases.WHEEL, case) or None
     scatter = together.SCATTER[seed % len(together.SCATTER)]
     truth = joint.make(folder, ("wheel",), case, "wheel", seed, form=form, scatter=scatter)
-    files = {"none": (None, ""), "own": tested(bekker, folder / "own", seed, scatter)}
-    files["other"] = tested(bekker, folder / "other", another_soil(seed, scatter), scatter)
+    files = {"none": (None, ""), "own": tested(bekker, folder / "own", case, seed, scatter)}
+    files["other"] = tested(bekker, folder / "other", case, another_soil(seed, scatter), scatter)
     rows = []
     for source in SOURCES:
         file, soil = files[source]
@@ -116,11 +119,14 @@ def main():
             print(report(list(csv.DictReader(file))))
         return
     a.out.mkdir(parents=True, exist_ok=True)
-    rows = []
-    with ProcessPoolExecutor(a.jobs) as pool, open(a.out / "rows.csv", "w", newline="") as file:
+    path = a.out / "rows.csv"
+    rows = list(csv.DictReader(open(path, newline=""))) if path.exists() else []
+    done = {(row["case"], int(row["seed"])) for row in rows}
+    with ProcessPoolExecutor(a.jobs) as pool, open(path, "a", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        wanted = list(jobs(FIRST_SEED[a.set_name], a.seeds))
+        if not rows:
+            writer.writeheader()
+        wanted = [job for job in jobs(FIRST_SEED[a.set_name], a.seeds) if job not in done]
         running = [pool.submit(run, a.bekker, a.set_name, job, a.out / "wheels" / f"{job[0]}_{job[1]}") for job in wanted]
         for future in as_completed(running):
             made = future.result()
