@@ -106,7 +106,8 @@ mod tests {
             let prefix = format!("soil in {part}.");
             let mut found: Vec<&str> = names.iter().filter_map(|name| name.strip_prefix(&prefix)).collect();
             let mut own = own.to_vec();
-            (found.sort_unstable(), own.sort_unstable());
+            found.sort_unstable();
+            own.sort_unstable();
             assert_eq!(found, own, "{part}");
             let beds = |of: &str| names.iter().any(|name| name.starts_with(&format!("soil_scatter in {of}.")));
             assert!(!beds(part) && beds(if k == 2 { "sand_plates" } else { "sand_wheel" }), "{names:?}");
