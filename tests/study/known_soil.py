@@ -31,7 +31,7 @@ import together  # noqa: E402
 import cases  # noqa: E402  (plan puts the generators on the path)
 import joint  # noqa: E402
 
-FIRST_SEED = {"development": 4000, "report": 110000}
+FIRST_SEED = {"development": 4000, "report": 111000}
 SOURCES = ("none", "own", "other")
 TESTS = ("plates", "shear")
 COLUMNS = ("name", "source", "soil", "case", "form", "seed", "outcome", "verdict", "said", "tied", "deviations", "told", "error")
