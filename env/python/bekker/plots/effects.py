@@ -116,5 +116,5 @@ def _profile(
             if low - margin <= bound <= high + margin:
                 axis.axvline(bound, color=style.BEFORE, lw=1.6, ls=":")
         error = "" if parameter.deviation is None else f" ± {parameter.deviation:.2g}"
-        bound = ", left off" if parameter.left_off else ", on its bound" if parameter.at_bound else ""
-        axis.set_title(f"{parameter.value:.4g}{error}{bound}", loc="left")
+        note = ", left off" if parameter.left_off else ", on its bound" if parameter.at_bound else ""
+        axis.set_title(f"{parameter.value:.4g}{error}{note}", loc="left")
