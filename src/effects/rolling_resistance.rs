@@ -21,7 +21,7 @@ parameters! {
         /// Moment f of the turning wheel over its load and radius.
         coefficient: [Unit::ONE] = 0.0, 0.0..=0.2, Effect, "Wong 2008, 1.2: car tyres on a road 0.01-0.02; soft rims and plain bushings several times that";
         /// Moment of the turning wheel over its load and radius that grows with the root of the load, at a load of 50 N.
-        growth: [Unit::ONE] = 0.0, 0.0..=0.3, Effect, "Tabor 1955, Proc. R. Soc. A 229: losses of an elastic cylinder grow with N^1.5; assumption: at 50 N half as much again as the coefficient's";
+        growth: [Unit::ONE] = 0.0, 0.0..=0.3, Effect, "Tabor 1955, Proc. R. Soc. A 229: losses of an elastic cylinder grow with N^1.5; bound: assumption, 1.5 times that of the coefficient";
     }
 }
 

@@ -19,7 +19,7 @@ import csv
 import functools
 import subprocess
 import sys
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
@@ -35,6 +35,8 @@ FIRST_SEED = {"development": 4000, "report": 111000}
 SOURCES = ("none", "own", "other")
 TESTS = ("plates", "shear")
 COLUMNS = ("name", "source", "soil", "case", "form", "seed", "outcome", "verdict", "said", "tied", "deviations", "told", "error")
+# Outcomes of a set that name no effect, nor that the model is enough.
+NOTHING_NAMED = ("false_alarm", "broad_tie", "undecided", "unexplained", "partial")
 # Words of the cautions about a known soil.
 MOVED = ("standard deviations of its prior", "together the soil moved")
 
@@ -64,8 +66,9 @@ def outcome(truth, result):
     """One word, see above."""
     whole = {**result, "where": {name: ["wheel"] for name in result.get("effects", [])}}
     word = together.outcome(truth, whole)
-    return {"extra": "wrong", "false_alarm": "wrong" if result.get("verdict") == "effect_missing" else "cautious",
-            "broad_tie": "cautious", "undecided": "cautious", "unexplained": "cautious", "partial": "cautious"}.get(word, word)  # fmt: skip
+    if word in ("extra", "false_alarm") and result.get("verdict") == "effect_missing":
+        return "wrong"
+    return "cautious" if word in NOTHING_NAMED else word
 
 
 def run(bekker, set_name, job, folder):
@@ -110,6 +113,7 @@ def main():
     parser.add_argument("--bekker", default="target/release/bekker")
     parser.add_argument("--set", choices=FIRST_SEED, default="development", dest="set_name")
     parser.add_argument("--seeds", type=int, default=2)
+    parser.add_argument("--first-seed", type=int)
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--out", type=Path, default=Path("study-of-known-soils"))
     parser.add_argument("--table", type=Path, help="print the table of these rows and do nothing else")
@@ -122,17 +126,11 @@ def main():
     path = a.out / "rows.csv"
     rows = list(csv.DictReader(open(path, newline=""))) if path.exists() else []
     done = {(row["case"], int(row["seed"])) for row in rows}
-    with ProcessPoolExecutor(a.jobs) as pool, open(path, "a", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        if not rows:
-            writer.writeheader()
-        wanted = [job for job in jobs(FIRST_SEED[a.set_name], a.seeds) if job not in done]
+    first = FIRST_SEED[a.set_name] if a.first_seed is None else a.first_seed
+    with ProcessPoolExecutor(a.jobs) as pool:
+        wanted = [job for job in jobs(first, a.seeds) if job not in done]
         running = [pool.submit(run, a.bekker, a.set_name, job, a.out / "wheels" / f"{job[0]}_{job[1]}") for job in wanted]
-        for future in as_completed(running):
-            made = future.result()
-            rows += made
-            writer.writerows(made)
-            file.flush()
+        together.collect(path, COLUMNS, rows, running)
     print(report(rows))
 
 

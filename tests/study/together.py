@@ -172,6 +172,11 @@ def run(bekker, set_name, job, folder, threads):
     }  # fmt: skip
 
 
+def rows_of(*job):
+    """The row of one set, as `collect` takes it."""
+    return [run(*job)]
+
+
 def report(rows):
     """Counts by what was hidden, with 95 % intervals of the rate of good outcomes."""
     good = {"right", "right_tie", "cautious"}
@@ -202,6 +207,19 @@ def report(rows):
     return "\n".join(lines + ["", *others]) + "\n"
 
 
+def collect(path, columns, rows, running):
+    """Adds the rows of diagnoses under way to the file, after those that it has, as soon as they are there."""
+    with open(path, "a", newline="") as file:
+        writer = csv.DictWriter(file, columns, lineterminator="\n")
+        if not rows:
+            writer.writeheader()
+        for future in as_completed(running):
+            made = future.result()
+            rows += made
+            writer.writerows(made)
+            file.flush()
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--bekker", default="target/release/bekker")
@@ -228,16 +246,9 @@ def main():
     if a.only:
         wanted = [job for job in wanted if "+".join(job[0]) in a.only.split(",")]
     print(f"{len(wanted)} sets, {len(rows)} done before", flush=True)
-    with ProcessPoolExecutor(a.jobs) as pool, open(path, "a", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-        if not rows:
-            writer.writeheader()
-        running = {pool.submit(run, a.bekker, a.set_name, job, a.out / "sets" / name_of(a.set_name, job), a.threads): job for job in wanted}
-        for future in as_completed(running):
-            row = future.result()
-            rows.append(row)
-            writer.writerow(row)
-            file.flush()
+    with ProcessPoolExecutor(a.jobs) as pool:
+        running = [pool.submit(rows_of, a.bekker, a.set_name, job, a.out / "sets" / name_of(a.set_name, job), a.threads) for job in wanted]
+        collect(path, COLUMNS, rows, running)
     (a.out / "together.md").write_text(report(rows))
     print(report(rows))
 

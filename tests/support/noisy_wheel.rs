@@ -24,7 +24,8 @@ pub fn wheel_on(folder: &str, name: &str, width: f64, n1: f64, settings: &str, s
     wheel_with(folder, name, width, settings, &[("slip_sinkage.n1", 0.0, n1), ("soil.k_phi", stiffer, 0.0)])
 }
 
-/// The same where parameters are so many times and so much more than those of the model.
+/// A wheel of this width (m), measured three times under two loads. `changes` has names of parameters, each with a factor on the model's value and
+/// what is added to the product.
 pub fn wheel_with(folder: &str, name: &str, width: f64, settings: &str, changes: &[(&str, f64, f64)]) -> Experiment {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(env!("CARGO_CRATE_NAME")).join(folder).join(name);
     std::fs::create_dir_all(&folder).unwrap();

@@ -59,7 +59,7 @@ class Parameter(CalibratedParameter):
 
     @property
     def left_off(self) -> bool:
-        """Whether the fit leaves it at its neutral value, from which it starts, on a bound: of an effect's laws that one is not needed."""
+        """Whether the fit leaves this law of an added effect at its neutral value, where it starts, on a bound: its other laws suffice."""
         return self.effect and self.at_bound and self.value == self.start
 
 

@@ -65,7 +65,7 @@ impl Problem<'_> {
     }
 
     /// Values of the baseline of `apart`, which comes from [`Self::with_own_soil`] of part number `k`, that give the same soils as `values` of
-    /// the parameters `free` of this problem, but for the scatter of k_c alone.
+    /// the parameters `free` of this problem; a k_c that stays shared is without the factor of this part's bed.
     pub fn as_own_soil(&self, apart: &Self, k: usize, free: &[Free], values: &[f64]) -> Vec<f64> {
         let here = self.values_in_part(k, free, values);
         let same = |name: &str| free.iter().position(|own| own.variable.name == name).map(|at| values[at]);

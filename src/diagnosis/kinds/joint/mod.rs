@@ -206,11 +206,11 @@ impl Strategy for Joint {
     /// effect's misfit first rises; else those that promise the most.
     fn budget(&self) -> Budget {
         let singles = self.driven.then_some(SINGLES);
-        let Budget { mut calibration, .. } = self.dearest().budget();
+        let mut budget = Budget { singles, predicts_whole: true, ..self.dearest().budget() };
         if !self.driven {
-            calibration.pace = Pace::MANY;
+            budget.calibration.pace = Pace::MANY;
         }
-        Budget { calibration, singles, predicts_whole: true, ..self.dearest().budget() }
+        budget
     }
 
     /// The number of fits, and what other work takes in fits.
